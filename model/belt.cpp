@@ -1,0 +1,76 @@
+#include "model/belt.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace cvtflow::model {
+
+namespace {
+constexpr double pi = std::numbers::pi;
+}
+
+double belt_length(const BeltRadii& radii, double centre_distance) noexcept {
+    const double lean = std::asin((radii.driven - radii.driving) / centre_distance);
+    return 2.0 * centre_distance * std::cos(lean) + pi * (radii.driving + radii.driven) + 2.0 * lean * (radii.driven - radii.driving);
+}
+
+std::optional<BeltRadii> belt_radii(double length, double ratio, double centre_distance) noexcept {
+    const auto pair = [ratio](double driving) { return BeltRadii{driving, ratio * driving}; };
+    double low = 0.0;
+    double high = centre_distance / (1.0 + ratio);   // the pulleys touch
+    if (!(belt_length(pair(low), centre_distance) < length) || !(belt_length(pair(high), centre_distance) > length)) return std::nullopt;
+    for (int iteration = 0; iteration < 200; ++iteration) {
+        const double middle = 0.5 * (low + high);
+        (belt_length(pair(middle), centre_distance) < length ? low : high) = middle;
+    }
+    return pair(0.5 * (low + high));
+}
+
+PitchPath::PitchPath(const BeltRadii& radii, double centre_distance) noexcept
+    : ring_(false), radii_(radii), centre_distance_(centre_distance), lean_(std::asin((radii.driven - radii.driving) / centre_distance)),
+      strand_(centre_distance * std::cos(lean_)), driven_arc_(radii.driven * (pi + 2.0 * lean_)), driving_arc_(radii.driving * (pi - 2.0 * lean_)),
+      length_(2.0 * strand_ + driven_arc_ + driving_arc_) {}
+
+PitchPath::PitchPath(double radius) noexcept
+    : ring_(true), radii_{radius, radius}, centre_distance_(0.0), lean_(0.0), strand_(0.0), driven_arc_(0.0), driving_arc_(0.0), length_(2.0 * pi * radius) {}
+
+Point PitchPath::at(double s) const noexcept {
+    s -= length_ * std::floor(s / length_);
+    if (ring_) return {radii_.driving * std::cos(s / radii_.driving), radii_.driving * std::sin(s / radii_.driving)};
+    const double sine = std::sin(lean_);
+    const double cosine = std::cos(lean_);
+    if (s < strand_) return {-radii_.driving * sine + s * cosine, -radii_.driving * cosine - s * sine};
+    s -= strand_;
+    if (s < driven_arc_) {
+        const double angle = -0.5 * pi - lean_ + s / radii_.driven;
+        return {centre_distance_ + radii_.driven * std::cos(angle), radii_.driven * std::sin(angle)};
+    }
+    s -= driven_arc_;
+    if (s < strand_) return {centre_distance_ - radii_.driven * sine - s * cosine, radii_.driven * cosine - s * sine};
+    const double angle = 0.5 * pi + lean_ + (s - strand_) / radii_.driving;
+    return {radii_.driving * std::cos(angle), radii_.driving * std::sin(angle)};
+}
+
+double PitchPath::side_at(double s) const noexcept {
+    s -= length_ * std::floor(s / length_);
+    if (ring_) return 0.0;
+    if (s < strand_) return s / strand_;
+    s -= strand_;
+    if (s < driven_arc_) return 1.0;
+    s -= driven_arc_;
+    return s < strand_ ? 1.0 - s / strand_ : 0.0;
+}
+
+double PitchPath::advance(double s, double chord) const noexcept {
+    const Point from = at(s);
+    double to = s + chord;
+    for (int iteration = 0; iteration < 60; ++iteration) {   // the chord grows almost as fast as the arc: a contraction
+        const Point reached = at(to);
+        const double error = chord - std::hypot(reached.x - from.x, reached.y - from.y);
+        to += error;
+        if (std::abs(error) < 1e-17) break;
+    }
+    return to;
+}
+
+}  // namespace cvtflow::model

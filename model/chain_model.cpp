@@ -1,0 +1,146 @@
+#include "model/chain_model.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "model/force/inner.hpp"
+#include "model/force/joint.hpp"
+#include "model/force/plates.hpp"
+#include "model/force/tips.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+/// Calls body with the smallest compiled lane count that holds `width`.
+template <class Body>
+void with_lanes(int width, const Body& body) noexcept {
+    if (width == 1) return body.template operator()<1>();
+    if (width == 2) return body.template operator()<2>();
+    if (width <= 4) return body.template operator()<4>();
+    if (width <= 8) return body.template operator()<8>();
+    return body.template operator()<16>();
+}
+
+[[nodiscard]] bool any_touching(const Phase* phases) noexcept {
+    std::uint32_t word;
+    std::memcpy(&word, phases, sizeof word);
+    return word != 0;
+}
+
+/// One pass over a range of links, keeping the frame and the joint of the link before.
+template <int P, bool Observe>
+class LinkPass {
+public:
+    LinkPass(const ChainModel& model, const ChainRange& range) noexcept
+        : model_(model), c_(model.coefficients()), range_(range), frame_(frame_of(range.first - 1)) {}
+
+    void run(double* slope, LinkLoad* loads, Account* accounts) noexcept {
+        Account neighbour;   // the joint behind the last link is booked by the next range
+        LinkFrame here = frame_of(range_.first);
+        JointForce<P> rear;
+        joint_between(range_.first, frame_, here, rear, Observe ? accounts : nullptr);
+        for (int link = range_.first; link < range_.last; ++link) {
+            const int own = link - range_.first;
+            const LinkFrame ahead = frame_of(link + 1);
+            JointForce<P> front;
+            joint_between(link + 1, here, ahead, front, Observe ? (link + 1 < range_.last ? accounts + own + 1 : &neighbour) : nullptr);
+            link_slope(link, here, rear, front, slope + own * at<P>.link_block(), loads[own], Observe ? accounts + own : nullptr);
+            here = ahead;
+            rear = front;
+        }
+    }
+
+private:
+    [[nodiscard]] const double* state(int link) const noexcept { return range_.window + (link - range_.first + 1) * at<P>.link_block(); }
+    [[nodiscard]] LinkFrame frame_of(int link) const noexcept { return link_frame<P>(state(link), state(link) + at<P>.link_size()); }
+
+    /// Joint of the pin between link - 1 and link.
+    void joint_between(int link, const LinkFrame& before, const LinkFrame& after, JointForce<P>& out, Account* account) const noexcept {
+        const double* q_before = state(link - 1);
+        const double* q_after = state(link);
+        with_lanes(c_.joint_points.width, [&]<int W>() {
+            joint<P, W, Observe>(c_, before, after, q_before, q_before + at<P>.link_size(), q_after, q_after + at<P>.link_size(), out, account);
+        });
+    }
+
+    void link_slope(int link, const LinkFrame& frame, const JointForce<P>& rear, const JointForce<P>& front, double* slope, LinkLoad& load,
+                    Account* account) const noexcept {
+        constexpr int size = at<P>.link_size();
+        const double* q = state(link);
+        const double* v = q + size;
+        double* f = slope + size;
+        std::memcpy(slope, v, size * sizeof(double));
+        std::memset(f, 0, size * sizeof(double));
+        const int number = link >= c_.layout.links ? link - c_.layout.links : link;
+        const LinkKind& kind = c_.kind(number);
+        double moment = inner_elasticity<P, Observe>(c_, kind, frame, q, v, f, account);
+        with_lanes(c_.plates.width, [&]<int W>() { plates<P, W, Observe>(c_, kind, q, v, f, account); });
+        add_joint(rear, front, f);
+        moment += rear.after + front.before;
+        const Phase* phases = range_.phases + tips_per_link * number;
+        if (any_touching(phases)) {
+            load.shaft = model_.shaft_of(q);
+            moment += tips<P, Observe>(c_, frame, q, v, range_.sheaves + 2 * load.shaft, phases, f, load.load, account);
+        }
+        add_moment<P>(frame, moment, f);
+        accelerate<P>(model_.inertia(), f);
+    }
+
+    static void add_joint(const JointForce<P>& rear, const JointForce<P>& front, double* f) noexcept {
+        for (int m = 0; m <= P; ++m) {
+            f[at<P>.x(End::rear, m)] -= rear.x[m];
+            f[at<P>.y(End::rear, m)] -= rear.y[m];
+            f[at<P>.x(End::front, m)] += front.x[m];
+            f[at<P>.y(End::front, m)] += front.y[m];
+        }
+        f[at<P>.z(End::rear)] -= rear.z;
+        f[at<P>.e(End::rear)] -= rear.e;
+        f[at<P>.z(End::front)] += front.z;
+        f[at<P>.e(End::front)] += front.e;
+    }
+
+    const ChainModel& model_;
+    const Coefficients& c_;
+    const ChainRange& range_;
+    LinkFrame frame_;
+};
+
+template <int P, bool Observe>
+void slopes_of(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) noexcept {
+    LinkPass<P, Observe>(model, range).run(slope, loads, accounts);
+}
+
+template <int P>
+void probe_link(const ChainModel& model, const double* state, const SheaveMotion* sheaves, TipProbe& probe) noexcept {
+    const Coefficients& c = model.coefficients();
+    const double* v = state + at<P>.link_size();
+    const SheaveMotion* own = sheaves + 2 * model.shaft_of(state);
+    const LinkFrame frame = link_frame<P>(state, v);
+    const TipGeometry geometry = tip_geometry<P>(c, frame, state, own);
+    geometry.depth.copy_to(probe.depth, std::experimental::element_aligned);
+    const TipMotion motion = tip_motion<P>(c, frame, v, own, geometry);
+    const Vector3Lanes slip = tangential(motion.material, geometry.normal);
+    TipLanes(sqrt(dot(slip, slip))).copy_to(probe.slip, std::experimental::element_aligned);
+    const double x = 0.5 * (state[at<P>.x(End::rear, 0)] + state[at<P>.x(End::front, 0)]) - model.shaft_of(state) * c.centre_distance;
+    const double y = 0.5 * (state[at<P>.y(End::rear, 0)] + state[at<P>.y(End::front, 0)]);
+    probe.radius = std::sqrt(x * x + y * y);
+}
+
+}  // namespace
+
+ChainModel::ChainModel(const Parameters& parameters) : coefficients_(parameters), inertia_(link_inertia(parameters)) {
+    const auto choose = [this]<int P>() {
+        slopes_ = slopes_of<P, false>;
+        observed_slopes_ = slopes_of<P, true>;
+        probe_ = probe_link<P>;
+    };
+    switch (parameters.detail.order) {
+        case 0: choose.template operator()<0>(); break;
+        case 1: choose.template operator()<1>(); break;
+        case 2: choose.template operator()<2>(); break;
+        default: choose.template operator()<3>(); break;
+    }
+}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,71 @@
+#pragma once
+/// The chain as a function of ranges of links: accelerations, contact gaps, energies. Pure: no time step, no thread.
+///
+/// A *window* holds the states of links first-1 … last (one neighbour on each side), contiguous, link_block() numbers each:
+/// what a range [first, last) of links needs to know, wherever it comes from.
+
+#include <span>
+
+#include "model/account.hpp"
+#include "model/coefficients.hpp"
+#include "model/force/sheave_motion.hpp"
+#include "model/inertia/link_inertia.hpp"
+
+namespace cvtflow::model {
+
+/// Reaction of a link's tips on the sheaves of its pulley. Only written for links with a touching tip.
+struct LinkLoad {
+    SheaveLoad load;
+    int shaft;   ///< 0 or 1: whose sheaves
+};
+
+/// A range of links and where its inputs are.
+struct ChainRange {
+    int first, last;                ///< [first, last)
+    const double* window;           ///< states of links first-1 … last
+    const SheaveMotion* sheaves;    ///< [4] number 2 shaft + side; unused if the scene has no pulleys
+    const Phase* phases;            ///< [links * 4], of the whole chain
+};
+
+/// Contact of one link's tips with its sheaves, for transitions and faults.
+struct TipProbe {
+    double depth[tips_per_link];    ///< δ [m], negative: gap
+    double slip[tips_per_link];     ///< |v_t| [m/s]
+    double radius;                  ///< distance of the link's middle from its shaft's axis [m]
+};
+
+class ChainModel {
+public:
+    explicit ChainModel(const Parameters& parameters);
+
+    [[nodiscard]] const Coefficients& coefficients() const noexcept { return coefficients_; }
+    [[nodiscard]] const ChainLayout& layout() const noexcept { return coefficients_.layout; }
+    [[nodiscard]] const LinkInertia& inertia() const noexcept { return inertia_; }
+
+    /// Slopes [v | acceleration] of the links of a range, link_block() numbers each, to slope + (link - first) link_block();
+    /// reactions on the sheaves to loads[link - first] where a tip touches.
+    void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept { slopes_(*this, range, slope, loads, nullptr); }
+    /// The same, with losses and stored energies of each link (joint of pin i booked on link i) to accounts[link - first].
+    void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) const noexcept {
+        observed_slopes_(*this, range, slope, loads, accounts);
+    }
+    /// Depth of the four tips of one link, whatever their phase. `state` is the link's block.
+    void probe(const double* state, const SheaveMotion* sheaves, TipProbe& probe) const noexcept { probe_(*this, state, sheaves, probe); }
+    /// Number of the shaft that a link belongs to: its middle lies nearer.
+    [[nodiscard]] int shaft_of(const double* state) const noexcept {
+        const ChainLayout& at = layout();
+        return state[at.x(End::rear, 0)] + state[at.x(End::front, 0)] < coefficients_.centre_distance ? 0 : 1;
+    }
+
+    using SlopeFunction = void (*)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
+    using ProbeFunction = void (*)(const ChainModel&, const double*, const SheaveMotion*, TipProbe&) noexcept;
+
+private:
+    Coefficients coefficients_;
+    LinkInertia inertia_;
+    SlopeFunction slopes_;
+    SlopeFunction observed_slopes_;
+    ProbeFunction probe_;
+};
+
+}  // namespace cvtflow::model

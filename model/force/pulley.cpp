@@ -1,0 +1,202 @@
+#include "model/force/pulley.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cvtflow::model {
+
+namespace {
+
+enum Freedom { ux = 0, uy = 1, tilt_x = 2, tilt_y = 3, axial = 4, turn = 5 };
+
+[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
+
+}  // namespace
+
+PulleyModel::PulleyModel(const Parameters& p)
+    : pulley_(p.pulley), drive_(p.drive), load_(p.load), clamping_(p.clamping), control_(p.control), start_(p.start),
+      size_(layout_of(p).pulley_size), half_length_(0.5 * p.half.length) {
+    const double polar = pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + drive_.inertia;
+    const double frequency = 2.0 * std::numbers::pi * drive_.governor_frequency;
+    governor_stiffness_ = polar * frequency * frequency;
+    governor_damping_ = 2.0 * polar * frequency;
+    reference_speed_ = drive_.mode == DriveMode::speed ? drive_.speed.largest_magnitude() : control_.reference_speed;
+    if (size_ != 0) add_inertia();
+    if (!elastic()) return;
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        add_bearings(shaft);
+        for (int side = 0; side < 2; ++side) add_attachment(shaft, side);
+    }
+}
+
+void PulleyModel::add_inertia() {
+    const std::array<double, 2> added{drive_.inertia, load_.inertia};
+    if (!elastic()) {
+        for (int shaft = 0; shaft < 2; ++shaft) inertia_.push_back(pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + added[at(shaft)]);
+        inertia_.insert(inertia_.end(), 2, pulley_.sheave_mass);
+        return;
+    }
+    for (int body = 0; body < 6; ++body) {
+        const bool shaft = body < 2;
+        const double mass = shaft ? pulley_.shaft_mass : pulley_.sheave_mass;
+        const double tilt = shaft ? pulley_.shaft_tilt_inertia : pulley_.sheave_tilt_inertia;
+        const double polar = shaft ? pulley_.shaft_polar_inertia + added[at(body)] : pulley_.sheave_polar_inertia;
+        inertia_.insert(inertia_.end(), {mass, mass, tilt, tilt, mass, polar});
+    }
+}
+
+void PulleyModel::spring(std::array<int, 3> index, std::array<double, 3> factor, double stiffness, double mass) {
+    supports_.push_back({index, factor, damped_spring(stiffness, mass, pulley_.damping_ratio)});
+}
+
+void PulleyModel::add_bearings(int shaft) {
+    const auto on = [&](int freedom) { return std::array<int, 3>{body_freedom(shaft, freedom), 0, 0}; };
+    constexpr std::array<double, 3> one{1.0, 0.0, 0.0};
+    spring(on(ux), one, pulley_.bearing_radial, pulley_.shaft_mass);
+    spring(on(uy), one, pulley_.bearing_radial, pulley_.shaft_mass);
+    spring(on(axial), one, pulley_.bearing_axial, pulley_.shaft_mass);
+    spring(on(tilt_x), one, pulley_.bearing_tilt, pulley_.shaft_tilt_inertia);
+    spring(on(tilt_y), one, pulley_.bearing_tilt, pulley_.shaft_tilt_inertia);
+}
+
+void PulleyModel::add_attachment(int shaft, int side) {
+    const int body = sheave_body(shaft, side);
+    const double z = side == 0 ? -half_length_ : half_length_;
+    const auto between = [&](int freedom) { return std::array<int, 3>{body_freedom(body, freedom), body_freedom(shaft, freedom), 0}; };
+    constexpr std::array<double, 3> difference{1.0, -1.0, 0.0};
+    auto radial_x = between(ux);
+    radial_x[2] = body_freedom(shaft, tilt_y);
+    spring(radial_x, {1.0, -1.0, -z}, pulley_.attachment_radial, pulley_.sheave_mass);
+    auto radial_y = between(uy);
+    radial_y[2] = body_freedom(shaft, tilt_x);
+    spring(radial_y, {1.0, -1.0, z}, pulley_.attachment_radial, pulley_.sheave_mass);
+    if (body != movable_body(shaft)) spring(between(axial), difference, pulley_.attachment_axial, pulley_.sheave_mass);
+    spring(between(tilt_x), difference, pulley_.attachment_tilt, pulley_.sheave_tilt_inertia);
+    spring(between(tilt_y), difference, pulley_.attachment_tilt, pulley_.sheave_tilt_inertia);
+    spring(between(turn), difference, pulley_.attachment_torsion, pulley_.sheave_polar_inertia);
+}
+
+double PulleyModel::opening(const double* coordinates, int shaft) const noexcept {
+    const double moved = coordinates[movable(shaft)];
+    return elastic() ? moved - coordinates[body_freedom(shaft, axial)] : moved;
+}
+
+void PulleyModel::motions(const double* block, SheaveMotion* sheaves) const noexcept {
+    const double* q = block;
+    const double* v = block + size_;
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        const double axis = shaft * pulley_.centre_distance;
+        for (int side = 0; side < 2; ++side) {
+            const double plane = side == 0 ? -half_length_ : half_length_;
+            SheaveMotion& s = sheaves[2 * shaft + side];
+            if (elastic()) {
+                const int b = body_freedom(sheave_body(shaft, side), 0);
+                s = {axis + q[b + ux], q[b + uy], plane + q[b + axial], q[b + tilt_x], q[b + tilt_y],
+                     v[b + ux], v[b + uy], v[b + axial], v[b + tilt_x], v[b + tilt_y], v[b + turn]};
+            } else {
+                const bool moves = sheave_body(shaft, side) == movable_body(shaft);
+                s = {axis, 0.0, plane + (moves ? q[2 + shaft] : 0.0), 0.0, 0.0, 0.0, 0.0, moves ? v[2 + shaft] : 0.0, 0.0, 0.0, v[shaft]};
+            }
+        }
+    }
+}
+
+double PulleyModel::drive_torque(double t, const double* block) const noexcept {
+    if (drive_.mode == DriveMode::torque) return drive_.torque.at(std::max(t, 0.0));
+    const double angle = drive_.speed.integral(t) - block[rotation(0)];
+    const double speed = drive_.speed.at(std::max(t, 0.0)) - shaft_speed(block, 0);
+    return governor_stiffness_ * angle + governor_damping_ * speed;
+}
+
+Inputs PulleyModel::inputs(double t, const double* block, double control) const noexcept {
+    const double now = std::max(t, 0.0);
+    const double factor = ramp(start_, t);
+    Inputs in;
+    in.drive_torque = drive_torque(t, block);
+    in.load_torque = -factor * load_.torque.at(now);
+    in.clamping = {factor * clamping_.driving.at(now), factor * clamping_.driven.at(now)};
+    if (control_.enabled) {
+        in.ratio_error = (shaft_speed(block, 0) - control_.ratio.at(now) * shaft_speed(block, 1)) / reference_speed_;
+        in.clamping[0] = std::max(0.0, in.clamping[0] + control_.proportional * in.ratio_error + control_.integral * control);
+    }
+    return in;
+}
+
+WorkRates PulleyModel::works(const double* block, const Inputs& inputs) const noexcept {
+    WorkRates rates{inputs.drive_torque * shaft_speed(block, 0), inputs.load_torque * shaft_speed(block, 1), 0.0};
+    for (int shaft = 0; shaft < 2; ++shaft) rates[2] -= movable_side(shaft) * inputs.clamping[at(shaft)] * opening(block + size_, shaft);
+    return rates;
+}
+
+void PulleyModel::add_supports(const double* block, double* force, Account* account) const noexcept {
+    for (const Support& s : supports_) {
+        double u = 0.0;
+        double rate = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            u += s.factor[k] * block[s.index[k]];
+            rate += s.factor[k] * block[size_ + s.index[k]];
+        }
+        const double f = s.spring.stiffness * u + s.spring.damping * rate;
+        for (std::size_t k = 0; k < 3; ++k) force[s.index[k]] -= s.factor[k] * f;
+        if (account == nullptr) continue;
+        account->store(Energy::supports, 0.5 * s.spring.stiffness * u * u);
+        account->lose(Loss::supports, s.spring.damping * rate * rate);
+    }
+}
+
+void PulleyModel::add_gyroscopic(const double* v, double* force) const noexcept {
+    if (!elastic()) return;
+    for (int body = 0; body < 6; ++body) {
+        const int b = body_freedom(body, 0);
+        const double momentum = inertia_[at(b + turn)] * v[b + turn];
+        force[b + tilt_x] -= momentum * v[b + tilt_y];
+        force[b + tilt_y] += momentum * v[b + tilt_x];
+    }
+}
+
+void PulleyModel::add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept {
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        const double rate = opening(block + size_, shaft);
+        const double push = -movable_side(shaft) * inputs.clamping[at(shaft)] - pulley_.cylinder_damping * rate;
+        force[movable(shaft)] += push;
+        if (elastic()) force[body_freedom(shaft, axial)] -= push;
+        if (account != nullptr) account->lose(Loss::cylinder, pulley_.cylinder_damping * rate * rate);
+    }
+}
+
+void PulleyModel::add_chain(const SheaveForces& chain, double* force) const noexcept {
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        for (int side = 0; side < 2; ++side) {
+            const auto& load = chain[at(2 * shaft + side)];
+            if (elastic()) {
+                for (int freedom = 0; freedom < 6; ++freedom) force[body_freedom(sheave_body(shaft, side), freedom)] += load[at(freedom)];
+            } else {
+                force[shaft] += load[turn];
+                if (sheave_body(shaft, side) == movable_body(shaft)) force[2 + shaft] += load[axial];
+            }
+        }
+    }
+}
+
+void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept {
+    const double* v = block + size_;
+    double* force = slope + size_;
+    std::copy(v, v + size_, slope);
+    std::fill(force, force + size_, 0.0);
+    add_supports(block, force, account);
+    add_gyroscopic(v, force);
+    add_clamping(block, inputs, force, account);
+    add_chain(chain, force);
+    force[rotation(0)] += inputs.drive_torque;
+    force[rotation(1)] += inputs.load_torque;
+    for (int k = 0; k < size_; ++k) force[k] /= inertia_[at(k)];
+}
+
+double PulleyModel::kinetic(const double* block) const noexcept {
+    double energy = 0.0;
+    for (int k = 0; k < size_; ++k) energy += 0.5 * inertia_[at(k)] * block[size_ + k] * block[size_ + k];
+    return energy;
+}
+
+}  // namespace cvtflow::model

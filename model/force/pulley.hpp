@@ -1,0 +1,85 @@
+#pragma once
+/// Shafts, sheaves, their supports, clamping, drive, load and ratio control. (model/EQUATIONS.md section 8)
+
+#include <array>
+#include <vector>
+
+#include "model/account.hpp"
+#include "model/coefficients.hpp"
+#include "model/force/sheave_motion.hpp"
+
+namespace cvtflow::model {
+
+/// Generalized forces of the chain on the four sheaves, number 2 shaft + side: (F_x, F_y, M_τx, M_τy, F_z, M_φ).
+using SheaveForces = std::array<std::array<double, 6>, 4>;
+
+/// What the outside does at one instant.
+struct Inputs {
+    double drive_torque = 0.0;       ///< on shaft 1 [N·m]
+    double load_torque = 0.0;        ///< on shaft 2, negative brakes [N·m]
+    std::array<double, 2> clamping{};///< S_1, S_2 [N]
+    double ratio_error = 0.0;        ///< ε, zero without control
+};
+
+/// Powers of the inputs [W].
+using WorkRates = std::array<double, work_kinds>;
+
+class PulleyModel {
+public:
+    explicit PulleyModel(const Parameters& parameters);
+
+    [[nodiscard]] int size() const noexcept { return size_; }
+    /// Positions and velocities of the four sheaves from the pulleys' block [q | v].
+    void motions(const double* block, SheaveMotion* sheaves) const noexcept;
+    /// Inputs at time t; `control` is the control integral I (ignored without control).
+    [[nodiscard]] Inputs inputs(double t, const double* block, double control) const noexcept;
+    /// Slope [v | acceleration] of the pulleys' block. Losses and energies are added to the account if there is one.
+    void slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept;
+    [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;
+    /// Angle, speed of shaft 0 or 1; axial position of its movable sheave relative to its shaft.
+    [[nodiscard]] double shaft_speed(const double* block, int shaft) const noexcept { return block[size_ + rotation(shaft)]; }
+    [[nodiscard]] double clamped_position(const double* block, int shaft) const noexcept { return opening(block, shaft); }
+    /// Index of a shaft's rotation, and of its movable sheave's axial motion, in the pulleys' q.
+    [[nodiscard]] int rotation(int shaft) const noexcept { return elastic() ? body_freedom(shaft, 5) : shaft; }
+    [[nodiscard]] int movable(int shaft) const noexcept { return elastic() ? body_freedom(movable_body(shaft), 4) : 2 + shaft; }
+    [[nodiscard]] double inertia(int coordinate) const noexcept { return inertia_[static_cast<std::size_t>(coordinate)]; }
+    /// Kinetic energy of the pulleys [J].
+    [[nodiscard]] double kinetic(const double* block) const noexcept;
+
+private:
+    /// A deflection u = Σ factor·q over at most three coordinates, with its spring.
+    struct Support {
+        std::array<int, 3> index;
+        std::array<double, 3> factor;
+        Spring spring;
+    };
+    [[nodiscard]] bool elastic() const noexcept { return size_ == 36; }
+    /// Side that moves: +z on the driving shaft, -z on the driven one; its sign.
+    [[nodiscard]] static int movable_body(int shaft) noexcept { return sheave_body(shaft, shaft == 0 ? 1 : 0); }
+    [[nodiscard]] static double movable_side(int shaft) noexcept { return shaft == 0 ? 1.0 : -1.0; }
+    /// w of the movable sheave relative to its shaft, of positions or velocities.
+    [[nodiscard]] double opening(const double* coordinates, int shaft) const noexcept;
+    void add_inertia();
+    void add_bearings(int shaft);
+    void add_attachment(int shaft, int side);
+    void spring(std::array<int, 3> index, std::array<double, 3> factor, double stiffness, double mass);
+    void add_supports(const double* block, double* force, Account* account) const noexcept;
+    void add_gyroscopic(const double* v, double* force) const noexcept;
+    void add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept;
+    void add_chain(const SheaveForces& chain, double* force) const noexcept;
+    [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;
+
+    Pulley pulley_;
+    Drive drive_;
+    Load load_;
+    Clamping clamping_;
+    Control control_;
+    Start start_;
+    int size_;
+    double half_length_;               ///< ℓ_p/2, distance of a flank plane from the middle [m]
+    std::vector<double> inertia_;      ///< diagonal
+    std::vector<Support> supports_;
+    double governor_stiffness_, governor_damping_, reference_speed_;
+};
+
+}  // namespace cvtflow::model

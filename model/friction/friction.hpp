@@ -1,0 +1,37 @@
+#pragma once
+/// Regularised Coulomb friction. A contact with normal force N, coefficient μ and slip velocity v gives the force -μ N g(|v|) v,
+/// g(v) = s(v/v0)/v, where s rises from 0 to 1 around the saturation speed v0. (model/EQUATIONS.md section 7)
+
+#include "model/basis/lanes.hpp"
+#include "model/parameters.hpp"
+
+namespace cvtflow::model {
+
+/// One friction law with its numbers, ready for kernels.
+struct FrictionCurve {
+    double coefficient = 0.0;       ///< μ
+    double saturation_speed = 1.0;  ///< v0 > 0 [m/s]
+    double smoothing = 0.0;         ///< half-width d of the parabola in units of v0; 0 is the piecewise law
+
+    FrictionCurve() = default;
+    FrictionCurve(const Friction& friction, const Detail& detail) noexcept
+        : coefficient(friction.coefficient),
+          saturation_speed(friction.saturation_speed),
+          smoothing(detail.friction == FrictionLaw::smoothed ? detail.smoothing : 0.0) {}
+};
+
+/// g(v) [s/m] for speeds v ≥ 0: 1/max(v, v0) for the piecewise law, and the parabola between (1-d) v0 and (1+d) v0 for the smoothed one.
+/// Continuous; never divides by less than (1-d) v0.
+template <int W>
+[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
+    const Lanes<W> v0(curve.saturation_speed);
+    const Lanes<W> saturated = Lanes<W>(1.0) / select<W>(speed > v0, speed, v0);
+    if (curve.smoothing == 0.0) return saturated;
+    const double d = curve.smoothing;
+    const Lanes<W> above = Lanes<W>(1.0 + d) - speed / v0;   // distance to full saturation, in units of v0
+    const auto parabola = above > 0.0 && above < 2.0 * d;
+    const Lanes<W> share = Lanes<W>(1.0) - above * above / (4.0 * d);
+    return select<W>(parabola, share / select<W>(parabola, speed, v0), saturated);
+}
+
+}  // namespace cvtflow::model

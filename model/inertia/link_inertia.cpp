@@ -1,0 +1,67 @@
+#include "model/inertia/link_inertia.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+
+#include "model/basis/legendre.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+/// Adds one plate, a consistent two-node bar of `mass` at basis values phi, to the matrix of both halves.
+void add_plate(Eigen::MatrixXd& matrix, const Eigen::VectorXd& phi, double mass) {
+    const auto n = phi.size();
+    const Eigen::MatrixXd product = phi * phi.transpose();
+    matrix.topLeftCorner(n, n) += mass / 3.0 * product;
+    matrix.bottomRightCorner(n, n) += mass / 3.0 * product;
+    matrix.topRightCorner(n, n) += mass / 6.0 * product;
+    matrix.bottomLeftCorner(n, n) += mass / 6.0 * product;
+}
+
+SmallCholesky factorise(const Eigen::MatrixXd& matrix) {
+    const Eigen::MatrixXd lower = matrix.llt().matrixL();
+    SmallCholesky small;
+    small.size = static_cast<int>(matrix.rows());
+    for (int row = 0; row < small.size; ++row) {
+        for (int column = 0; column <= row; ++column) small.factor[static_cast<std::size_t>(row * small.size + column)] = lower(row, column);
+        small.inverse_diagonal[static_cast<std::size_t>(row)] = 1.0 / lower(row, row);
+    }
+    return small;
+}
+
+template <std::size_t Size>
+void keep(const Eigen::MatrixXd& matrix, std::array<double, Size>& rows) {
+    for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+        for (Eigen::Index column = 0; column < matrix.cols(); ++column) rows[static_cast<std::size_t>(row * matrix.cols() + column)] = matrix(row, column);
+    }
+}
+
+}  // namespace
+
+LinkInertia link_inertia(const Parameters& p) {
+    const int lateral = p.detail.order + 1;
+    Eigen::MatrixXd b = Eigen::MatrixXd::Zero(2 * lateral, 2 * lateral);
+    Eigen::MatrixXd c = Eigen::MatrixXd::Zero(4, 4);
+    for (int end = 0; end < 2; ++end) {
+        for (int m = 0; m < lateral; ++m) b(end * lateral + m, end * lateral + m) = p.half.mass / (2 * m + 1);
+        c(2 * end, 2 * end) = p.half.mass;
+        c(2 * end + 1, 2 * end + 1) = p.half.mass / 3.0;
+    }
+    const std::vector<double> positions = plate_positions(p);
+    const double mass = p.plate.count * p.plate.mass / static_cast<double>(positions.size());
+    for (const double xi : positions) {
+        Eigen::VectorXd phi(lateral);
+        for (int m = 0; m < lateral; ++m) phi(m) = legendre(m, xi);
+        add_plate(b, phi, mass);
+        add_plate(c, Eigen::Vector2d(1.0, xi), mass);
+    }
+    LinkInertia inertia;
+    inertia.lateral = factorise(b);
+    inertia.axial = factorise(c);
+    keep(b, inertia.lateral_matrix);
+    keep(c, inertia.axial_matrix);
+    return inertia;
+}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,79 @@
+#include "model/variator.hpp"
+
+#include <cstring>
+
+namespace cvtflow::model {
+
+namespace {
+
+void add(const SheaveLoad& load, int side, std::array<double, 6>& total) noexcept {
+    total[0] += load.fx[side];
+    total[1] += load.fy[side];
+    total[2] += load.mx[side];
+    total[3] += load.my[side];
+    total[4] += load.fz[side];
+    total[5] += load.mz[side];
+}
+
+[[nodiscard]] bool touches(const Phase* phases) noexcept {
+    for (int tip = 0; tip < tips_per_link; ++tip) {
+        if (phases[tip] != Phase::free) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+SheaveForces Variator::sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept {
+    SheaveForces forces{};
+    for (int link = 0; link < layout().links; ++link) {
+        if (!touches(phases + tips_per_link * link)) continue;
+        const LinkLoad& load = loads[link];
+        for (int side = 0; side < 2; ++side) add(load.load, side, forces[static_cast<std::size_t>(2 * load.shaft + side)]);
+    }
+    return forces;
+}
+
+void Variator::close(double t, const double* tail, const Phase* phases, const LinkLoad* loads, const Account* accounts, double* tail_slope) const noexcept {
+    const ChainLayout& at = layout();
+    Account total;
+    WorkRates works{};
+    if (at.pulley_size != 0) {
+        const double* control = tail + at.pulley_block();
+        const Inputs inputs = pulleys_.inputs(t, tail, at.control ? *control : 0.0);
+        pulleys_.slope(tail, inputs, sheave_forces(phases, loads), tail_slope, at.ledger ? &total : nullptr);
+        if (at.control) tail_slope[at.pulley_block()] = inputs.ratio_error;
+        works = pulleys_.works(tail, inputs);
+    }
+    if (!at.ledger) return;
+    for (int link = 0; link < at.links; ++link) {
+        for (std::size_t kind = 0; kind < loss_kinds; ++kind) total.loss[kind] += accounts[link].loss[kind];
+    }
+    double* ledger = tail_slope + at.ledger_begin() - at.pulley_begin();
+    std::memcpy(ledger, total.loss.data(), sizeof total.loss);
+    std::memcpy(ledger + loss_kinds, works.data(), sizeof works);
+}
+
+EvaluationScratch::EvaluationScratch(const ChainLayout& layout)
+    : window(static_cast<std::size_t>((layout.links + 2) * layout.link_block())), loads(static_cast<std::size_t>(layout.links)),
+      accounts(static_cast<std::size_t>(layout.links)) {}
+
+void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope, EvaluationScratch& scratch) noexcept {
+    const ChainLayout& at = variator.layout();
+    const std::size_t block = static_cast<std::size_t>(at.link_block());
+    double* window = scratch.window.data();
+    std::memcpy(window, state + at.link_begin(at.links - 1), block * sizeof(double));
+    std::memcpy(window + block, state, static_cast<std::size_t>(at.links) * block * sizeof(double));
+    std::memcpy(window + static_cast<std::size_t>(at.links + 1) * block, state, block * sizeof(double));
+    if (at.pulley_size != 0) variator.pulleys().motions(state + at.pulley_begin(), scratch.sheaves);
+    const ChainRange range{0, at.links, window, scratch.sheaves, phases};
+    if (at.ledger) {
+        for (Account& account : scratch.accounts) account = {};
+        variator.chain().observed_slopes(range, slope, scratch.loads.data(), scratch.accounts.data());
+    } else {
+        variator.chain().slopes(range, slope, scratch.loads.data());
+    }
+    variator.close(t, state + at.pulley_begin(), phases, scratch.loads.data(), scratch.accounts.data(), slope + at.pulley_begin());
+}
+
+}  // namespace cvtflow::model

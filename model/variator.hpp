@@ -1,0 +1,44 @@
+#pragma once
+/// The whole variator: chain and pulleys, and how they meet. Links are evaluated in ranges; the pulleys close an evaluation.
+
+#include <memory>
+#include <vector>
+
+#include "model/chain_model.hpp"
+#include "model/force/pulley.hpp"
+
+namespace cvtflow::model {
+
+class Variator {
+public:
+    explicit Variator(const Parameters& parameters) : chain_(parameters), pulleys_(parameters) {}
+
+    [[nodiscard]] const ChainLayout& layout() const noexcept { return chain_.layout(); }
+    [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
+    [[nodiscard]] const PulleyModel& pulleys() const noexcept { return pulleys_; }
+
+    /// Forces of the chain on the sheaves: the links' reactions in the order of their numbers, whoever computed them.
+    [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept;
+
+    /// Slope of everything behind the links (pulleys, control, ledger). `tail` and `tail_slope` begin at pulley_begin().
+    /// `accounts` ([links], from observed_slopes) is read only with a ledger.
+    void close(double t, const double* tail, const Phase* phases, const LinkLoad* loads, const Account* accounts, double* tail_slope) const noexcept;
+
+private:
+    ChainModel chain_;
+    PulleyModel pulleys_;
+};
+
+/// Memory of one serial evaluation.
+struct EvaluationScratch {
+    explicit EvaluationScratch(const ChainLayout& layout);
+    std::vector<double> window;
+    std::vector<LinkLoad> loads;
+    std::vector<Account> accounts;
+    SheaveMotion sheaves[4]{};
+};
+
+/// dy/dt at (t, state) with frozen phases: plain serial evaluation with the production kernels. state, slope: [layout.size()].
+void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope, EvaluationScratch& scratch) noexcept;
+
+}  // namespace cvtflow::model
