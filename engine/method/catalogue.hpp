@@ -1,0 +1,17 @@
+#pragma once
+/// The methods this program knows. A method is one file with one function and one row in catalogue.cpp.
+
+#include <span>
+#include <string_view>
+
+#include "engine/method/stage_plan.hpp"
+
+namespace cvtflow::engine {
+
+/// All methods, each under a name of its own.
+[[nodiscard]] std::span<const StagePlan> methods();
+
+/// The method of that name, or nullptr. The pointer stays valid for the program's life.
+[[nodiscard]] const StagePlan* find_method(std::string_view name);
+
+}  // namespace cvtflow::engine

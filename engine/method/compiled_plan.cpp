@@ -1,0 +1,47 @@
+#include "engine/method/compiled_plan.hpp"
+
+#include <cstddef>
+
+namespace cvtflow::engine {
+
+CompiledPlan::CompiledPlan(const StagePlan& plan)
+    : state_slots_(plan.state_slots), slope_slots_(plan.slope_slots), has_error_(plan.error.has_value()) {
+    validate(plan);
+    std::vector<double> state_times(static_cast<std::size_t>(plan.state_slots), 0.0);
+    for (const Stage& stage : plan.stages) add(stage.states, stage.slopes, stage.keep, stage.slope, state_times);
+    add(plan.result.states, plan.result.slopes, -1, -1, state_times);
+    if (plan.error) add(plan.error->states, plan.error->slopes, -1, -1, state_times);
+}
+
+PlanStep CompiledPlan::step(int row) const noexcept {
+    const Row& r = rows_[static_cast<std::size_t>(row)];
+    const std::span<const Term> all(terms_);
+    const auto begin = static_cast<std::size_t>(r.begin);
+    const auto middle = static_cast<std::size_t>(r.middle);
+    return {all.subspan(begin, middle - begin), all.subspan(middle, static_cast<std::size_t>(r.end) - middle), r.keep, r.slope, r.time};
+}
+
+/// The time of a combination, for y' = 1, y = t: every slope is 1, every state is its own time.
+double CompiledPlan::time_of(int begin, int middle, int end, const std::vector<double>& state_times) const {
+    double time = 0.0;
+    for (int i = begin; i < middle; ++i) {
+        const Term& term = terms_[static_cast<std::size_t>(i)];
+        time += term.factor * state_times[static_cast<std::size_t>(term.slot)];
+    }
+    for (int i = middle; i < end; ++i) time += terms_[static_cast<std::size_t>(i)].factor;
+    return time;
+}
+
+void CompiledPlan::add(const std::vector<Term>& states, const std::vector<Term>& slopes, int keep, int slope,
+                       std::vector<double>& state_times) {
+    const int begin = static_cast<int>(terms_.size());
+    terms_.insert(terms_.end(), states.begin(), states.end());
+    const int middle = static_cast<int>(terms_.size());
+    terms_.insert(terms_.end(), slopes.begin(), slopes.end());
+    const int end = static_cast<int>(terms_.size());
+    const double time = time_of(begin, middle, end, state_times);
+    if (keep >= 0) state_times[static_cast<std::size_t>(keep)] = time;
+    rows_.push_back({begin, middle, end, keep, slope, time});
+}
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,56 @@
+#pragma once
+/// A plan laid out flat for the step loop: all terms in one array, stage times beside them. Nothing is allocated after compile().
+
+#include <span>
+
+#include "engine/method/stage_plan.hpp"
+
+namespace cvtflow::engine {
+
+/// One row of a plan, as the kernels read it: a stage, the result or the error estimate. Refers into its CompiledPlan.
+struct PlanStep {
+    std::span<const Term> states;
+    std::span<const Term> slopes;
+    int keep = -1;      ///< state slot that stores the combination, or -1
+    int slope = -1;     ///< slope slot that receives f, or -1 (result, error)
+    double time = 0.0;  ///< c: the combination belongs to t + c h (0 for the error estimate)
+};
+
+class CompiledPlan {
+public:
+    /// @throws std::invalid_argument as validate()
+    explicit CompiledPlan(const StagePlan& plan);
+
+    [[nodiscard]] int stages() const noexcept { return static_cast<int>(rows_.size()) - (has_error_ ? 2 : 1); }
+    [[nodiscard]] int state_slots() const noexcept { return state_slots_; }
+    [[nodiscard]] int slope_slots() const noexcept { return slope_slots_; }
+    [[nodiscard]] bool has_error() const noexcept { return has_error_; }
+
+    /// @param stage 0 … stages() - 1
+    [[nodiscard]] PlanStep stage(int stage) const noexcept { return step(stage); }
+    [[nodiscard]] PlanStep result() const noexcept { return step(stages()); }
+    /// Only if has_error().
+    [[nodiscard]] PlanStep error() const noexcept { return step(stages() + 1); }
+
+private:
+    struct Row {
+        int begin;   ///< first state term
+        int middle;  ///< first slope term
+        int end;
+        int keep;
+        int slope;
+        double time;
+    };
+
+    [[nodiscard]] PlanStep step(int row) const noexcept;
+    [[nodiscard]] double time_of(int begin, int middle, int end, const std::vector<double>& state_times) const;
+    void add(const std::vector<Term>& states, const std::vector<Term>& slopes, int keep, int slope, std::vector<double>& state_times);
+
+    std::vector<Term> terms_;
+    std::vector<Row> rows_;
+    int state_slots_;
+    int slope_slots_;
+    bool has_error_;
+};
+
+}  // namespace cvtflow::engine

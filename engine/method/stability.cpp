@@ -1,0 +1,76 @@
+#include "engine/method/stability.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "engine/method/compiled_plan.hpp"
+
+namespace cvtflow::engine {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+/// Executes a plan on y' = z y with h = 1; keeps its slots between calls.
+class LinearProblem {
+public:
+    explicit LinearProblem(const StagePlan& plan)
+        : plan_(plan), states_(static_cast<std::size_t>(plan.state_slots)), slopes_(static_cast<std::size_t>(plan.slope_slots)) {}
+
+    [[nodiscard]] Complex factor(Complex z) {
+        states_[0] = 1.0;
+        for (int i = 0; i < plan_.stages(); ++i) {
+            const PlanStep step = plan_.stage(i);
+            const Complex y = combine(step);
+            if (step.keep >= 0) states_[static_cast<std::size_t>(step.keep)] = y;
+            // Written out: operator* of std::complex checks for infinities and is several times slower.
+            slopes_[static_cast<std::size_t>(step.slope)] = {z.real() * y.real() - z.imag() * y.imag(),
+                                                             z.real() * y.imag() + z.imag() * y.real()};
+        }
+        return combine(plan_.result());
+    }
+
+    [[nodiscard]] int stages() const { return plan_.stages(); }
+
+private:
+    [[nodiscard]] Complex combine(const PlanStep& step) const {
+        Complex sum = 0.0;
+        for (const Term& term : step.states) sum += term.factor * states_[static_cast<std::size_t>(term.slot)];
+        for (const Term& term : step.slopes) sum += term.factor * slopes_[static_cast<std::size_t>(term.slot)];
+        return sum;
+    }
+
+    CompiledPlan plan_;
+    std::vector<Complex> states_;
+    std::vector<Complex> slopes_;
+};
+
+}  // namespace
+
+std::complex<double> stability_function(const StagePlan& plan, std::complex<double> z) { return LinearProblem(plan).factor(z); }
+
+double stability_reach(const StagePlan& plan, std::complex<double> direction, double tolerance) {
+    LinearProblem problem(plan);
+    const auto stable = [&](double r) { return std::abs(problem.factor(r * direction)) <= 1.0 + tolerance; };
+    const double stages = problem.stages();
+    const double limit = 2.0 * stages * stages + 10.0;
+    const double stride = std::max(0.01, stages / 4000.0);
+    double inside = 0.0;
+    double outside = stride;
+    while (stable(outside)) {
+        inside = outside;
+        outside += stride;
+        if (inside > limit) return inside;
+    }
+    for (int halving = 0; halving < 40; ++halving) {
+        const double middle = 0.5 * (inside + outside);
+        (stable(middle) ? inside : outside) = middle;
+    }
+    return inside;
+}
+
+double real_stability(const StagePlan& plan, double tolerance) { return stability_reach(plan, -1.0, tolerance); }
+
+double imaginary_stability(const StagePlan& plan, double tolerance) { return stability_reach(plan, {0.0, 1.0}, tolerance); }
+
+}  // namespace cvtflow::engine

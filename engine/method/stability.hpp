@@ -1,0 +1,24 @@
+#pragma once
+/// Linear stability, found by executing the plan on y' = λ y.
+
+#include <complex>
+
+#include "engine/method/stage_plan.hpp"
+
+namespace cvtflow::engine {
+
+/// R(z): what one step makes of y = 1 for h λ = z.
+/// @throws std::invalid_argument as validate()
+[[nodiscard]] std::complex<double> stability_function(const StagePlan& plan, std::complex<double> z);
+
+/// Largest r such that |R(ρ direction)| ≤ 1 + tolerance for all ρ in [0, r]: scan in steps fine enough for a Chebyshev polynomial of the
+/// plan's degree, then bisection. At most 2 stages² + 10, which no consistent explicit method exceeds.
+/// @param direction of unit length, e.g. -1 or i; a ray of damping ratio ζ is (-ζ, sqrt(1 - ζ²))
+[[nodiscard]] double stability_reach(const StagePlan& plan, std::complex<double> direction, double tolerance);
+
+/// Reach along the negative real axis. The tolerance forgives ripple that just touches 1.
+[[nodiscard]] double real_stability(const StagePlan& plan, double tolerance = 1e-6);
+/// Reach along the imaginary axis. A method that grows slowly there (|R| - 1 ~ y⁴, say) has a tiny positive reach.
+[[nodiscard]] double imaginary_stability(const StagePlan& plan, double tolerance = 1e-9);
+
+}  // namespace cvtflow::engine

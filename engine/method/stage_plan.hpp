@@ -1,0 +1,61 @@
+#pragma once
+/// A one-step method as a table. A method is written as what each stage combines; everything else about it (stage times, order, stability,
+/// reuse of the last slope) is derived from the table, never declared.
+///
+///     stage i:   Y   = Σ states.factor Y[states.slot] + h Σ slopes.factor K[slopes.slot]
+///                Y[keep] = Y (if keep ≥ 0),   K[slope] = f(t + c h, Y),   c derived
+///     result:    y(t + h) = Σ states + h Σ slopes,   error: y - ŷ in the same form (its states sum to 0)
+///
+/// State slot 0 holds y(t), slope slot 0 holds f(t, y(t)) = stage 0; both stay untouched for the whole step.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cvtflow::engine {
+
+struct Term {
+    int slot;
+    double factor;
+    bool operator==(const Term&) const = default;
+};
+
+struct Combination {
+    std::vector<Term> states;  ///< Σ factor Y[slot]
+    std::vector<Term> slopes;  ///< h Σ factor K[slot]
+    bool operator==(const Combination&) const = default;
+};
+
+struct Stage {
+    std::vector<Term> states;  ///< Σ factor Y[slot]; factors sum to 1
+    std::vector<Term> slopes;  ///< h Σ factor K[slot]
+    int keep = -1;             ///< state slot that stores Y, or -1
+    int slope = 0;             ///< slope slot that receives f(t + c h, Y)
+    bool operator==(const Stage&) const = default;
+};
+
+struct StagePlan {
+    std::string name;         ///< as in scenes and on the command line
+    std::string description;  ///< one line for users
+    std::string source;       ///< paper
+    int state_slots = 1;      ///< slot 0 included
+    int slope_slots = 1;      ///< slot 0 included
+    std::vector<Stage> stages;
+    Combination result;
+    std::optional<Combination> error;  ///< local error estimate y - ŷ
+};
+
+/// Rejects a plan that cannot be executed, or whose result would depend on how the state is cut into segments:
+/// slots out of range, sums of state factors other than 1 (error: 0) by more than 1e-12, slots read before they are written, slots written in
+/// the stage that reads them (a neighbour's halo is combined from the old contents at the same time), and writes to the two slots 0.
+/// @throws std::invalid_argument naming plan and stage
+void validate(const StagePlan& plan);
+
+/// Plan of an explicit Butcher tableau: every stage from y, one slope slot per stage; zero entries are left out.
+/// @param rows row i - 1 holds a_i0 … a_i,i-1 of stage i ≥ 1   @param weights b   @param embedded b̂ of the error estimate, empty: none
+/// @throws std::invalid_argument if lengths do not match
+[[nodiscard]] StagePlan butcher_plan(std::string name, std::string description, std::string source,
+                                     const std::vector<std::vector<double>>& rows, const std::vector<double>& weights,
+                                     const std::vector<double>& embedded = {});
+
+}  // namespace cvtflow::engine

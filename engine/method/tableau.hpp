@@ -1,0 +1,29 @@
+#pragma once
+/// The Butcher tableau that a plan is equivalent to, with chained states unrolled. For analysis; the step loop never uses it.
+
+#include <vector>
+
+#include "engine/method/stage_plan.hpp"
+
+namespace cvtflow::engine {
+
+struct Tableau {
+    int stages = 0;
+    std::vector<double> times;     ///< c, propagated through the slots   [stages]
+    std::vector<double> matrix;    ///< A, row by row                     [stages × stages]
+    std::vector<double> weights;   ///< b                                 [stages]
+    std::vector<double> embedded;  ///< b̂ = b - weights of the error estimate, empty without one
+
+    [[nodiscard]] double entry(int row, int column) const { return matrix[static_cast<std::size_t>(row * stages + column)]; }
+};
+
+/// @throws std::invalid_argument as validate()
+[[nodiscard]] Tableau unroll(const StagePlan& plan);
+
+/// max |c - A 1|: zero up to rounding, or an autonomous and a non-autonomous problem would be solved differently.
+[[nodiscard]] double time_defect(const Tableau& tableau);
+
+/// Whether the last stage is evaluated at the result, so that its slope is the next step's slope 0.
+[[nodiscard]] bool last_stage_is_result(const Tableau& tableau, double tolerance = 1e-12);
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,28 @@
+#include "engine/executor/catalogue.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string_view>
+
+namespace cvtflow::engine {
+namespace {
+
+TEST(ExecutorCatalogue, EveryRowMakesAnExecutorOfItsName) {
+    for (const ExecutorRow& row : executors()) {
+        EXPECT_EQ(row.make(2)->name(), row.name);
+        EXPECT_FALSE(row.description.empty()) << row.name;
+    }
+}
+
+TEST(ExecutorCatalogue, NamesAreUniqueAndFound) {
+    std::set<std::string_view> names;
+    for (const ExecutorRow& row : executors()) {
+        EXPECT_TRUE(names.insert(row.name).second) << row.name;
+        EXPECT_EQ(find_executor(row.name), &row);
+    }
+    EXPECT_EQ(find_executor("magic"), nullptr);
+}
+
+}  // namespace
+}  // namespace cvtflow::engine

@@ -1,0 +1,114 @@
+#include "engine/graph/task_graph.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "graph_fixture.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+using test::record;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::ThrowsMessage;
+
+Task task(const char* name, int cycle) { return {name, cycle, record, 0, {}}; }
+
+TEST(TaskGraph, OrdersTasksByLevelsThenNumbers) {
+    TaskGraph graph;
+    for (const char* name : {"last", "first", "middle", "free"}) graph.add(task(name, 0));
+    graph.order(2, 0);
+    graph.order(1, 2);
+    graph.order(1, 0);
+    graph.freeze();
+    EXPECT_THAT(graph.topological(0), ElementsAre(1, 3, 2, 0));
+    ASSERT_EQ(graph.levels(0), 3);
+    EXPECT_THAT(graph.level(0, 0), ElementsAre(1, 3));
+    EXPECT_THAT(graph.level(0, 1), ElementsAre(2));
+    EXPECT_THAT(graph.level(0, 2), ElementsAre(0));
+}
+
+TEST(TaskGraph, SuccessorsAndPredecessorCountsMatchTheEdges) {
+    const TaskGraph graph = test::diamond();
+    EXPECT_THAT(graph.successors(0), ElementsAre(1, 2));
+    EXPECT_THAT(graph.successors(1), ElementsAre(3));
+    EXPECT_THAT(graph.successors(3), IsEmpty());
+    EXPECT_EQ(graph.predecessor_count(0), 0);
+    EXPECT_EQ(graph.predecessor_count(2), 1);
+    EXPECT_EQ(graph.predecessor_count(3), 2);
+}
+
+TEST(TaskGraph, EdgesSaidTwiceCountOnce) {
+    TaskGraph graph;
+    graph.add(task("a", 0));
+    graph.add(task("b", 0));
+    graph.order(0, 1);
+    graph.order(0, 1);
+    graph.freeze();
+    EXPECT_EQ(graph.predecessor_count(1), 1);
+    EXPECT_THAT(graph.successors(0), ElementsAre(1));
+}
+
+TEST(TaskGraph, CyclesAreKeptApartAndMayBeEmpty) {
+    TaskGraph graph;
+    for (const int cycle : {2, 0, 2, 0}) graph.add(task("t", cycle));
+    graph.order(2, 0);
+    graph.freeze();
+    ASSERT_EQ(graph.cycles(), 3);
+    EXPECT_THAT(graph.topological(0), ElementsAre(1, 3));
+    EXPECT_THAT(graph.topological(1), IsEmpty());
+    EXPECT_THAT(graph.topological(2), ElementsAre(2, 0));
+    EXPECT_EQ(graph.levels(0), 1);
+    EXPECT_EQ(graph.levels(1), 0);
+    EXPECT_EQ(graph.levels(2), 2);
+    EXPECT_THAT(graph.level(2, 1), ElementsAre(0));
+}
+
+TEST(TaskGraph, AnEmptyGraphHasNoCycles) {
+    TaskGraph graph;
+    graph.freeze();
+    EXPECT_EQ(graph.cycles(), 0);
+    EXPECT_EQ(graph.size(), 0);
+}
+
+TEST(TaskGraph, RingsAreRejected) {
+    TaskGraph graph;
+    for (const char* name : {"a", "b", "c", "d"}) graph.add(task(name, 0));
+    graph.order(0, 1);
+    graph.order(1, 2);
+    graph.order(2, 1);
+    graph.order(2, 3);
+    EXPECT_THAT([&] { graph.freeze(); }, ThrowsMessage<std::invalid_argument>(HasSubstr("task b")));
+    EXPECT_FALSE(graph.frozen());
+}
+
+TEST(TaskGraph, EdgesStayWithinTheirCycleAndJoinKnownTasks) {
+    TaskGraph graph;
+    graph.add(task("a", 0));
+    graph.add(task("b", 1));
+    EXPECT_THAT([&] { graph.order(0, 1); }, ThrowsMessage<std::invalid_argument>(HasSubstr("leaves its cycle")));
+    EXPECT_THROW(graph.order(0, 2), std::invalid_argument);
+    EXPECT_THROW(graph.order(-1, 0), std::invalid_argument);
+    EXPECT_THROW(graph.order(0, 0), std::invalid_argument);
+}
+
+TEST(TaskGraph, UnsoundTasksAreRejected) {
+    TaskGraph graph;
+    EXPECT_THROW(graph.add({"bodiless", 0, nullptr, 0, {}}), std::invalid_argument);
+    EXPECT_THROW(graph.add(task("nowhere", -1)), std::invalid_argument);
+    EXPECT_THROW(graph.add({"empty", 0, record, 0, {{0, 4, 4, true}}}), std::invalid_argument);
+}
+
+TEST(TaskGraph, FrozenGraphsDoNotChange) {
+    TaskGraph graph = test::diamond();
+    EXPECT_THROW(graph.add(task("late", 0)), std::logic_error);
+    EXPECT_THROW(graph.order(0, 3), std::logic_error);
+    EXPECT_THROW(graph.freeze(), std::logic_error);
+}
+
+}  // namespace
+}  // namespace cvtflow::engine

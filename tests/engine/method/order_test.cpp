@@ -1,0 +1,67 @@
+#include "engine/method/order.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/method/catalogue.hpp"
+#include "plan_fixture.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+TEST(Order, RootedTreesAreAsManyAsTheoryCounts) {
+    const std::vector<RootedTree> trees = rooted_trees(highest_order);
+    const std::vector<int> counts{1, 1, 2, 4, 9, 20, 48, 115};
+    for (int nodes = 1; nodes <= highest_order; ++nodes) {
+        const auto of_size = std::count_if(trees.begin(), trees.end(), [&](const RootedTree& tree) { return tree.nodes == nodes; });
+        EXPECT_EQ(of_size, counts[static_cast<std::size_t>(nodes - 1)]) << nodes;
+    }
+}
+
+TEST(Order, DensityOfTheTallTreeIsAFactorialAndOfTheBushItsSize) {
+    const std::vector<RootedTree> trees = rooted_trees(5);
+    const auto [bush, tall] = std::minmax_element(trees.end() - 9, trees.end(), [](auto& a, auto& b) { return a.density < b.density; });
+    EXPECT_EQ(tall->density, 120.0);
+    EXPECT_EQ(bush->density, 5.0);
+}
+
+TEST(Order, OfKnownMethods) {
+    EXPECT_EQ(order_of(*find_method("euler")), 1);
+    EXPECT_EQ(order_of(*find_method("heun")), 2);
+    EXPECT_EQ(order_of(*find_method("rk4")), 4);
+    EXPECT_EQ(order_of(*find_method("rk38")), 4);
+    EXPECT_EQ(embedded_order_of(*find_method("heun")), 1);
+    EXPECT_EQ(embedded_order_of(*find_method("rk4")), 0);
+}
+
+TEST(Order, OfChainedPlans) {
+    EXPECT_EQ(order_of(test::two_half_euler_steps()), 1);
+    EXPECT_EQ(order_of(test::dumka3_degree_3()), 3);
+    EXPECT_EQ(order_of(test::dumka3_degree_6()), 3);
+    EXPECT_EQ(embedded_order_of(test::dumka3_degree_3()), 2);
+}
+
+TEST(Order, OfAnInconsistentMethodIsZero) { EXPECT_EQ(order_of(butcher_plan("half", "", "", {}, {0.5})), 0); }
+
+TEST(Order, InconsistentTimesAreNotForgiven) {
+    Tableau tableau = unroll(*find_method("rk4"));
+    tableau.times[1] = 0.25;
+    EXPECT_EQ(order_of(tableau, tableau.weights), 0);
+}
+
+void expect_measured(const StagePlan& plan) {
+    EXPECT_NEAR(measured_order(plan, test::kepler()), order_of(plan), 0.15) << plan.name << ", autonomous";
+    EXPECT_NEAR(measured_order(plan, test::driven()), order_of(plan), 0.15) << plan.name << ", non-autonomous";
+}
+
+TEST(Order, MeasuredIsDerivedForEveryMethodOfTheCatalogue) {
+    for (const StagePlan& plan : methods()) expect_measured(plan);
+}
+
+TEST(Order, MeasuredIsDerivedForChainedPlans) {
+    for (const StagePlan& plan : {test::two_half_euler_steps(), test::dumka3_degree_3(), test::dumka3_degree_6()}) expect_measured(plan);
+}
+
+}  // namespace
+}  // namespace cvtflow::engine

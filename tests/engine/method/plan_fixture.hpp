@@ -1,0 +1,36 @@
+#pragma once
+/// Plans and problems that several tests of methods share.
+
+#include <functional>
+#include <vector>
+
+#include "engine/method/stage_plan.hpp"
+
+namespace cvtflow::engine::test {
+
+using State = std::vector<double>;
+
+/// y' = slope(t, y) with a known solution.
+struct Problem {
+    std::function<State(double, const State&)> slope;
+    std::function<State(double)> solution;
+    double end;
+};
+
+/// Kepler's problem, eccentricity 0.2: autonomous, nonlinear, four unknowns.
+[[nodiscard]] Problem kepler();
+/// Problem of Dormand and Prince (1978) with factors of t: non-autonomous, nonlinear, four unknowns.
+[[nodiscard]] Problem driven();
+
+/// Integrates with `steps` equal steps; sizes as the problem.
+[[nodiscard]] State integrate(const StagePlan& plan, const Problem& problem, int steps);
+/// Order seen when the step is halved, at the finest step whose error still stands clear of rounding.
+[[nodiscard]] double measured_order(const StagePlan& plan, const Problem& problem);
+
+/// Two Euler steps of h/2 in one plan, chained by a kept state: by hand c = (0, 1/2), b = (1/2, 1/2), order 1.
+[[nodiscard]] StagePlan two_half_euler_steps();
+/// DUMKA3 with its degrees 3 (P0) and 6 (P1), stage by stage as the blocks run, with the error estimate's evaluation at the end.
+[[nodiscard]] StagePlan dumka3_degree_3();
+[[nodiscard]] StagePlan dumka3_degree_6();
+
+}  // namespace cvtflow::engine::test
