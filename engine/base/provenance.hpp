@@ -1,0 +1,23 @@
+#pragma once
+/// Where numbers come from: which program, built how, ran on what.
+
+#include <string>
+
+namespace cvtflow::engine {
+
+struct Provenance {
+    std::string version;          ///< of cvtflow, "0.1.0"
+    std::string commit;           ///< `git describe --always --dirty` when the build was configured, or "unknown"
+    std::string compiler;         ///< "GNU 12.2.0"
+    std::string build_type;       ///< "Release"
+    std::string instruction_set;  ///< the widest the compiler was allowed to use: "avx512", "avx2", "avx", "sse2", "neon" or "unknown"
+    std::string cpu;              ///< model of the processor, or "unknown"
+    int cores = 0;                ///< logical processors this process may use
+    std::string os;               ///< name, release and machine: "Linux 6.1.0 x86_64"
+    std::string date;             ///< UTC, ISO 8601: "2024-05-01T12:34:56Z"
+};
+
+/// Of this program, here and now. What cannot be found out is "unknown" (cores: 1). Never fails but for lack of memory.
+[[nodiscard]] Provenance current_provenance();
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,56 @@
+#include "engine/record/hdf5_handle.hpp"
+
+namespace cvtflow::engine::hdf5 {
+namespace {
+
+/// Keeps the first description of a walk that begins at the innermost function.
+herr_t keep_innermost(unsigned, const H5E_error2_t* error, void* client) noexcept {
+    auto& reason = *static_cast<std::string*>(client);
+    if (reason.empty() && error->desc != nullptr) {
+        reason = error->desc;
+    }
+    return 0;
+}
+
+}  // namespace
+
+QuietErrors::QuietErrors() noexcept {
+    H5Eget_auto2(H5E_DEFAULT, &print_, &client_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
+
+QuietErrors::~QuietErrors() {
+    H5Eset_auto2(H5E_DEFAULT, print_, client_);
+}
+
+std::string last_reason() {
+    std::string reason;
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_innermost, &reason);
+    constexpr std::string_view mark = "error message = '";
+    if (const auto begin = reason.find(mark); begin != std::string::npos) {
+        const auto first = begin + mark.size();
+        return reason.substr(first, reason.find('\'', first) - first);
+    }
+    return reason.empty() ? "HDF5 gives no reason" : reason;
+}
+
+void Handle::close(std::string_view what) {
+    if (id_ >= 0) {
+        check(close_(std::exchange(id_, -1)), what);
+    }
+}
+
+void Handle::release() noexcept {
+    if (id_ >= 0) {
+        close_(std::exchange(id_, -1));
+    }
+}
+
+Handle file_access() {
+    Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot make access properties");
+    check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110), "cannot choose the format");
+    check(H5Pset_file_locking(access.id(), 0, 1), "cannot turn file locks off");
+    return access;
+}
+
+}  // namespace cvtflow::engine::hdf5

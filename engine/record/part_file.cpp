@@ -1,0 +1,150 @@
+#include "engine/record/part_file.hpp"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "engine/record/schema.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string folder_of(const std::string& path) {
+    const std::string folder = fs::path(path).parent_path().string();
+    return folder.empty() ? "." : folder;
+}
+
+void require_place(const std::string& final_path, const std::string& part_path, bool replace) {
+    std::error_code ignored;
+    if (final_path.empty()) {
+        throw RecordError("cannot create a file without a name");
+    }
+    if (fs::is_directory(final_path, ignored) || final_path.back() == '/') {
+        throw RecordError(final_path + ": cannot create: a folder, not a file");
+    }
+    const std::string folder = folder_of(final_path);
+    if (!fs::exists(folder, ignored)) {
+        throw RecordError(final_path + ": cannot create: the folder '" + folder + "' does not exist");
+    }
+    if (!replace && fs::exists(final_path, ignored)) {
+        throw RecordError(final_path + ": cannot create: the file exists");
+    }
+    if (!replace && fs::exists(part_path, ignored)) {
+        throw RecordError(part_path + ": cannot create: the file exists (a run is writing it, or was killed)");
+    }
+}
+
+/// Whether the path still names the file that is open; not so if another writer has just finished and renamed it.
+bool still_named(int descriptor, const std::string& path) {
+    struct stat open_file {};
+    struct stat named_file {};
+    return fstat(descriptor, &open_file) == 0 && stat(path.c_str(), &named_file) == 0 && open_file.st_ino == named_file.st_ino &&
+           open_file.st_dev == named_file.st_dev;
+}
+
+/// An open-file-description lock: gone with the process, however it ends, and unseen by HDF5, which asks for flock locks.
+bool lock(int descriptor) {
+    struct flock whole {};
+    whole.l_type = F_WRLCK;
+    whole.l_whence = SEEK_SET;
+    return fcntl(descriptor, F_OFD_SETLK, &whole) == 0 || (errno != EAGAIN && errno != EACCES);
+}
+
+}  // namespace
+
+PartFile::PartFile(std::string final_path, bool replace) : final_path_(std::move(final_path)), part_path_(final_path_ + ".part") {
+    require_place(final_path_, part_path_, replace);
+    descriptor_ = open(part_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) {
+        throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
+    }
+    if (!lock(descriptor_) || !still_named(descriptor_, part_path_)) {
+        ::close(descriptor_);
+        throw RecordError(part_path_ + ": cannot create: another run is writing it");
+    }
+    if (ftruncate(descriptor_, 0) != 0) {
+        const int reason = errno;
+        ::close(descriptor_);
+        throw RecordError(part_path_ + ": cannot empty: " + std::strerror(reason));
+    }
+}
+
+PartFile::~PartFile() {
+    if (descriptor_ >= 0) {
+        ::close(descriptor_);
+    }
+}
+
+int PartFile::reserve(std::size_t end) noexcept {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && end > limit.rlim_cur) {
+        return EFBIG;
+    }
+    if (end <= reserved_) {
+        return 0;
+    }
+    // Large steps keep the file in few pieces; if they do not fit any more, what is needed may still.
+    constexpr std::size_t step = std::size_t{4} << 20U;
+    for (const std::size_t target : {end + step, end}) {
+        if (fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(target)) == 0) {
+            reserved_ = target;
+            return 0;
+        }
+        if (errno == EOPNOTSUPP || errno == ENOSYS) {
+            return 0;
+        }
+    }
+    return errno;
+}
+
+int PartFile::write(const void* bytes, std::size_t size) noexcept {
+    const char* next = static_cast<const char*>(bytes);
+    for (std::size_t done = 0; done < size;) {
+        const ssize_t count = pwrite(descriptor_, next + done, size - done, static_cast<off_t>(done));
+        if (count < 0 && errno != EINTR) {
+            return errno;
+        }
+        done += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
+    }
+    return 0;
+}
+
+int PartFile::sync() noexcept {
+    return fsync(descriptor_) == 0 ? 0 : errno;
+}
+
+void PartFile::trim() noexcept {
+    struct stat file {};
+    if (reserved_ > 0 && fstat(descriptor_, &file) == 0 && ftruncate(descriptor_, file.st_size) == 0) {
+        reserved_ = 0;
+    }
+}
+
+void PartFile::publish() {
+    trim();
+    if (const int reason = sync(); reason != 0) {
+        throw RecordError(part_path_ + ": cannot write to disk: " + std::strerror(reason));
+    }
+    if (std::rename(part_path_.c_str(), final_path_.c_str()) != 0) {
+        throw RecordError(part_path_ + ": cannot rename to '" + final_path_ + "': " + std::strerror(errno));
+    }
+    if (const int folder = open(folder_of(final_path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
+        fsync(folder);  // so that the new name survives a power cut; the data are safe already, so failure is no error
+        ::close(folder);
+    }
+}
+
+void PartFile::discard() noexcept {
+    unlink(part_path_.c_str());
+}
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,45 @@
+#pragma once
+/// A file under construction: `<name>.part` beside its final name, which appears complete or not at all.
+
+#include <cstddef>
+#include <string>
+
+namespace cvtflow::engine {
+
+/// Holds `<name>.part` open and locked against other writers (not against readers). Knows nothing of the contents.
+/// Errors are RecordError.
+class PartFile {
+public:
+    /// Creates or empties `<final_path>.part`.
+    /// Errors: missing folder, no permission, a folder of that name, another process writing the same file.
+    /// @param replace  whether a finished file of the final name, or a .part that a killed run left, may be overwritten
+    PartFile(std::string final_path, bool replace);
+    ~PartFile();
+    PartFile(const PartFile&) = delete;
+    PartFile& operator=(const PartFile&) = delete;
+
+    [[nodiscard]] const std::string& path() const noexcept { return part_path_; }
+    [[nodiscard]] const std::string& final_path() const noexcept { return final_path_; }
+
+    /// Makes sure that the file can grow to `end` bytes, so that a full disk is noticed before a half-written record exists.
+    /// Where the file system cannot reserve, only the process's file size limit is checked. @return 0 or an errno
+    [[nodiscard]] int reserve(std::size_t end) noexcept;
+    /// Writes all of it at the file's beginning (for contents that were built in memory). @return 0 or an errno
+    [[nodiscard]] int write(const void* bytes, std::size_t size) noexcept;
+    /// Waits until the data are on disk. @return 0 or an errno
+    [[nodiscard]] int sync() noexcept;
+    /// Gives back what was reserved beyond the end.
+    void trim() noexcept;
+    /// Syncs, renames to the final name, syncs the folder.
+    void publish();
+    /// Deletes the .part file.
+    void discard() noexcept;
+
+private:
+    std::string final_path_;
+    std::string part_path_;
+    int descriptor_ = -1;
+    std::size_t reserved_ = 0;
+};
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,57 @@
+#pragma once
+/// What a record is made of, in words of any simulation: channels, tables, attributes.
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "engine/base/provenance.hpp"
+
+namespace cvtflow::engine {
+
+/// Every failure of engine/record. what() is "path: what was tried: reason", ready for a user.
+struct RecordError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// A quantity recorded over time.
+struct ChannelInfo {
+    std::string name;         ///< e.g. "strand_tension", or in groups: "links/tension"
+    std::string unit;         ///< e.g. "N"; "1" for a pure number
+    std::string description;  ///< one sentence
+    int width = 1;            ///< numbers per instant; > 1 makes a dataset [time, width]
+    std::string axis;         ///< label of the second dimension, e.g. "link"; only used if width > 1
+    bool operator==(const ChannelInfo&) const = default;
+};
+
+enum class ColumnType { real, integer };
+
+struct TableColumn {
+    std::string name;
+    std::string unit;
+    std::string description;
+    ColumnType type = ColumnType::real;
+    bool operator==(const TableColumn&) const = default;
+};
+
+/// Records that come at irregular times, e.g. events: one row of named columns each.
+struct TableInfo {
+    std::string name;
+    std::string description;
+    std::vector<TableColumn> columns;
+    bool operator==(const TableInfo&) const = default;
+};
+
+struct Attribute {
+    std::string name;
+    std::variant<std::string, double, std::int64_t> value;
+    bool operator==(const Attribute&) const = default;
+};
+
+/// Provenance as attributes "program_version", "commit", "compiler", "build_type", "instruction_set", "cpu", "cores", "os", "date",
+/// and "hdf5_version".
+[[nodiscard]] std::vector<Attribute> attributes_of(const Provenance& provenance);
+
+}  // namespace cvtflow::engine
