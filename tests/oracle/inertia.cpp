@@ -1,0 +1,139 @@
+/// Inertia of links (dense) and pulleys (diagonal), and the solve (EQUATIONS.md, section 2).
+
+#include "tests/oracle/legendre.hpp"
+#include "tests/oracle/system.hpp"
+
+#include <algorithm>
+
+namespace cvtflow::oracle {
+
+using model::End;
+
+namespace {
+
+using Matrix = std::vector<std::vector<Real>>;
+
+/// Basis functions of one direction of a half at ξ, with the offsets of their coordinates in a link's q.
+struct Basis {
+    std::vector<int> rear, front;   ///< offsets
+    std::vector<Real> value;
+};
+
+std::vector<Basis> bases_at(const model::ChainLayout& layout, Real xi) {
+    Basis x, y;
+    for (int m = 0; m <= layout.order; ++m) {
+        x.rear.push_back(layout.x(End::rear, m));
+        x.front.push_back(layout.x(End::front, m));
+        y.rear.push_back(layout.y(End::rear, m));
+        y.front.push_back(layout.y(End::front, m));
+        x.value.push_back(legendre(m, xi));
+        y.value.push_back(legendre(m, xi));
+    }
+    const Basis z{{layout.z(End::rear), layout.e(End::rear)}, {layout.z(End::front), layout.e(End::front)}, {1.0L, xi}};
+    return {x, y, z};
+}
+
+void add_plate_inertia(Matrix& matrix, const Basis& basis, Real mass) {
+    const std::size_t n = basis.value.size();
+    for (std::size_t r = 0; r < n; ++r) {
+        for (std::size_t c = 0; c < n; ++c) {
+            const Real product = mass * basis.value[r] * basis.value[c];
+            matrix[basis.rear[r]][basis.rear[c]] += product / 3.0L;
+            matrix[basis.front[r]][basis.front[c]] += product / 3.0L;
+            matrix[basis.rear[r]][basis.front[c]] += product / 6.0L;
+            matrix[basis.front[r]][basis.rear[c]] += product / 6.0L;
+        }
+    }
+}
+
+Matrix link_inertia(const System& system) {
+    const auto& layout = system.layout;
+    const Real mass = system.parameters.half.mass;
+    Matrix matrix(layout.link_size(), std::vector<Real>(layout.link_size(), 0.0L));
+    for (const End end : {End::rear, End::front}) {
+        for (int m = 0; m <= layout.order; ++m) {
+            matrix[layout.x(end, m)][layout.x(end, m)] = mass / (2 * m + 1);
+            matrix[layout.y(end, m)][layout.y(end, m)] = mass / (2 * m + 1);
+        }
+        matrix[layout.z(end)][layout.z(end)] = mass;
+        matrix[layout.e(end)][layout.e(end)] = mass / 3.0L;
+    }
+    for (const PlateSpring& plate : plate_springs(system.parameters)) {
+        for (const Basis& basis : bases_at(layout, plate.xi)) add_plate_inertia(matrix, basis, plate.mass);
+    }
+    return matrix;
+}
+
+/// Gaussian elimination without pivoting: the matrix is positive definite.
+std::vector<Real> solve(Matrix matrix, std::vector<Real> right) {
+    const int n = static_cast<int>(right.size());
+    for (int column = 0; column < n; ++column) {
+        for (int row = column + 1; row < n; ++row) {
+            const Real factor = matrix[row][column] / matrix[column][column];
+            for (int k = column; k < n; ++k) matrix[row][k] -= factor * matrix[column][k];
+            right[row] -= factor * right[column];
+        }
+    }
+    for (int row = n - 1; row >= 0; --row) {
+        for (int k = row + 1; k < n; ++k) right[row] -= matrix[row][k] * right[k];
+        right[row] /= matrix[row][row];
+    }
+    return right;
+}
+
+/// Diagonal of the pulleys' inertia in the order of their coordinates.
+std::vector<Real> pulley_inertia(const model::Parameters& parameters) {
+    const auto& p = parameters.pulley;
+    const Real added[] = {parameters.drive.inertia, parameters.load.inertia};
+    std::vector<Real> diagonal;
+    if (parameters.detail.pulleys == model::PulleyDetail::elastic) {
+        for (const int shaft : {0, 1}) {
+            const Real values[] = {p.shaft_mass, p.shaft_mass, p.shaft_tilt_inertia, p.shaft_tilt_inertia, p.shaft_mass,
+                                   p.shaft_polar_inertia + added[shaft]};
+            diagonal.insert(diagonal.end(), std::begin(values), std::end(values));
+        }
+        for (int sheave = 0; sheave < 4; ++sheave) {
+            const Real values[] = {p.sheave_mass, p.sheave_mass, p.sheave_tilt_inertia, p.sheave_tilt_inertia, p.sheave_mass,
+                                   p.sheave_polar_inertia};
+            diagonal.insert(diagonal.end(), std::begin(values), std::end(values));
+        }
+    }
+    if (parameters.detail.pulleys == model::PulleyDetail::rigid) {
+        for (const int shaft : {0, 1}) diagonal.push_back(p.shaft_polar_inertia + 2.0L * p.sheave_polar_inertia + added[shaft]);
+        diagonal.insert(diagonal.end(), 2, Real{p.sheave_mass});
+    }
+    return diagonal;
+}
+
+}  // namespace
+
+std::vector<Real> accelerations(const System& system, std::span<const Real> forces) {
+    const auto& layout = system.layout;
+    const Matrix matrix = link_inertia(system);
+    std::vector<Real> result;
+    for (int i = 0; i < layout.links; ++i) {
+        const auto of_link = forces.subspan(i * layout.link_size(), layout.link_size());
+        for (const Real a : solve(matrix, {of_link.begin(), of_link.end()})) result.push_back(a);
+    }
+    const auto diagonal = pulley_inertia(system.parameters);
+    for (const Real inertia : diagonal) result.push_back(forces[result.size()] / inertia);
+    return result;
+}
+
+Real kinetic_energy(const System& system, std::span<const Real> state) {
+    const auto& layout = system.layout;
+    const Matrix matrix = link_inertia(system);
+    Real sum = 0.0L;
+    for (int i = 0; i < layout.links; ++i) {
+        const auto v = state.subspan(layout.link_begin(i) + layout.link_size(), layout.link_size());
+        for (int r = 0; r < layout.link_size(); ++r) {
+            for (int c = 0; c < layout.link_size(); ++c) sum += 0.5L * v[r] * matrix[r][c] * v[c];
+        }
+    }
+    const auto v = state.subspan(layout.pulley_begin() + layout.pulley_size, layout.pulley_size);
+    const auto diagonal = pulley_inertia(system.parameters);
+    for (int k = 0; k < layout.pulley_size; ++k) sum += 0.5L * diagonal[k] * v[k] * v[k];
+    return sum;
+}
+
+}  // namespace cvtflow::oracle

@@ -1,0 +1,160 @@
+/// Shafts, sheaves and inputs (EQUATIONS.md, section 8).
+
+#include "tests/oracle/system.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace cvtflow::oracle {
+
+using model::PulleyDetail;
+
+namespace {
+
+constexpr Real side_sign(int side) { return side == 0 ? -1.0L : 1.0L; }
+/// Movable: sheaves 1+ and 2-.
+constexpr bool is_movable(int shaft, int side) { return (shaft == 0) == (side == 1); }
+
+/// Two bodies' values of one deflection u = sheave - shaft + further, its rate, and the force it gives.
+struct Support {
+    const System& system;
+    Totals& totals;
+
+    /// k u + c u' with c from the damping ratio and the effective mass; books energy and loss.
+    [[nodiscard]] Real force(Real u, Real rate, Real stiffness, Real mass) const {
+        const Real c = damping_of(system.parameters.pulley.damping_ratio, stiffness, mass);
+        totals.energies.supports += 0.5L * stiffness * u * u;
+        totals.loss(model::Loss::supports) += c * rate * rate;
+        return stiffness * u + c * rate;
+    }
+};
+
+void add_bearings(const System& system, int shaft, Totals& totals) {
+    const auto& p = system.parameters.pulley;
+    const Support support{system, totals};
+    const Body& body = system.body[shaft];
+    BodyForce& force = totals.body[shaft];
+    force.force.x -= support.force(body.u.x, body.u_rate.x, p.bearing_radial, p.shaft_mass);
+    force.force.y -= support.force(body.u.y, body.u_rate.y, p.bearing_radial, p.shaft_mass);
+    force.force.z -= support.force(body.w, body.w_rate, p.bearing_axial, p.shaft_mass);
+    force.moment.x -= support.force(body.tau.x, body.tau_rate.x, p.bearing_tilt, p.shaft_tilt_inertia);
+    force.moment.y -= support.force(body.tau.y, body.tau_rate.y, p.bearing_tilt, p.shaft_tilt_inertia);
+}
+
+void add_attachment(const System& system, int shaft, int side, Totals& totals) {
+    const auto& p = system.parameters.pulley;
+    const Support support{system, totals};
+    const int number = model::sheave_body(shaft, side);
+    const Body& sheave = system.body[number];
+    const Body& hub = system.body[shaft];
+    BodyForce& on_sheave = totals.body[number];
+    BodyForce& on_hub = totals.body[shaft];
+    const Real z = side_sign(side) * system.parameters.half.length / 2.0L;
+
+    const Real fx = support.force(sheave.u.x - hub.u.x - hub.tau.y * z, sheave.u_rate.x - hub.u_rate.x - hub.tau_rate.y * z,
+                                  p.attachment_radial, p.sheave_mass);
+    on_sheave.force.x -= fx;
+    on_hub.force.x += fx;
+    on_hub.moment.y += fx * z;
+    const Real fy = support.force(sheave.u.y - hub.u.y + hub.tau.x * z, sheave.u_rate.y - hub.u_rate.y + hub.tau_rate.x * z,
+                                  p.attachment_radial, p.sheave_mass);
+    on_sheave.force.y -= fy;
+    on_hub.force.y += fy;
+    on_hub.moment.x -= fy * z;
+    if (!is_movable(shaft, side)) {
+        const Real fz = support.force(sheave.w - hub.w, sheave.w_rate - hub.w_rate, p.attachment_axial, p.sheave_mass);
+        on_sheave.force.z -= fz;
+        on_hub.force.z += fz;
+    }
+    const Vec3 moment{
+        support.force(sheave.tau.x - hub.tau.x, sheave.tau_rate.x - hub.tau_rate.x, p.attachment_tilt, p.sheave_tilt_inertia),
+        support.force(sheave.tau.y - hub.tau.y, sheave.tau_rate.y - hub.tau_rate.y, p.attachment_tilt, p.sheave_tilt_inertia),
+        support.force(sheave.phi - hub.phi, sheave.phi_rate - hub.phi_rate, p.attachment_torsion, p.sheave_polar_inertia)};
+    on_sheave.moment += -moment;
+    on_hub.moment += moment;
+}
+
+/// Polar inertia of a body; those of shafts include the machine behind them [kg·m²].
+Real polar_inertia(const model::Parameters& p, int body) {
+    if (body == 0) return Real{p.pulley.shaft_polar_inertia} + p.drive.inertia;
+    if (body == 1) return Real{p.pulley.shaft_polar_inertia} + p.load.inertia;
+    return p.pulley.sheave_polar_inertia;
+}
+
+/// ε = (φ_1' - i_ref φ_2')/ω_n.
+Real ratio_error(const System& system) {
+    const auto& p = system.parameters;
+    const Real target = p.control.ratio.at(std::max(system.t, 0.0));
+    const Real reference = p.drive.mode == model::DriveMode::speed ? p.drive.speed.largest_magnitude() : p.control.reference_speed;
+    return (system.body[0].phi_rate - target * system.body[1].phi_rate) / reference;
+}
+
+/// S_1 and S_2 [N].
+Real clamping_force(const System& system, int shaft) {
+    const auto& p = system.parameters;
+    const double from = std::max(system.t, 0.0);
+    const Real ramp = model::ramp(p.start, system.t);
+    if (shaft == 1) return ramp * p.clamping.driven.at(from);
+    const Real given = ramp * p.clamping.driving.at(from);
+    if (!system.layout.control) return given;
+    return std::max(0.0L, given + p.control.proportional * ratio_error(system) + p.control.integral * system.control_integral);
+}
+
+void add_clamping(const System& system, int shaft, Totals& totals) {
+    const int side = shaft == 0 ? 1 : 0;
+    const Real s = side_sign(side);
+    const int number = model::sheave_body(shaft, side);
+    const Real rate = system.body[number].w_rate - system.body[shaft].w_rate;
+    const Real clamping = clamping_force(system, shaft);
+    const Real damping = system.parameters.pulley.cylinder_damping;
+    const Real on_sheave = -s * clamping - damping * rate;
+    totals.body[number].force.z += on_sheave;
+    totals.body[shaft].force.z -= on_sheave;
+    totals.work(model::Work::clamping) += -s * clamping * rate;
+    totals.loss(model::Loss::cylinder) += damping * rate * rate;
+}
+
+Real drive_torque(const System& system) {
+    const auto& p = system.parameters;
+    const double from = std::max(system.t, 0.0);
+    if (p.drive.mode == model::DriveMode::torque) return p.drive.torque.at(from);
+    const Real inertia = polar_inertia(p, 0) + 2.0L * p.pulley.sheave_polar_inertia;
+    const Real frequency = 2.0L * std::numbers::pi_v<Real> * p.drive.governor_frequency;
+    const Real angle = Real{p.drive.speed.integral(system.t)} - system.body[0].phi;
+    const Real speed = Real{p.drive.speed.at(from)} - system.body[0].phi_rate;
+    return inertia * frequency * frequency * angle + 2.0L * inertia * frequency * speed;
+}
+
+}  // namespace
+
+void add_supports(const System& system, Totals& totals) {
+    if (system.parameters.detail.pulleys != PulleyDetail::elastic) return;
+    for (const int shaft : {0, 1}) {
+        add_bearings(system, shaft, totals);
+        for (const int side : {0, 1}) add_attachment(system, shaft, side, totals);
+    }
+}
+
+void add_gyroscopic(const System& system, Totals& totals) {
+    if (system.parameters.detail.pulleys != PulleyDetail::elastic) return;
+    for (int b = 0; b < bodies; ++b) {
+        const Body& body = system.body[b];
+        const Real spin = polar_inertia(system.parameters, b) * body.phi_rate;
+        totals.body[b].moment.x -= spin * body.tau_rate.y;
+        totals.body[b].moment.y += spin * body.tau_rate.x;
+    }
+}
+
+void add_inputs(const System& system, Totals& totals) {
+    for (const int shaft : {0, 1}) add_clamping(system, shaft, totals);
+    const Real torque = drive_torque(system);
+    totals.body[0].moment.z += torque;
+    totals.work(model::Work::drive) += torque * system.body[0].phi_rate;
+    const auto& load_table = system.parameters.load.torque;
+    const Real load = Real{model::ramp(system.parameters.start, system.t)} * load_table.at(std::max(system.t, 0.0));
+    totals.body[1].moment.z -= load;
+    totals.work(model::Work::load) -= load * system.body[1].phi_rate;
+    totals.control_rate = ratio_error(system);
+}
+
+}  // namespace cvtflow::oracle

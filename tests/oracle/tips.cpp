@@ -1,0 +1,172 @@
+/// Contact of pin ends and sheaves (EQUATIONS.md, section 6).
+
+#include "tests/oracle/friction.hpp"
+#include "tests/oracle/legendre.hpp"
+#include "tests/oracle/system.hpp"
+
+#include <algorithm>
+
+namespace cvtflow::oracle {
+
+using model::End;
+using model::Phase;
+
+int shaft_of(const System& system, const Link& link) {
+    const Real middle = (link.rear.shape[0].x + link.front.shape[0].x) / 2.0L;
+    return middle < system.parameters.pulley.centre_distance / 2.0L ? 0 : 1;
+}
+
+namespace {
+
+constexpr Vec3 k_axis{0.0L, 0.0L, 1.0L};
+
+Vec3 tilt_of(const Body& sheave) { return in_space(sheave.tau, 0.0L); }
+
+}  // namespace
+
+TipContact tip_contact(const System& system, const Link& link, End end, int side) {
+    const auto& tip = system.parameters.tip;
+    const auto& pulley = system.parameters.pulley;
+    const Half& half = link.half(end);
+    const Real sine = std::sin(Real{tip.angle});
+    const Real cosine = std::cos(Real{tip.angle});
+    TipContact c{};
+    c.shaft = shaft_of(system, link);
+    c.side = side;
+    c.sheave = model::sheave_body(c.shaft, side);
+    c.s = side == 0 ? -1.0L : 1.0L;
+    const Body& sheave = system.body[c.sheave];
+
+    const Vec2 slope = half.slope_at(c.s);
+    c.end = in_space(half.at(c.s), half.z + c.s * (half.length / 2.0L + half.e));
+    const Vec3 height = in_space(link.o, 0.0L) - dot(slope, link.o) * k_axis;
+    const Vec3 axis = k_axis + in_space(slope, 0.0L);
+    c.centre = c.end + Real{tip.radius} * (sine * height - c.s * cosine * axis);
+    c.centre_turning = (tip.radius * sine) * (in_space(link.t, 0.0L) - dot(slope, link.t) * k_axis);
+
+    const Vec2 shaft_axis{c.shaft == 0 ? 0.0L : Real{pulley.centre_distance}, 0.0L};
+    const Vec3 origin = in_space(shaft_axis + sheave.u, c.s * half.length / 2.0L + sheave.w);
+    c.r = c.centre - origin;
+    const Vec3 tilt = tilt_of(sheave);
+    const Vec3 l = c.r - cross(tilt, c.r);
+    const Real radius = norm(in_plane(l));
+    const Vec2 h{radius - (pulley.arc_position - pulley.arc_radius * sine), l.z - c.s * pulley.arc_radius * cosine};
+    const Real d = norm(h);
+    c.depth = Real{pulley.arc_radius} + tip.radius - d;
+    c.local_normal = {h.x / d * (l.x / radius), h.x / d * (l.y / radius), h.y / d};
+    c.normal = c.local_normal + cross(tilt, c.local_normal);
+    return c;
+}
+
+TipSliding tip_sliding(const System& system, const Link& link, End end, const TipContact& c) {
+    const Half& half = link.half(end);
+    const Body& sheave = system.body[c.sheave];
+    const Real radius = system.parameters.tip.radius;
+    const Vec3 point = c.centre - radius * c.normal;
+    const Vec3 end_rate = in_space(half.rate_at(c.s), half.z_rate + c.s * half.e_rate);
+    const Vec3 of_half = end_rate + link.turning * cross(k_axis, point - c.end);
+    const Vec3 spin = in_space(sheave.tau_rate, sheave.phi_rate);
+    const Vec3 of_sheave = in_space(sheave.u_rate, sheave.w_rate) + cross(spin, c.r - radius * c.normal);
+    const Vec3 v = of_half - of_sheave;
+    return {v, v - dot(v, c.normal) * c.normal};
+}
+
+namespace {
+
+/// S' by the chain rule [m/s].
+Vec3 centre_rate(const System& system, const Link& link, const Half& half, const TipContact& c) {
+    const auto& tip = system.parameters.tip;
+    const Real sine = std::sin(Real{tip.angle});
+    const Real cosine = std::cos(Real{tip.angle});
+    const Vec2 slope_rate = half.slope_rate_at(c.s);
+    const Vec3 end_rate = in_space(half.rate_at(c.s), half.z_rate + c.s * half.e_rate);
+    const Vec3 bending = Real{tip.radius} * (-sine * dot(slope_rate, link.o) * k_axis - c.s * cosine * in_space(slope_rate, 0.0L));
+    return end_rate + bending + link.turning * c.centre_turning;
+}
+
+struct TipTarget {
+    const Link& link;
+    const Half& half;
+    LinkForce& on_link;
+    HalfForce& on_half;
+    BodyForce& on_sheave;
+};
+
+/// The normal force N along the gradient of the depth.
+void push_normal(const System& system, const TipTarget& target, const TipContact& c, Real force) {
+    const auto& tip = system.parameters.tip;
+    const Real sine = std::sin(Real{tip.angle});
+    const Real cosine = std::cos(Real{tip.angle});
+    const Vec2 plane = in_plane(c.normal);
+    for (int m = 0; m <= target.half.order(); ++m) {
+        const Real lever = tip.radius * (2.0L / target.half.length) * legendre_slope(m, c.s);
+        const Vec2 per_coordinate = legendre(m, c.s) * plane + lever * ((-sine * c.normal.z) * target.link.o - (c.s * cosine) * plane);
+        target.on_half.shape[m] += force * per_coordinate;
+    }
+    target.on_half.z += force * c.normal.z;
+    target.on_half.e += c.s * force * c.normal.z;
+    target.on_link.turn(target.link, force * dot(c.normal, c.centre_turning));
+    target.on_sheave.force += -force * c.normal;
+    const Vec3 lever = cross(c.r, c.local_normal);
+    target.on_sheave.moment += -force * Vec3{lever.x, lever.y, 0.0L};
+}
+
+/// Friction f [N] on the half and its reaction on the sheave.
+void push_friction(const System& system, const TipTarget& target, const TipContact& c, Vec3 f) {
+    const Real radius = system.parameters.tip.radius;
+    const Vec3 point = c.centre - radius * c.normal;
+    target.on_half.push(c.s, f);
+    target.on_link.turn(target.link, cross(point - c.end, f).z);
+    target.on_sheave.force += -f;
+    target.on_sheave.moment += -cross(c.r - radius * c.normal, f);
+}
+
+Real tip_friction_slope(const System& system, Phase phase, Real speed) {
+    const auto& friction = system.parameters.tip.friction;
+    if (phase == Phase::stick) return 1.0L / friction.saturation_speed;
+    if (phase == Phase::slip) return 1.0L / speed;
+    return friction_slope(system.parameters.detail, friction, speed);
+}
+
+void add_tip(const System& system, int number, End end, int side, Phase phase, Totals& totals) {
+    const Link& link = system.links[number];
+    const auto& tip = system.parameters.tip;
+    const TipContact c = tip_contact(system, link, end, side);
+    if (c.depth <= 0.0L) return;
+    const Half& half = link.half(end);
+    const Body& sheave = system.body[c.sheave];
+    const Vec3 sheave_rate = in_space(sheave.u_rate, sheave.w_rate);
+    const Vec3 tilt_rate = in_space(sheave.tau_rate, 0.0L);
+    const Real depth_rate = -dot(c.normal, centre_rate(system, link, half, c)) + dot(c.normal, sheave_rate)
+                          + dot(tilt_rate, cross(c.r, c.local_normal));
+    const Real elastic = tip.hertz * c.depth * std::sqrt(c.depth);
+    const Real reference = tip.reference_depth;
+    const Real hertz = tip.hertz;
+    const Real chi = 2.0L * system.parameters.chain.damping_ratio * std::sqrt(1.5L * hertz * std::sqrt(reference) * system.parameters.half.mass)
+                   / (hertz * reference * std::sqrt(reference));
+    const Real force = std::max(0.0L, elastic * (1.0L + chi * depth_rate));
+    const TipTarget target{link, half, totals.link[number], totals.link[number].half(end), totals.body[c.sheave]};
+    push_normal(system, target, c, force);
+    totals.energies.tips += 0.4L * hertz * c.depth * c.depth * std::sqrt(c.depth);
+    totals.loss(model::Loss::tip_damping) += (force - elastic) * depth_rate;
+
+    const TipSliding v = tip_sliding(system, link, end, c);
+    const Vec3 f = (-tip.friction.coefficient * force * tip_friction_slope(system, phase, norm(v.tangential))) * v.tangential;
+    push_friction(system, target, c, f);
+    totals.loss(model::Loss::tip_friction) -= dot(f, v.whole);
+}
+
+}  // namespace
+
+void add_tips(const System& system, Totals& totals) {
+    for (int i = 0; i < system.layout.links; ++i) {
+        for (const End end : {End::rear, End::front}) {
+            for (const int side : {0, 1}) {
+                const Phase phase = system.phases[model::tips_per_link * i + 2 * static_cast<int>(end) + side];
+                if (phase != Phase::free) add_tip(system, i, end, side, phase, totals);
+            }
+        }
+    }
+}
+
+}  // namespace cvtflow::oracle
