@@ -81,7 +81,7 @@ JointCoefficients joint_coefficients(const Parameters& p) {
     const double zeta = p.chain.damping_ratio;
     const double mass = chain_mass(p);
     const auto& j = p.joint;
-    return {j.radius - 0.5 * p.half.width, 2.0 * j.radius, j.stiffness, 2.0 * zeta * std::sqrt(mass / j.stiffness) / j.reference_depth,
+    return {j.radius - 0.5 * p.half.width, 2.0 * j.radius, p.half.width * (4.0 * j.radius - p.half.width), j.stiffness, 2.0 * zeta * std::sqrt(mass / j.stiffness) / j.reference_depth,
             j.law == JointLaw::palmgren, j.reference_depth, j.clearance, j.clearance_stiffness,
             2.0 * zeta * std::sqrt(mass / j.clearance_stiffness) / j.clearance, FrictionCurve(j.friction, p.detail)};
 }
@@ -92,8 +92,7 @@ TipCoefficients tip_coefficients(const Parameters& p) {
     const double critical = 2.0 * std::sqrt(1.5 * t.hertz * root * p.half.mass);
     const double sine = std::sin(t.angle);
     const double cosine = std::cos(t.angle);
-    return {sine, cosine, t.radius, p.pulley.arc_radius + t.radius, p.pulley.arc_position - p.pulley.arc_radius * sine,
-            p.pulley.arc_radius * cosine, t.hertz, p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
+    return {sine, cosine, t.radius, p.pulley.arc_radius + t.radius, p.pulley.arc_position + t.radius * sine, t.hertz, p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
             FrictionCurve(t.friction, p.detail)};
 }
 

@@ -44,8 +44,7 @@ struct TipCoefficients {
     double sine, cosine;      ///< of β
     double radius;            ///< R_p
     double reach;             ///< R_c + R_p
-    double arc_radius;        ///< r_c = r_m - R_c sin β
-    double arc_offset;        ///< |z_c| = R_c cos β
+    double touching_radius;   ///< r_m + R_p sin β: radius of the sphere's centre when it touches at r_m
     double hertz, damping;    ///< K [N/m^1.5], χ_T [s/m]
     FrictionCurve friction;
 };
@@ -53,6 +52,7 @@ struct TipCoefficients {
 struct JointCoefficients {
     double arm;               ///< c_a = ρ - w/2
     double diameter;          ///< 2ρ
+    double square_excess;     ///< 4ρ² - 4c_a² = w (4ρ - w)
     double stiffness, damping;///< k_J [N/m], χ_J [s/m]
     bool palmgren;
     double reference_depth;

@@ -73,7 +73,9 @@ inline void joint_chunk(const Coefficients& c, const LinkFrame& before, const Li
     const V weight = load<W>(c.joint_points.weight.data());
 
     // Centres of the two arcs: Δ = C_L - C_R, and the relative velocity of the axes.
-    const V dx = along_axis<P, W>(gap.x, basis) + j.arm * (before.tx + after.tx), dy = along_axis<P, W>(gap.y, basis) + j.arm * (before.ty + after.ty);
+    const V gx = along_axis<P, W>(gap.x, basis), gy = along_axis<P, W>(gap.y, basis);
+    const double sx = before.tx + after.tx, sy = before.ty + after.ty, cx = before.tx - after.tx, cy = before.ty - after.ty;
+    const V dx = gx + j.arm * sx, dy = gy + j.arm * sy;
     const V ax = along_axis<P, W>(rate.x, basis), ay = along_axis<P, W>(rate.y, basis);
     const V distance = sqrt(dx * dx + dy * dy);
     const V inverse = V(1.0) / distance;
@@ -81,7 +83,9 @@ inline void joint_chunk(const Coefficients& c, const LinkFrame& before, const Li
     const V vx = ax - j.arm * (before.turning * before.ty + after.turning * after.ty), vy = ay + j.arm * (before.turning * before.tx + after.turning * after.tx);
 
     const V closing = -(nx * vx + ny * vy);
-    const auto contact = line_contact<W>(j, weight, j.diameter - distance);
+    // δ = 2ρ - |Δ| = (4ρ² - |Δ|²)/(2ρ + |Δ|), the squares multiplied out so that the depth (µm) does not drown in the rounding of ρ (cm).
+    const V depth = (j.square_excess - (gx * gx + gy * gy) - 2.0 * j.arm * (gx * sx + gy * sy) + j.arm * j.arm * (cx * cx + cy * cy)) / (j.diameter + distance);
+    const auto contact = line_contact<W>(j, weight, depth);
     const V normal = positive_part<W>(contact.elastic * (1.0 + j.damping * closing));
 
     // Slip at the contact point; lever of each link's turning along the tangent k×ν.

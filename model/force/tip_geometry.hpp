@@ -100,10 +100,14 @@ template <int P>
     const TipLanes ly = r.y + o.tilt_x * r.z;
     const TipLanes lz = r.z - (o.tilt_x * r.y - o.tilt_y * r.x);
     const TipLanes radius = sqrt(lx * lx + ly * ly);
-    const TipLanes h1 = radius - c.tip.arc_radius;
-    const TipLanes h2 = lz - c.tip.arc_offset * g.side;
+    // Sphere centre from where it sits when a pin just touches at r_m: small numbers, so that the depth (µm) does not drown in the
+    // rounding of the arc's radius (m):  depth = reach - |reach u + e| = -(2 reach u·e + e·e)/(reach + |reach u + e|).
+    const TipLanes e1 = radius - c.tip.touching_radius;
+    const TipLanes e2 = lz + (c.tip.radius * c.tip.cosine) * g.side;
+    const TipLanes h1 = e1 + c.tip.reach * c.tip.sine;
+    const TipLanes h2 = e2 - (c.tip.reach * c.tip.cosine) * g.side;
     const TipLanes distance = sqrt(h1 * h1 + h2 * h2);
-    g.depth = c.tip.reach - distance;
+    g.depth = -(2.0 * c.tip.reach * (c.tip.sine * e1 - c.tip.cosine * g.side * e2) + e1 * e1 + e2 * e2) / (c.tip.reach + distance);
     const TipLanes radial = h1 / (radius * distance);
     g.local = {radial * lx, radial * ly, h2 / distance};
     g.normal = {g.local.x + o.tilt_y * g.local.z, g.local.y - o.tilt_x * g.local.z,

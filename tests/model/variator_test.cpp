@@ -1,0 +1,94 @@
+/// Production kernels against the plain oracle: the same equations written twice.
+
+#include "model/variator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "tests/oracle/plain_rhs.hpp"
+#include "tests/oracle/random_state.hpp"
+
+namespace cvtflow {
+namespace {
+
+struct DetailCase {
+    std::string name;
+    model::Parameters parameters;
+};
+
+std::vector<DetailCase> detail_cases() {
+    std::vector<DetailCase> cases;
+    for (int order = 0; order <= 3; ++order) {
+        for (const auto plates : {model::PlateDetail::each, model::PlateDetail::lumped}) {
+            for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::rigid, model::PulleyDetail::absent}) {
+                for (const int points : {1, 3, 8}) {
+                    model::Parameters p;
+                    p.detail.order = order;
+                    p.detail.plates = plates;
+                    p.detail.pulleys = pulleys;
+                    p.detail.joint_points = points;
+                    p.detail.friction = points == 8 ? model::FrictionLaw::smoothed : model::FrictionLaw::piecewise;
+                    p.detail.stick_slip = points == 1;
+                    p.joint.law = order == 2 ? model::JointLaw::palmgren : model::JointLaw::linear;
+                    p.start.layout = pulleys == model::PulleyDetail::absent ? model::StartLayout::ring : model::StartLayout::belt;
+                    p.control.enabled = pulleys == model::PulleyDetail::elastic && order == 1;
+                    p.ledger = order != 3 || plates == model::PlateDetail::each;
+                    if (order == 3) p.chain.pitch = {8.12e-3, 8.12e-3, 8.0e-3};
+                    cases.push_back({"p" + std::to_string(order) + (plates == model::PlateDetail::each ? "_each_" : "_lumped_") +
+                                         (pulleys == model::PulleyDetail::elastic ? "elastic_" : pulleys == model::PulleyDetail::rigid ? "rigid_" : "absent_") +
+                                         std::to_string(points) + "points",
+                                     p});
+                }
+            }
+        }
+    }
+    return cases;
+}
+
+/// Largest difference relative to the largest value of its kind anywhere (link velocities, link accelerations, pulley accelerations): forces of
+/// that size cancel at every link, so no single coordinate can be more exact than they are. Control and ledger are compared one by one.
+double worst_difference(const model::ChainLayout& at, const std::vector<double>& a, const std::vector<double>& b) {
+    struct Kind {
+        double largest = 0.0, difference = 0.0;
+        void compare(double x, double y) {
+            largest = std::max(largest, std::abs(y));
+            difference = std::max(difference, std::abs(x - y));
+        }
+        [[nodiscard]] double relative() const { return largest > 0.0 ? difference / largest : difference; }
+    };
+    Kind velocities, accelerations, pulleys;
+    double worst = 0.0;
+    for (int k = 0; k < at.size(); ++k) {
+        const double x = a[static_cast<std::size_t>(k)];
+        const double y = b[static_cast<std::size_t>(k)];
+        const bool of_link = k < at.pulley_begin();
+        if (of_link) (k % at.link_block() < at.link_size() ? velocities : accelerations).compare(x, y);
+        if (!of_link && k < at.control_begin()) pulleys.compare(x, y);
+        if (k >= at.control_begin()) worst = std::max(worst, std::abs(x - y) / std::max(std::abs(y), 1e-300));
+    }
+    return std::max({worst, velocities.relative(), accelerations.relative(), pulleys.relative()});
+}
+
+class EveryDetail : public testing::TestWithParam<DetailCase> {};
+
+TEST_P(EveryDetail, TheKernelsAgreeWithTheOracleOnRandomStates) {
+    const model::Parameters& parameters = GetParam().parameters;
+    const model::Variator variator(parameters);
+    model::EvaluationScratch scratch(variator.layout());
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+        const auto random = oracle::random_state(parameters, seed);
+        const auto expected = oracle::right_hand_side(parameters, 1e-3, random.state, random.phases);
+        std::vector<double> slope(expected.slope.size());
+        ASSERT_EQ(static_cast<int>(slope.size()), variator.layout().size());
+        model::right_hand_side(variator, 1e-3, random.state.data(), random.phases.data(), slope.data(), scratch);
+        EXPECT_LT(worst_difference(variator.layout(), slope, expected.slope), 1e-12) << "seed " << seed;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()), [](const auto& instance) { return instance.param.name; });
+
+}  // namespace
+}  // namespace cvtflow
