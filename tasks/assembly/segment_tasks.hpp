@@ -1,0 +1,15 @@
+#pragma once
+/// What one segment does in each cycle. Bodies of tasks: context is the workspace, item the segment.
+
+namespace cvtflow::tasks {
+
+/// Stage state of the segment and its halo, forces, slope of its links.
+void evaluate_segment(void* workspace, int segment) noexcept;
+/// Result of the step for its links; their tips at the step's end.
+void detect_segment(void* workspace, int segment) noexcept;
+/// Earliest transition of its tips.
+void locate_segment(void* workspace, int segment) noexcept;
+/// State of its links at theta; its tips take the phase that is due there.
+void truncate_segment(void* workspace, int segment) noexcept;
+
+}  // namespace cvtflow::tasks

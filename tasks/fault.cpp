@@ -1,0 +1,38 @@
+#include "tasks/fault.hpp"
+
+#include <fmt/format.h>
+
+namespace cvtflow::tasks {
+
+std::string Fault::name() const {
+    switch (kind) {
+        case FaultKind::none: return "none";
+        case FaultKind::non_finite: return "non_finite";
+        case FaultKind::penetration: return "penetration";
+        case FaultKind::left_sheave: return "left_sheave";
+        case FaultKind::max_steps: return "max_steps";
+        case FaultKind::max_wall: return "max_wall";
+        case FaultKind::cancelled: return "cancelled";
+    }
+    return "unknown";
+}
+
+std::string Fault::message() const {
+    const std::string when = fmt::format("at t = {:.9g} s", time);
+    switch (kind) {
+        case FaultKind::none: return "finished";
+        case FaultKind::non_finite:
+            return pin < 0 ? fmt::format("the state of the pulleys is not finite {}: the step is too long for this scene, or its parameters are", when)
+                           : fmt::format("the state of pin {} is not finite {}: the step is too long for this scene, or its parameters are", pin, when);
+        case FaultKind::penetration:
+            return fmt::format("a tip of pin {} is {:.3g} m deep in its sheave {} (limit tip.deepest = {:.3g} m): clamping or step are too large", pin, value, when, limit);
+        case FaultKind::left_sheave:
+            return fmt::format("pin {} runs on a radius of {:.4g} m {}, off the sheave (limit {:.4g} m)", pin, value, when, limit);
+        case FaultKind::max_steps: return fmt::format("the budget of {:.0f} steps (run.max_steps) is used up {}", limit, when);
+        case FaultKind::max_wall: return fmt::format("the budget of {:.3g} s of wall time (run.max_wall) is used up {}", limit, when);
+        case FaultKind::cancelled: return fmt::format("cancelled {}", when);
+    }
+    return "unknown fault";
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,24 @@
+#pragma once
+/// Why a run ended before its end: values inside the graph, texts outside it.
+
+#include <string>
+
+namespace cvtflow::tasks {
+
+enum class FaultKind { none, non_finite, penetration, left_sheave, max_steps, max_wall, cancelled };
+
+struct Fault {
+    FaultKind kind = FaultKind::none;
+    double time = 0.0;     ///< [s]
+    int pin = -1;          ///< pin whose link shows it, -1: none in particular
+    double value = 0.0;    ///< depth or radius [m], limit of the budget
+    double limit = 0.0;    ///< what it exceeded
+
+    [[nodiscard]] explicit operator bool() const noexcept { return kind != FaultKind::none; }
+    /// One line for a user: what happened, when, where.
+    [[nodiscard]] std::string message() const;
+    /// Short name for records: "non_finite", "penetration", …
+    [[nodiscard]] std::string name() const;
+};
+
+}  // namespace cvtflow::tasks

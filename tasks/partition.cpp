@@ -1,0 +1,20 @@
+#include "tasks/partition.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace cvtflow::tasks {
+
+Partition Partition::equal(int links, int segments) {
+    if (segments < 1 || segments > links) {
+        throw std::invalid_argument("run.segments: " + std::to_string(segments) + " segments for " + std::to_string(links) + " links; give 1 to " + std::to_string(links));
+    }
+    Partition partition;
+    for (int s = 0; s < segments; ++s) {
+        const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(links) * k / segments); };
+        partition.segments_.push_back({cut(s), cut(s + 1)});
+    }
+    return partition;
+}
+
+}  // namespace cvtflow::tasks

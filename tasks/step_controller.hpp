@@ -1,0 +1,111 @@
+#pragma once
+/// The integration as a controller: called between cycles, it closes what the segments have left open (pulleys), decides on acceptance or
+/// truncation, and names the next cycle. The whole run happens inside one Executor::run().
+///
+///     evaluate (stages) ─► detect ─► accept ──────────────────────────────► next step
+///                             └─► evaluate (end) ─► locate ─► truncate ─► next step from the cut
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+
+#include "engine/executor/executor.hpp"
+#include "tasks/step_graph.hpp"
+#include "tasks/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+/// What happened so far. All monotone.
+struct Counters {
+    long steps = 0;         ///< accepted, truncated ones included
+    long evaluations = 0;   ///< of the right-hand side
+    long detected = 0;      ///< transitions carried out
+    long truncated = 0;     ///< steps cut at a transition
+    long suppressed = 0;    ///< transitions put off because the tip had just changed
+    bool operator==(const Counters&) const = default;
+};
+
+/// One change of a tip's phase, as recorded.
+struct TransitionRecord {
+    double time;           ///< [s]
+    int pin;               ///< link's rear pin + end
+    int tip;               ///< 4 link + 2 end + side
+    model::Phase from, to;
+};
+
+/// Called by the controller, serially, while the graph rests. May throw: the run then ends and the exception reaches its caller.
+class RunObserver {
+public:
+    virtual ~RunObserver() = default;
+    /// At every output time, the first one included. The state is that of the workspace's slot 0.
+    virtual void output(double time, const Workspace& workspace, const Counters& counters) = 0;
+    /// After each truncated step, for every tip that changed.
+    virtual void transition(const TransitionRecord& record) = 0;
+
+protected:
+    RunObserver() = default;
+    RunObserver(const RunObserver&) = default;
+    RunObserver& operator=(const RunObserver&) = default;
+};
+
+struct StepSettings {
+    double begin = 0.0;              ///< [s]
+    double until = 0.0;              ///< [s]
+    double step = 5e-8;              ///< longest step [s]; the step used divides the output interval
+    double output_interval = 1e-5;   ///< [s]
+    long max_steps = 0;              ///< 0: no budget
+    double max_wall = 0.0;           ///< [s], 0: no budget
+};
+
+class StepController final : public engine::Controller {
+public:
+    /// The workspace's slot 0 and phases hold the start state. `cancel` may be set from anywhere, also from a signal handler.
+    StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const std::atomic<bool>& cancel);
+
+    [[nodiscard]] int next() noexcept override;
+
+    [[nodiscard]] const Fault& fault() const noexcept { return fault_; }
+    [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+    [[nodiscard]] double time() const noexcept { return w_.time; }
+    /// Step in use: settings.step or a little less, so that it divides the output interval [s].
+    [[nodiscard]] double step() const noexcept { return grid_step_; }
+    /// Rethrows what the observer threw.
+    void rethrow() const;
+
+private:
+    enum class State { begin_step, stage, detect, end_slope, locate, truncate };
+
+    int begin_step();
+    int start_stage(int stage);
+    int finish_stage();
+    int start_detect();
+    int finish_detect();
+    int start_end_slope();
+    int finish_locate();
+    int finish_truncate();
+    int accept();
+    int end(Fault fault);
+    void close_evaluation(double time, const double* tail, double* slope);
+    void record_transitions();
+    [[nodiscard]] Fault budget() const;
+    [[nodiscard]] double grid_time(long number) const noexcept;
+    void probe_start();
+
+    Workspace& w_;
+    StepSettings settings_;
+    RunObserver& observer_;
+    const std::atomic<bool>& cancel_;
+    State state_ = State::begin_step;
+    int stage_ = 0;
+    long outputs_ = 0;          ///< outputs delivered
+    long grid_number_ = 0;      ///< grid points passed
+    long steps_per_output_;
+    double grid_step_;
+    Counters counters_;
+    Fault fault_;
+    std::exception_ptr thrown_;
+    std::vector<model::Phase> phases_before_;
+    std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,24 @@
+#pragma once
+/// The step as a task graph over segments. (ARCHITECTURE.md draws it.)
+
+#include "engine/graph/task_graph.hpp"
+#include "tasks/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+/// Sub-graphs between which the controller decides.
+enum Cycle : int {
+    evaluate_cycle,   ///< combine the stage state of own links and halo, forces, accelerations: one slope
+    detect_cycle,     ///< combine the step's result, probe its tips: is a transition due, is the state sound
+    locate_cycle,     ///< find the earliest transition of each segment on the interpolant
+    truncate_cycle,   ///< state at the earliest transition of all, phases changed there
+};
+
+/// Fields of the workspace, for the race check. A unit of range is one link, except for `verdict`: one segment.
+enum class Field { states_read, slopes_read, slope_written, state_kept, end_state, cut_state, window, load, account, phase, before, after, verdict };
+
+/// Graph of the fused assembly: one task per segment and cycle, joints at segment borders computed by both neighbours,
+/// a single synchronisation per evaluation. The context of its tasks is the workspace.
+[[nodiscard]] engine::TaskGraph fused_graph(const Workspace& workspace);
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,47 @@
+#include "tasks/workspace.hpp"
+
+#include <utility>
+
+namespace cvtflow::tasks {
+
+namespace {
+
+model::PhaseRule rule_of(const model::Parameters& p) {
+    model::PhaseRule rule;
+    rule.saturation_speed = p.tip.friction.saturation_speed;
+    rule.stick_slip = p.detail.stick_slip;
+    return rule;
+}
+
+}  // namespace
+
+Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
+    : parameters(p), variator(p), plan(stage_plan), partition(std::move(parts)), rule(rule_of(p)) {
+    const std::size_t size = static_cast<std::size_t>(layout().size());
+    const std::size_t stride = (size + 7) / 8 * 8;   // every slot begins on a cache line of its own
+    const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 3;
+    memory_.assign(arrays * stride + 8, 0.0);
+    double* next = memory_.data();
+    while (reinterpret_cast<std::uintptr_t>(next) % 64 != 0) ++next;
+    const auto take = [&] { return std::exchange(next, next + stride); };
+    for (int slot = 0; slot < plan.state_slots(); ++slot) states.push_back(take());
+    for (int slot = 0; slot < plan.slope_slots(); ++slot) slopes.push_back(take());
+    end_state = take();
+    end_slope = take();
+    cut_state = take();
+
+    const std::size_t links = static_cast<std::size_t>(layout().links);
+    loads.resize(links);
+    if (layout().ledger) accounts.resize(links);
+    phases.assign(model::tips_per_link * links, model::Phase::free);
+    before.assign(phases.size(), {});
+    after.assign(phases.size(), {});
+    changed.assign(phases.size(), -1e300);
+    for (const Segment& segment : partition.segments()) {
+        windows.emplace_back(static_cast<std::size_t>((segment.size() + 2) * layout().link_block()));
+    }
+    verdicts.resize(static_cast<std::size_t>(partition.size()));
+    tail.resize(static_cast<std::size_t>(tail_size()));
+}
+
+}  // namespace cvtflow::tasks

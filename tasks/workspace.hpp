@@ -1,0 +1,87 @@
+#pragma once
+/// All memory of the step loop, taken once. Every number has one writer per cycle: the segment that owns the link, or the controller.
+
+#include <vector>
+
+#include "engine/event/interpolant.hpp"
+#include "engine/method/combine.hpp"
+#include "engine/method/compiled_plan.hpp"
+#include "model/transition/phase_rule.hpp"
+#include "model/variator.hpp"
+#include "tasks/fault.hpp"
+#include "tasks/partition.hpp"
+
+namespace cvtflow::tasks {
+
+/// A transition of one tip within the step at hand.
+struct Transition {
+    double theta = 2.0;   ///< share of the step at which it is due; > 1: none
+    int tip = -1;         ///< 4 link + 2 end + side
+};
+
+/// What one segment found in a detect, locate or truncate cycle.
+struct alignas(64) Verdict {
+    Fault fault;
+    Transition first;        ///< earliest transition of the segment's tips
+    long detected = 0;       ///< transitions found in this cycle
+    long suppressed = 0;     ///< transitions put off because the tip has just changed
+    bool pending = false;    ///< some tip has to be located
+};
+
+class Workspace {
+public:
+    Workspace(const model::Parameters& parameters, const engine::StagePlan& plan, Partition partition);
+    Workspace(const Workspace&) = delete;
+    Workspace& operator=(const Workspace&) = delete;
+
+    const model::Parameters parameters;
+    const model::Variator variator;
+    const engine::CompiledPlan plan;
+    const Partition partition;
+    const model::PhaseRule rule;
+
+    // The step at hand; written by the controller between cycles.
+    double time = 0.0;                ///< t at the step's start [s]
+    double h = 0.0;                   ///< its length [s]
+    double dwell = 0.0;               ///< a tip that changed less than this ago stays [s]
+    engine::PlanStep row{};           ///< stage or result that an evaluate cycle combines
+    double theta = 1.0;               ///< where a truncate cycle cuts
+    double* slope_out = nullptr;      ///< where an evaluate cycle writes slopes
+    double* state_out = nullptr;      ///< where a detect or truncate cycle writes states
+    bool evaluate_end = false;        ///< an evaluate cycle works at the end of the step instead of a stage
+
+    // Fields over the state vector: [slot][layout.size()].
+    std::vector<double*> states;      ///< state slots; 0 = y at the step's start
+    std::vector<double*> slopes;      ///< slope slots; 0 = its slope
+    double* end_state;                ///< y at the step's end
+    double* end_slope;                ///< its slope with the step's phases, only if a transition has to be located
+    double* cut_state;                ///< y at theta
+
+    // Fields over links and tips.
+    std::vector<model::LinkLoad> loads;        ///< [links]
+    std::vector<model::Account> accounts;      ///< [links], only with a ledger
+    std::vector<model::Phase> phases;          ///< [4 links]
+    std::vector<model::TipIndicator> before;   ///< [4 links] at the step's start
+    std::vector<model::TipIndicator> after;    ///< [4 links] at its end
+    std::vector<double> changed;               ///< [4 links] time of the last change of phase [s]
+
+    // Per segment.
+    std::vector<std::vector<double>> windows;  ///< stage states of the segment's links and their two neighbours
+    std::vector<Verdict> verdicts;
+
+    // Pulleys, written by the controller.
+    std::vector<double> tail;                  ///< stage state behind the links
+    model::SheaveMotion sheaves[4]{};          ///< of the stage
+    model::SheaveMotion end_sheaves[4]{};      ///< at the step's end
+
+    [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
+    [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }
+    [[nodiscard]] engine::SlotView slots() const noexcept { return {states.data(), slopes.data()}; }
+    [[nodiscard]] engine::Interpolant interpolant() const noexcept { return {states[0], slopes[0], end_state, end_slope, h}; }
+    [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(double); }
+
+private:
+    std::vector<double> memory_;
+};
+
+}  // namespace cvtflow::tasks
