@@ -1,0 +1,191 @@
+#include "tasks/scene/cross_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "tasks/scene/units.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+using model::DriveMode;
+using model::PulleyDetail;
+using model::StartLayout;
+using Violation = std::optional<std::string>;
+
+/// A length in mm with four digits, for messages.
+std::string mm(double length) { return fmt::format("{:.4g} mm", 1e3 * length); }
+
+std::string seconds(double time) { return number_text(time) + " s"; }
+
+double chain_length(const model::Chain& chain) {
+    double length = 0.0;
+    for (int link = 0; link < chain.pins; ++link) length += chain.pitch[static_cast<std::size_t>(link) % chain.pitch.size()];
+    return length;
+}
+
+/// Belt length around the running radii r and ratio·r. Grows strictly with r: its slope is π (1 + i) + 2 f (i - 1) > 0.
+double belt_length(double r, double ratio, double a) noexcept {
+    const double difference = (ratio - 1.0) * r;
+    const double f = std::asin(std::clamp(difference / a, -1.0, 1.0));
+    return 2.0 * a * std::cos(f) + std::numbers::pi * (1.0 + ratio) * r + 2.0 * f * difference;
+}
+
+Violation geometry_closes(const Scene& scene) {
+    const auto& chain = scene.parameters.chain;
+    const auto& pulley = scene.parameters.pulley;
+    const auto& start = scene.parameters.start;
+    const bool absent = scene.parameters.detail.pulleys == PulleyDetail::absent;
+    if (start.layout != StartLayout::belt || absent || !scene.state_file.empty()) return {};
+    if (pulley.innermost >= pulley.outermost) return {};   // said by radii_ordered
+    const double length = chain_length(chain);
+    const auto radii = belt_radii(length, pulley.centre_distance, start.ratio);
+    const auto chain_text = fmt::format("chain.pins: {} pins make a chain of {}", chain.pins, mm(length));
+    const auto centre_distance = mm(pulley.centre_distance);
+    if (!radii && length <= 2.0 * pulley.centre_distance)
+        return fmt::format("{}, too short for pulley.centre_distance = {}", chain_text, centre_distance);
+    if (!radii) return fmt::format("{}, too long: the pulleys would touch at pulley.centre_distance = {}", chain_text, centre_distance);
+    const auto [smaller, larger] = std::minmax(radii->driving, radii->driven);
+    if (smaller >= pulley.innermost && larger <= pulley.outermost) return {};
+    return fmt::format("{}, which at start.ratio = {} runs on radii of {} and {}, outside pulley.innermost = {} to pulley.outermost = {}",
+                       chain_text, number_text(start.ratio), mm(radii->driving), mm(radii->driven), mm(pulley.innermost),
+                       mm(pulley.outermost));
+}
+
+Violation pitch_clears_halves(const Scene& scene) {
+    const auto& pitch = scene.parameters.chain.pitch;
+    const double smallest = *std::min_element(pitch.begin(), pitch.end());
+    if (smallest > scene.parameters.half.width) return {};
+    return fmt::format("chain.pitch: {} is not larger than half.width = {}", mm(smallest), mm(scene.parameters.half.width));
+}
+
+Violation pitches_fit(const Scene& scene) {
+    const auto& chain = scene.parameters.chain;
+    if (chain.pitch.size() <= static_cast<std::size_t>(chain.pins)) return {};
+    return fmt::format("chain.pitch: {} pitches for chain.pins = {}", chain.pitch.size(), chain.pins);
+}
+
+Violation plates_on_pin(const Scene& scene) {
+    const auto& plate = scene.parameters.plate;
+    const auto& half = scene.parameters.half;
+    if (plate.span <= 0.5 * half.length) return {};
+    return fmt::format("plate.span: {} is beyond the end of the pin, half.length/2 = {}", mm(plate.span), mm(0.5 * half.length));
+}
+
+Violation profile_is_round(const Scene& scene) {
+    const auto& joint = scene.parameters.joint;
+    const auto& half = scene.parameters.half;
+    if (joint.radius > 0.5 * half.width) return {};
+    return fmt::format("joint.radius: {} is not larger than half.width/2 = {}", mm(joint.radius), mm(0.5 * half.width));
+}
+
+Violation radii_ordered(const Scene& scene) {
+    const auto& pulley = scene.parameters.pulley;
+    if (pulley.innermost < pulley.outermost) return {};
+    return fmt::format("pulley.innermost: {} is not smaller than pulley.outermost = {}", mm(pulley.innermost), mm(pulley.outermost));
+}
+
+Violation arc_on_sheave(const Scene& scene) {
+    const auto& pulley = scene.parameters.pulley;
+    if (pulley.innermost >= pulley.outermost) return {};   // said by radii_ordered
+    if (pulley.arc_position >= pulley.innermost && pulley.arc_position <= pulley.outermost) return {};
+    return fmt::format("pulley.arc_position: {} is outside pulley.innermost = {} to pulley.outermost = {}", mm(pulley.arc_position),
+                       mm(pulley.innermost), mm(pulley.outermost));
+}
+
+Violation layout_has_pulleys(const Scene& scene) {
+    const bool ring = scene.parameters.start.layout == StartLayout::ring;
+    const bool absent = scene.parameters.detail.pulleys == PulleyDetail::absent;
+    if (ring == absent) return {};
+    return ring ? "start.layout: \"ring\" needs detail.pulleys = \"absent\""
+                : "start.layout: \"belt\" needs pulleys, but detail.pulleys is \"absent\"";
+}
+
+Violation ramp_within_settling(const Scene& scene) {
+    const auto& start = scene.parameters.start;
+    const bool settles = start.layout == StartLayout::belt && start.settling_time > 0.0;
+    if (!settles || start.ramp_time <= start.settling_time) return {};
+    return fmt::format("start.ramp_time: {} is longer than start.settling_time = {}", seconds(start.ramp_time), seconds(start.settling_time));
+}
+
+Violation control_has_pulleys(const Scene& scene) {
+    if (!scene.parameters.control.enabled || scene.parameters.detail.pulleys != PulleyDetail::absent) return {};
+    return "control.enabled: control needs pulleys, but detail.pulleys is \"absent\"";
+}
+
+Violation control_has_speed(const Scene& scene) {
+    const auto& drive = scene.parameters.drive;
+    if (!scene.parameters.control.enabled || drive.mode != DriveMode::speed || drive.speed.largest_magnitude() > 0.0) return {};
+    return "control.enabled: the error of control is relative to drive.speed, which is 0 throughout";
+}
+
+Violation outputs_take_steps(const Scene& scene) {
+    if (scene.run.output_interval >= scene.run.step) return {};
+    return fmt::format("run.output_interval: {} is shorter than run.step = {}", seconds(scene.run.output_interval),
+                       seconds(scene.run.step));
+}
+
+Violation states_take_outputs(const Scene& scene) {
+    if (scene.run.state_interval >= scene.run.output_interval) return {};
+    return fmt::format("run.state_interval: {} is shorter than run.output_interval = {}", seconds(scene.run.state_interval),
+                       seconds(scene.run.output_interval));
+}
+
+Violation followed_pin_exists(const Scene& scene) {
+    const int pins = scene.parameters.chain.pins;
+    if (scene.run.followed_pin < pins) return {};
+    return fmt::format("run.followed_pin: {} is not below chain.pins = {} (pins count from 0)", scene.run.followed_pin, pins);
+}
+
+Violation segments_have_links(const Scene& scene) {
+    const int pins = scene.parameters.chain.pins;
+    if (scene.run.segments <= pins) return {};
+    return fmt::format("run.segments: {} segments for chain.pins = {}", scene.run.segments, pins);
+}
+
+Violation method_named(const Scene& scene) {
+    if (!scene.run.method.empty()) return {};
+    return "run.method: the name is empty";
+}
+
+}  // namespace
+
+std::span<const CrossCheck> cross_checks() {
+    static const std::vector<CrossCheck> checks{
+        {{"chain.pins", "chain.pitch", "pulley.centre_distance", "start.ratio", "pulley.innermost", "pulley.outermost", "detail.pulleys",
+          "start.layout", "start.state"},
+         geometry_closes},
+        {{"chain.pitch", "half.width"}, pitch_clears_halves},
+        {{"chain.pitch", "chain.pins"}, pitches_fit},
+        {{"plate.span", "half.length"}, plates_on_pin},
+        {{"joint.radius", "half.width"}, profile_is_round},
+        {{"pulley.innermost", "pulley.outermost"}, radii_ordered},
+        {{"pulley.arc_position", "pulley.innermost", "pulley.outermost"}, arc_on_sheave},
+        {{"start.layout", "detail.pulleys"}, layout_has_pulleys},
+        {{"start.ramp_time", "start.settling_time", "start.layout"}, ramp_within_settling},
+        {{"control.enabled", "detail.pulleys"}, control_has_pulleys},
+        {{"control.enabled", "drive.speed", "drive.mode"}, control_has_speed},
+        {{"run.output_interval", "run.step"}, outputs_take_steps},
+        {{"run.state_interval", "run.output_interval"}, states_take_outputs},
+        {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
+        {{"run.segments", "chain.pins"}, segments_have_links},
+        {{"run.method"}, method_named},
+    };
+    return checks;
+}
+
+std::optional<BeltRadii> belt_radii(double length, double centre_distance, double ratio) noexcept {
+    double low = 0.0;
+    double high = centre_distance / (1.0 + ratio);
+    if (belt_length(low, ratio, centre_distance) >= length || belt_length(high, ratio, centre_distance) <= length) return {};
+    for (int halving = 0; halving < 200 && low < high; ++halving) {
+        const double middle = 0.5 * (low + high);
+        (belt_length(middle, ratio, centre_distance) < length ? low : high) = middle;
+    }
+    return BeltRadii{low, ratio * low};
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,63 @@
+#pragma once
+/// The table of all keys of a scene. Parser, --set, explain, JSON schema, writer and tests loop over it; no other list of keys exists.
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "tasks/scene/scene.hpp"
+
+namespace cvtflow::tasks {
+
+/// The member of a scene that a key sets. Its type decides how the key is written (Kind).
+using Slot = std::variant<double*, int*, long*, std::uint64_t*, bool*, std::string*, std::vector<double>*, model::TimeTable*,
+                          model::PlateDetail*, model::PulleyDetail*, model::FrictionLaw*, model::JointLaw*, model::DriveMode*,
+                          model::StartLayout*>;
+
+enum class Kind { number, integer, choice, boolean, text, number_list, time_table };
+
+/// Most points of a time table or of a list.
+inline constexpr std::size_t most_points = 10000;
+/// Latest time of a time table [s]; the earliest is 0 (while settling, tables are taken at 0).
+inline constexpr double latest_time = 1e6;
+
+struct Parameter {
+    std::string_view key;                       ///< "section.name"
+    std::string_view unit;                      ///< SI unit of a number, "1" for a plain number; empty where there is no number
+    double min = 0.0;                           ///< smallest value allowed, in `unit`
+    double max = 0.0;                           ///< largest value allowed
+    std::vector<std::string_view> choices;      ///< of a choice, in the order of the enumerators
+    std::string_view meaning;
+    std::string_view source;                    ///< where the default comes from
+    Slot (*member)(Scene&);
+
+    [[nodiscard]] std::string_view section() const noexcept { return key.substr(0, key.find('.')); }
+    [[nodiscard]] std::string_view name() const noexcept { return key.substr(key.find('.') + 1); }
+    [[nodiscard]] Kind kind() const;
+};
+
+/// All rows; the keys of a section are adjacent.
+[[nodiscard]] std::span<const Parameter> parameter_table();
+
+/// The row of `key`, or nullptr.
+[[nodiscard]] const Parameter* find_parameter(std::string_view key);
+
+/// The key that was probably meant: near in spelling, or the same name in another section. Empty if none.
+[[nodiscard]] std::string nearest_key(std::string_view key);
+
+/// Section names in the order of the table.
+[[nodiscard]] std::vector<std::string> section_names();
+
+/// The value of a key in `scene`, as TOML.
+[[nodiscard]] std::string value_text(const Parameter& parameter, const Scene& scene);
+
+/// What `cvtflow explain key` prints: meaning, unit, range, default and source.
+/// @throws SceneError  unknown key, with the key that was probably meant
+[[nodiscard]] std::string explain(std::string_view key);
+
+/// JSON schema (draft 2020-12) of a scene, for editors.
+[[nodiscard]] std::string json_schema();
+
+}  // namespace cvtflow::tasks

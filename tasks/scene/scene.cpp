@@ -1,0 +1,182 @@
+#include "tasks/scene/scene.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <set>
+#include <sstream>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tasks/scene/cross_checks.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/spelling.hpp"
+#include "tasks/scene/value_reader.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+/// A scene while it is read: keys given, keys that are wrong, problems so far.
+class Reading {
+public:
+    /// Relative start.state paths count from `folder`.
+    Reading(Scene scene, std::filesystem::path folder) : scene_(std::move(scene)), folder_(std::move(folder)) {}
+
+    void document(const Node::Table& sections);
+    void value(const Parameter& parameter, const Node& node);
+    void unknown_key(const std::string& key, Position position) {
+        problem(position, fmt::format("{}: unknown key{}", key, did_you_mean(nearest_key(key))));
+    }
+    void problem(Position position, std::string message) { problems_.push_back({position, std::move(message)}); }
+
+    /// Checks what values must satisfy together, then hands over the scene.
+    /// @param place  text before a problem's message, for its position
+    /// @throws SceneError  if there is any problem
+    Scene finish(const std::function<std::string(Position)>& place);
+
+private:
+    void section(const Entry& entry);
+    void resolve_state(const Node& node);
+    void check(const CrossCheck& cross_check);
+
+    Scene scene_;
+    std::filesystem::path folder_;
+    std::map<std::string_view, Position> given_;
+    std::set<std::string_view> wrong_;
+    std::vector<Problem> problems_;
+};
+
+void Reading::document(const Node::Table& sections) {
+    for (const Entry& entry : sections) section(entry);
+}
+
+void Reading::section(const Entry& entry) {
+    const auto names = section_names();
+    const auto* table = std::get_if<Node::Table>(&entry.node.value);
+    if (std::find(names.begin(), names.end(), entry.key) == names.end()) {
+        if (table) return problem(entry.position, fmt::format("{}: unknown section{}", entry.key, did_you_mean(closest(entry.key, names))));
+        return problem(entry.position, fmt::format("{}: this key is in no section{}", entry.key, did_you_mean(nearest_key(entry.key))));
+    }
+    if (!table) return problem(entry.position, fmt::format("{0}: not a section; write [{0}]", entry.key));
+    for (const Entry& row : *table) {
+        const std::string key = fmt::format("{}.{}", entry.key, row.key);
+        if (const Parameter* parameter = find_parameter(key)) value(*parameter, row.node);
+        else unknown_key(key, row.position);
+    }
+}
+
+void Reading::value(const Parameter& parameter, const Node& node) {
+    const std::size_t before = problems_.size();
+    given_[parameter.key] = node.position;
+    read_value(parameter, node, scene_, problems_);
+    if (parameter.key == "start.state" && problems_.size() == before) resolve_state(node);
+    if (problems_.size() == before) wrong_.erase(parameter.key);
+    else wrong_.insert(parameter.key);
+}
+
+void Reading::resolve_state(const Node& node) {
+    if (scene_.state_file.empty()) return;
+    const auto file = std::filesystem::absolute(folder_ / scene_.state_file).lexically_normal();
+    std::error_code unreadable;
+    if (!std::filesystem::is_regular_file(file, unreadable))
+        problem(node.position, fmt::format("start.state: there is no file {}", toml_text(scene_.state_file)));
+    scene_.state_file = file.string();
+}
+
+void Reading::check(const CrossCheck& cross_check) {
+    const auto is_wrong = [&](std::string_view key) { return wrong_.contains(key); };
+    if (std::any_of(cross_check.keys.begin(), cross_check.keys.end(), is_wrong)) return;
+    auto violation = cross_check.violation(scene_);
+    if (!violation) return;
+    const auto& keys = cross_check.keys;
+    const auto first = std::find_if(keys.begin(), keys.end(), [&](std::string_view key) { return given_.contains(key); });
+    problem(first == keys.end() ? Position{} : given_[*first], std::move(*violation));
+}
+
+Scene Reading::finish(const std::function<std::string(Position)>& place) {
+    for (const CrossCheck& cross_check : cross_checks()) check(cross_check);
+    if (problems_.empty()) return std::move(scene_);
+    std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) { return a.position < b.position; });
+    std::vector<std::string> lines;
+    for (const Problem& problem : problems_) lines.push_back(fmt::format("{}: {}", place(problem.position), problem.message));
+    throw SceneError(fmt::format("{}", fmt::join(lines, "\n")));
+}
+
+/// The value of a setting on the command line. Texts and choices are taken as they are; quantities ("8.12 mm") need no quotes.
+std::variant<Node, Problem> parse_setting(const Parameter& parameter, const std::string& text) {
+    const Kind kind = parameter.kind();
+    const bool in_toml = text.starts_with('"') || text.starts_with('\'') || text.starts_with('[');
+    if (!in_toml && (kind == Kind::text || kind == Kind::choice)) return Node{text, {}};
+    auto parsed = parse_toml("value = " + text);
+    if (auto* document = std::get_if<Node>(&parsed)) {
+        const auto& entries = std::get<Node::Table>(document->value);
+        const bool date = entries.size() == 1 && std::holds_alternative<Date>(entries.front().node.value);
+        if (entries.size() == 1 && !date) return entries.front().node;
+    }
+    if (in_toml && std::holds_alternative<Problem>(parsed)) return parsed;
+    return Node{text, {}};
+}
+
+/// Gives every part of a value the position of its setting.
+void place_at(Node& node, Position position) {
+    node.position = position;
+    if (auto* list = std::get_if<Node::Array>(&node.value))
+        for (Node& element : *list) place_at(element, position);
+}
+
+void read_setting(Reading& reading, const std::string& setting, Position position) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos) return reading.problem(position, "not of the form key=value");
+    const std::string key = setting.substr(0, equals);
+    const Parameter* parameter = find_parameter(key);
+    if (!parameter) return reading.unknown_key(key, position);
+    auto parsed = parse_setting(*parameter, setting.substr(equals + 1));
+    if (auto* wrong = std::get_if<Problem>(&parsed)) return reading.problem(position, fmt::format("{}: {}", key, wrong->message));
+    auto& node = std::get<Node>(parsed);
+    place_at(node, position);
+    reading.value(*parameter, node);
+}
+
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& path) {
+    std::error_code error;
+    const bool is_folder = std::filesystem::is_directory(path, error);
+    std::ifstream file(path, std::ios::binary);
+    if (!file || is_folder) throw SceneError(fmt::format("{}: cannot be read", path.string()));
+    std::ostringstream text;
+    text << file.rdbuf();
+    return parse_scene(text.str(), path);
+}
+
+Scene parse_scene(std::string text, std::filesystem::path name) {
+    const auto place = [&](Position position) { return fmt::format("{}:{}:{}", name.string(), position.line, position.column); };
+    const auto parsed = parse_toml(text);
+    if (const auto* wrong = std::get_if<Problem>(&parsed)) throw SceneError(fmt::format("{}: {}", place(wrong->position), wrong->message));
+    Reading reading(Scene{}, name.parent_path());
+    reading.document(std::get<Node::Table>(std::get<Node>(parsed).value));
+    Scene scene = reading.finish(place);
+    if (scene.name.empty()) scene.name = name.stem().string();
+    scene.text = std::move(text);
+    scene.path = std::move(name);
+    return scene;
+}
+
+void set_values(Scene& scene, std::span<const std::string> settings) {
+    Reading reading(scene, {});
+    int number = 0;
+    for (const std::string& setting : settings) read_setting(reading, setting, {number++, 0});
+    scene = reading.finish([&](Position position) { return fmt::format("--set {}", settings[static_cast<std::size_t>(position.line)]); });
+}
+
+void set_value(Scene& scene, std::string_view setting) {
+    const std::string text(setting);
+    set_values(scene, {&text, 1});
+}
+
+}  // namespace cvtflow::tasks

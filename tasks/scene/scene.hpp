@@ -1,0 +1,89 @@
+#pragma once
+/// A scene: everything that a run is made from, read from a TOML file. Every key, its unit, range, default and meaning is a row of
+/// tasks/scene/parameter_table.cpp; this file is what programs use.
+///
+/// A scene is checked completely before anything runs. SceneError carries all problems at once, one per line:
+///
+///     scene.toml:14:9: chain.pitch: 8.12 m is outside [1e-3, 5e-2] m (did you mean "8.12 mm"?)
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "model/parameters.hpp"
+
+namespace cvtflow::tasks {
+
+/// How a scene is integrated and what is recorded.
+struct RunSettings {
+    std::string method = "rk4";       ///< name in the catalogue of methods
+    double step = 5e-8;               ///< [s]
+    double until = 5e-3;              ///< [s]
+    double output_interval = 1e-5;    ///< channels [s]
+    double state_interval = 1e-4;     ///< full states [s]
+    long max_steps = 0;               ///< 0: no limit
+    double max_wall = 0.0;            ///< wall-clock limit, 0: none [s]
+    int followed_pin = 0;             ///< pin whose own channels are recorded
+    int segments = 1;                 ///< parts of the chain that are tasks of their own
+    int threads = 1;
+    std::uint64_t seed = 0;           ///< of whatever is drawn by chance
+    bool operator==(const RunSettings&) const = default;
+};
+
+struct Scene {
+    std::string name;                 ///< the file's stem if the scene does not say
+    std::string description;
+    model::Parameters parameters;
+    RunSettings run;
+    std::string state_file;           ///< absolute path of the state to start from; empty: geometric start
+    std::string text;                 ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
+    std::filesystem::path path;       ///< of the file, as given
+};
+
+/// A scene that cannot be used. what() is the full message: one problem per line, in the order of their positions.
+class SceneError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// Reads and checks a scene file.
+/// @throws SceneError  unreadable file, or any problem in it
+[[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+
+/// Checks a scene given as text. `name` stands for the file in messages, and start.state is relative to its folder.
+/// @throws SceneError
+[[nodiscard]] Scene parse_scene(std::string text, std::filesystem::path name);
+
+/// Applies settings "key=value" in their order, then checks the whole scene; so settings that are consistent only together can be given
+/// together. A value is written as in TOML; quotes around texts, choices and quantities may be left out (shells strip them). start.state is
+/// relative to the working directory, as everything on a command line is. The scene is unchanged if anything is wrong.
+/// @throws SceneError  lines begin with `--set key=value: `
+void set_values(Scene& scene, std::span<const std::string> settings);
+
+/// set_values with one setting.
+void set_value(Scene& scene, std::string_view setting);
+
+/// A level of detail: a name for four of the dials of [detail].
+struct DetailPreset {
+    std::string_view name;
+    std::string_view meaning;
+    int order;
+    model::PlateDetail plates;
+    int joint_points;
+    model::PulleyDetail pulleys;
+};
+
+/// All levels of detail, coarsest first.
+[[nodiscard]] std::span<const DetailPreset> detail_presets() noexcept;
+
+/// Sets order, plates, joint_points and pulleys of a preset. Keeps the friction law, its smoothing and stick_slip, and pulleys = "absent".
+/// @throws SceneError  unknown preset
+void apply_detail(Scene& scene, std::string_view preset);
+
+/// The scene as TOML with every key: what a run used, whatever file, presets and settings it came from. parse_scene reads it back equal.
+[[nodiscard]] std::string write_scene(const Scene& scene);
+
+}  // namespace cvtflow::tasks

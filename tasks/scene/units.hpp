@@ -1,0 +1,48 @@
+#pragma once
+/// Quantities as people write them: "8.12 mm", "2000 rpm", "5.7e7 N/m", "2.5e10 N/m^1.5". Everything is turned into SI.
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace cvtflow::tasks {
+
+/// Exponents of m, kg, s and rad, counted in halves (Hertz' stiffness is in N/m^1.5). An angle is kept as a dimension of its own: it tells
+/// a speed of rotation (rad/s) from a frequency (Hz) and a torque (N*m) from a torsional stiffness (N*m/rad).
+struct Dimension {
+    int length = 0;
+    int mass = 0;
+    int time = 0;
+    int angle = 0;
+    bool operator==(const Dimension&) const = default;
+};
+
+/// A number with its unit, read from text.
+struct Quantity {
+    double value = 0.0;      ///< in SI
+    double number = 0.0;     ///< as written, before the unit
+    Dimension dimension;
+    bool has_unit = false;
+};
+
+/// Reads "number unit". The unit is a product of symbols with * and /, each with an optional power ^ (halves are allowed); / divides by the
+/// one symbol that follows. Prefixes n u m k M G. Unit signs µ · ² ³ ° are understood. A power of ten is moved into the digits, so
+/// "8.12 mm" is the same double as 8.12e-3.
+/// @return the quantity, or what is wrong with the text (a sentence without the text itself)
+[[nodiscard]] std::variant<Quantity, std::string> parse_quantity(std::string_view text);
+
+/// Dimension of a unit such as "N*s/m"; "1" is none.
+/// @throws std::invalid_argument  unknown unit: an error of the parameter table, not of a user
+[[nodiscard]] Dimension dimension_of(std::string_view unit);
+
+/// "a length", "an area", …; empty for a dimension without a name.
+[[nodiscard]] std::string_view dimension_name(const Dimension& dimension);
+
+/// Units that people use for a quantity whose SI unit is `unit`, most usual first, without the SI unit itself. "m" -> mm, um, cm.
+[[nodiscard]] std::vector<std::string_view> usual_units(std::string_view unit);
+
+/// Shortest decimal text that reads back as the same double: 84, 0.2, 8.12e-3, 2e5. Also valid TOML.
+[[nodiscard]] std::string number_text(double number);
+
+}  // namespace cvtflow::tasks

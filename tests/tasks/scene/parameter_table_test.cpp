@@ -1,0 +1,126 @@
+#include "tasks/scene/parameter_table.hpp"
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tasks/scene/units.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+/// The numbers of a member; none for other kinds.
+std::vector<double> numbers(const Parameter& parameter, Scene& scene) {
+    const Slot slot = parameter.member(scene);
+    if (const auto* number = std::get_if<double*>(&slot)) return {**number};
+    if (const auto* number = std::get_if<int*>(&slot)) return {static_cast<double>(**number)};
+    if (const auto* number = std::get_if<long*>(&slot)) return {static_cast<double>(**number)};
+    if (const auto* number = std::get_if<std::uint64_t*>(&slot)) return {static_cast<double>(**number)};
+    if (const auto* list = std::get_if<std::vector<double>*>(&slot)) return **list;
+    if (const auto* table = std::get_if<model::TimeTable*>(&slot)) return (*table)->value;
+    return {};
+}
+
+TEST(ParameterTable, KeysAreUniqueAndHaveASectionAndAName) {
+    std::set<std::string_view> keys;
+    for (const Parameter& parameter : parameter_table()) {
+        EXPECT_TRUE(keys.insert(parameter.key).second) << parameter.key;
+        EXPECT_EQ(std::count(parameter.key.begin(), parameter.key.end(), '.'), 1) << parameter.key;
+        EXPECT_EQ(std::string(parameter.section()) + "." + std::string(parameter.name()), parameter.key);
+    }
+}
+
+TEST(ParameterTable, KeysOfASectionAreAdjacent) {
+    const auto names = section_names();
+    EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), names.size());
+}
+
+TEST(ParameterTable, EachRowSetsAMemberOfItsOwn) {
+    Scene scene;
+    std::set<const void*> members;
+    for (const Parameter& parameter : parameter_table())
+        EXPECT_TRUE(members.insert(std::visit([](auto* member) -> const void* { return member; }, parameter.member(scene))).second)
+            << parameter.key;
+}
+
+TEST(ParameterTable, EveryDefaultIsInsideItsOwnRange) {
+    Scene scene;
+    for (const Parameter& parameter : parameter_table())
+        for (const double value : numbers(parameter, scene)) {
+            EXPECT_GE(value, parameter.min) << parameter.key;
+            EXPECT_LE(value, parameter.max) << parameter.key;
+        }
+}
+
+TEST(ParameterTable, NumbersHaveAUnitWithANameAndOthersHaveNone) {
+    for (const Parameter& parameter : parameter_table()) {
+        const Kind kind = parameter.kind();
+        const bool number = kind != Kind::choice && kind != Kind::boolean && kind != Kind::text;
+        EXPECT_EQ(!parameter.unit.empty(), number) << parameter.key;
+        if (number) { EXPECT_NE(dimension_name(dimension_of(parameter.unit)), "") << parameter.key; }
+        EXPECT_EQ(!parameter.choices.empty(), kind == Kind::choice) << parameter.key;
+        EXPECT_EQ(number, parameter.min < parameter.max) << parameter.key;
+    }
+}
+
+TEST(ParameterTable, EveryRowSaysMeaningAndSource) {
+    for (const Parameter& parameter : parameter_table()) {
+        EXPECT_TRUE(parameter.meaning.ends_with('.')) << parameter.key;
+        EXPECT_FALSE(parameter.source.empty()) << parameter.key;
+    }
+}
+
+TEST(ParameterTable, StiffnessesMassesAndInertiasReachFromAThousandthToAThousandfold) {
+    const std::set<std::string_view> scaled{"N/m", "N/m^1.5", "N*m/rad", "N*m^2", "Pa", "kg"};
+    Scene scene;
+    int found = 0;
+    for (const Parameter& parameter : parameter_table()) {
+        const bool body = parameter.unit == "kg*m^2" && parameter.section() == "pulley";
+        if (!scaled.contains(parameter.unit) && !body) continue;
+        const double value = numbers(parameter, scene).front();
+        EXPECT_LE(parameter.min, 1.0001e-3 * value) << parameter.key;
+        EXPECT_GE(parameter.max, 0.9999e3 * value) << parameter.key;
+        ++found;
+    }
+    EXPECT_GT(found, 20);
+}
+
+TEST(ParameterTable, SaturationSpeedsAreStrictlyPositiveAndSpanSevenDecades) {
+    for (const char* key : {"plate.saturation_speed", "joint.saturation_speed", "tip.saturation_speed"}) {
+        const Parameter* parameter = find_parameter(key);
+        ASSERT_NE(parameter, nullptr);
+        EXPECT_EQ(parameter->min, 1e-6);
+        EXPECT_EQ(parameter->max, 10.0);
+    }
+}
+
+TEST(ParameterTable, UnknownKeyIsNotFound) { EXPECT_EQ(find_parameter("chain.colour"), nullptr); }
+
+TEST(ParameterTable, NearestKeyIsByEndingOrSectionOrSpelling) {
+    EXPECT_EQ(nearest_key("chain.pich"), "chain.pitch");
+    EXPECT_EQ(nearest_key("half.pins"), "chain.pins");
+    EXPECT_EQ(nearest_key("pins"), "chain.pins");
+    EXPECT_EQ(nearest_key("joint.friction"), "joint.friction_coefficient");
+    EXPECT_EQ(nearest_key("gearbox.teeth"), "");
+}
+
+TEST(ParameterTable, ChoicesAreNamedInTheOrderOfTheEnumerators) {
+    Scene scene;
+    scene.parameters.detail.pulleys = model::PulleyDetail::absent;
+    scene.parameters.joint.law = model::JointLaw::palmgren;
+    scene.parameters.drive.mode = model::DriveMode::torque;
+    scene.parameters.detail.plates = model::PlateDetail::lumped;
+    scene.parameters.detail.friction = model::FrictionLaw::smoothed;
+    scene.parameters.start.layout = model::StartLayout::ring;
+    EXPECT_EQ(value_text(*find_parameter("detail.pulleys"), scene), "\"absent\"");
+    EXPECT_EQ(value_text(*find_parameter("joint.law"), scene), "\"palmgren\"");
+    EXPECT_EQ(value_text(*find_parameter("drive.mode"), scene), "\"torque\"");
+    EXPECT_EQ(value_text(*find_parameter("detail.plates"), scene), "\"lumped\"");
+    EXPECT_EQ(value_text(*find_parameter("detail.friction"), scene), "\"smoothed\"");
+    EXPECT_EQ(value_text(*find_parameter("start.layout"), scene), "\"ring\"");
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

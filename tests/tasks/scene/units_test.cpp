@@ -1,0 +1,130 @@
+#include "tasks/scene/units.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+#include "model/parameters.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+double si(std::string_view text) { return std::get<Quantity>(parse_quantity(text)).value; }
+
+std::string complaint(std::string_view text) { return std::get<std::string>(parse_quantity(text)); }
+
+TEST(Units, PowersOfTenAreExact) {
+    EXPECT_EQ(si("8.12 mm"), 8.12e-3);
+    EXPECT_EQ(si("27.1 kN"), 27.1e3);
+    EXPECT_EQ(si("20 us"), 20e-6);
+    EXPECT_EQ(si("4.42 g"), 4.42e-3);
+    EXPECT_EQ(si("0.65 g"), 0.65e-3);
+    EXPECT_EQ(si("15.65 mm^2"), 15.65e-6);
+    EXPECT_EQ(si("210 GPa"), 2.1e11);
+    EXPECT_EQ(si("1.5e2 mm"), 0.15);
+    EXPECT_EQ(si("5 cm"), 0.05);
+    EXPECT_EQ(si("2 %"), 0.02);
+    EXPECT_EQ(si("3 bar"), 3e5);
+}
+
+TEST(Units, AnglesAndRotationAreWithinOneRounding) {
+    EXPECT_DOUBLE_EQ(si("11 deg"), 11.0 * std::numbers::pi / 180.0);
+    EXPECT_DOUBLE_EQ(si("2000 rpm"), 2000.0 * 2.0 * std::numbers::pi / 60.0);
+    EXPECT_DOUBLE_EQ(si("2 min"), 120.0);
+    EXPECT_DOUBLE_EQ(si("180 N*m/deg"), 180.0 * 180.0 / std::numbers::pi);
+}
+
+TEST(Units, TheBaselineInUsualUnitsIsTheDefaultToTheLastBit) {
+    EXPECT_EQ(si("11 deg"), model::Tip{}.angle);
+    EXPECT_EQ(si("2000 rpm"), model::Drive{}.speed.at(0.0));
+}
+
+TEST(Units, ProductsAndPowersMultiply) {
+    EXPECT_EQ(si("5.7e7 N/m"), 5.7e7);
+    EXPECT_EQ(si("150 N*m"), 150.0);
+    EXPECT_EQ(si("57 kN/mm"), 5.7e7);
+    EXPECT_EQ(si("2e5 N*s/m"), 2e5);
+    EXPECT_EQ(si("8e-3 kg*m^2"), 8e-3);
+    EXPECT_EQ(si("80 kg*cm^2"), 8e-3);
+    EXPECT_EQ(si("3 m*s^-1"), 3.0);
+    EXPECT_EQ(si("200 1/s"), 200.0);
+    EXPECT_DOUBLE_EQ(si("2.5e10 N/m^1.5"), 2.5e10);
+    EXPECT_DOUBLE_EQ(si("1 N/mm^1.5"), std::pow(1e3, 1.5));
+}
+
+TEST(Units, SlashDividesByTheNextSymbolOnly) {
+    EXPECT_EQ(std::get<Quantity>(parse_quantity("1 N/m*s")).dimension, dimension_of("N*s/m"));
+}
+
+TEST(Units, SignsBeyondAsciiAreUnderstood) {
+    EXPECT_EQ(si("20 µs"), 20e-6);
+    EXPECT_EQ(si("150 N·m"), 150.0);
+    EXPECT_EQ(si("15.65 mm²"), 15.65e-6);
+    EXPECT_EQ(si("11°"), si("11 deg"));
+}
+
+TEST(Units, SpaceAndSignAreFree) {
+    EXPECT_EQ(si("8.12mm"), 8.12e-3);
+    EXPECT_EQ(si("  -8.12   mm "), -8.12e-3);
+    EXPECT_EQ(si("+8.12 mm"), 8.12e-3);
+    EXPECT_EQ(si("150 N * m"), 150.0);
+}
+
+TEST(Units, NumberAloneHasNoUnit) {
+    const auto quantity = std::get<Quantity>(parse_quantity("0.09"));
+    EXPECT_FALSE(quantity.has_unit);
+    EXPECT_EQ(quantity.value, 0.09);
+    EXPECT_EQ(quantity.dimension, Dimension{});
+}
+
+TEST(Units, WrongTextsAreNamed) {
+    EXPECT_EQ(complaint("mm"), "does not begin with a number");
+    EXPECT_EQ(complaint(""), "does not begin with a number");
+    EXPECT_EQ(complaint("nan m"), "is not a finite number");
+    EXPECT_EQ(complaint("1e999 m"), "is not a finite number");
+    EXPECT_EQ(complaint("1e308 Gm"), "is not a finite number");
+    EXPECT_EQ(complaint("8 mmm"), "has the unknown unit \"mmm\" (did you mean \"mm\"?)");
+    EXPECT_EQ(complaint("8 N*"), "has an incomplete unit");
+    EXPECT_EQ(complaint("8 m^0"), "has the unusable power \"^0\"");
+    EXPECT_EQ(complaint("8 m^0.3"), "has the unusable power \"^0.3\"");
+    EXPECT_EQ(complaint("8 mdeg").substr(0, 20), "has the unknown unit");
+}
+
+TEST(Units, DimensionsHaveNames) {
+    EXPECT_EQ(dimension_name(dimension_of("kN/mm")), "a stiffness");
+    EXPECT_EQ(dimension_name(dimension_of("rpm")), "a rotational speed");
+    EXPECT_EQ(dimension_name(dimension_of("1")), "a plain number");
+    EXPECT_EQ(dimension_name(dimension_of("m*s")), "");
+    EXPECT_THROW((void)dimension_of("furlong"), std::invalid_argument);
+}
+
+TEST(Units, AngleTellsRotationFromFrequency) {
+    EXPECT_NE(dimension_of("rad/s"), dimension_of("Hz"));
+    EXPECT_NE(dimension_of("N*m/rad"), dimension_of("N*m"));
+}
+
+TEST(Units, UsualUnitsHaveTheDimensionOfTheirSiUnit) {
+    for (const char* unit : {"m", "m^2", "kg", "s", "rad", "m/s", "rad/s", "N", "Pa", "N/m", "N*m"}) {
+        EXPECT_FALSE(usual_units(unit).empty()) << unit;
+        for (const auto usual : usual_units(unit)) EXPECT_EQ(dimension_of(usual), dimension_of(unit)) << usual;
+    }
+    EXPECT_TRUE(usual_units("N/s").empty());
+}
+
+TEST(NumberText, IsShortAndReadsBackEqual) {
+    EXPECT_EQ(number_text(84), "84");
+    EXPECT_EQ(number_text(8.12e-3), "8.12e-3");
+    EXPECT_EQ(number_text(0.2), "0.2");
+    EXPECT_EQ(number_text(2e5), "2e5");
+    EXPECT_EQ(number_text(27100), "27100");
+    EXPECT_EQ(number_text(-2000), "-2000");
+    EXPECT_EQ(number_text(0), "0");
+    for (const double number : {1.0 / 3.0, 209.43951023931953, 1e-300, 5e-324, 1.7976931348623157e308, -0.19198621771937624})
+        EXPECT_EQ(std::strtod(number_text(number).c_str(), nullptr), number);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
