@@ -127,6 +127,38 @@ void probe_link(const ChainModel& model, const double* state, const SheaveMotion
     probe.radius = std::sqrt(x * x + y * y);
 }
 
+/// Sum of the plates' elastic tensions.
+template <int P>
+[[nodiscard]] double elastic_tension(const Coefficients& c, const LinkKind& kind, const double* q) noexcept {
+    const Stretch<P> d(q);
+    double tension = 0.0;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
+        double dx = 0.0;
+        double dy = 0.0;
+        for (int m = 0; m <= P; ++m) {
+            dx += d.x[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
+            dy += d.y[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
+        }
+        const double dz = d.z + c.plates.position[j] * d.e;
+        tension += c.plates.weight[j] * (std::sqrt(dx * dx + dy * dy + dz * dz) - kind.free_length);
+    }
+    return tension;
+}
+
+template <int P>
+void contact_of_link(const ChainModel& model, int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) noexcept {
+    const Coefficients& c = model.coefficients();
+    const double* v = state + at<P>.link_size();
+    contact = {elastic_tension<P>(c, c.kind(link), state), {}, {}};
+    if (!any_touching(phases)) return;
+    const SheaveMotion* own = sheaves + 2 * model.shaft_of(state);
+    const LinkFrame frame = link_frame<P>(state, v);
+    const TipGeometry geometry = tip_geometry<P>(c, frame, state, own);
+    const TipForces forces = tip_forces<false>(c.tip, geometry, tip_motion<P>(c, frame, v, own, geometry), phases, nullptr);
+    forces.normal.copy_to(contact.normal, std::experimental::element_aligned);
+    TipLanes(-(forces.normal * geometry.normal.z + forces.friction.z)).copy_to(contact.axial, std::experimental::element_aligned);
+}
+
 }  // namespace
 
 ChainModel::ChainModel(const Parameters& parameters) : coefficients_(parameters), inertia_(link_inertia(parameters)) {
@@ -134,6 +166,7 @@ ChainModel::ChainModel(const Parameters& parameters) : coefficients_(parameters)
         slopes_ = slopes_of<P, false>;
         observed_slopes_ = slopes_of<P, true>;
         probe_ = probe_link<P>;
+        contact_ = contact_of_link<P>;
     };
     switch (parameters.detail.order) {
         case 0: choose.template operator()<0>(); break;

@@ -34,6 +34,13 @@ struct TipProbe {
     double radius;                  ///< distance of the link's middle from its shaft's axis [m]
 };
 
+/// What one link carries, for observation.
+struct LinkContact {
+    double tension;                 ///< sum of its plates' elastic tensions [N]
+    double normal[tips_per_link];   ///< N [N]
+    double axial[tips_per_link];    ///< force of each tip on its sheave along z [N]
+};
+
 class ChainModel {
 public:
     explicit ChainModel(const Parameters& parameters);
@@ -51,6 +58,10 @@ public:
     }
     /// Depth of the four tips of one link, whatever their phase. `state` is the link's block.
     void probe(const double* state, const SheaveMotion* sheaves, TipProbe& probe) const noexcept { probe_(*this, state, sheaves, probe); }
+    /// Forces that one link carries, with the phases of its four tips.
+    void contact(int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) const noexcept {
+        contact_(*this, link, state, sheaves, phases, contact);
+    }
     /// Number of the shaft that a link belongs to: its middle lies nearer.
     [[nodiscard]] int shaft_of(const double* state) const noexcept {
         const ChainLayout& at = layout();
@@ -58,6 +69,7 @@ public:
     }
 
     using SlopeFunction = void (*)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
+    using ContactFunction = void (*)(const ChainModel&, int, const double*, const SheaveMotion*, const Phase*, LinkContact&) noexcept;
     using ProbeFunction = void (*)(const ChainModel&, const double*, const SheaveMotion*, TipProbe&) noexcept;
 
 private:
@@ -66,6 +78,7 @@ private:
     SlopeFunction slopes_;
     SlopeFunction observed_slopes_;
     ProbeFunction probe_;
+    ContactFunction contact_;
 };
 
 }  // namespace cvtflow::model

@@ -58,15 +58,20 @@ EvaluationScratch::EvaluationScratch(const ChainLayout& layout)
     : window(static_cast<std::size_t>((layout.links + 2) * layout.link_block())), loads(static_cast<std::size_t>(layout.links)),
       accounts(static_cast<std::size_t>(layout.links)) {}
 
-void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope, EvaluationScratch& scratch) noexcept {
+void fill_window(const Variator& variator, const double* state, EvaluationScratch& scratch) noexcept {
     const ChainLayout& at = variator.layout();
     const std::size_t block = static_cast<std::size_t>(at.link_block());
     double* window = scratch.window.data();
     std::memcpy(window, state + at.link_begin(at.links - 1), block * sizeof(double));
     std::memcpy(window + block, state, static_cast<std::size_t>(at.links) * block * sizeof(double));
     std::memcpy(window + static_cast<std::size_t>(at.links + 1) * block, state, block * sizeof(double));
+}
+
+void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope, EvaluationScratch& scratch) noexcept {
+    const ChainLayout& at = variator.layout();
+    fill_window(variator, state, scratch);
     if (at.pulley_size != 0) variator.pulleys().motions(state + at.pulley_begin(), scratch.sheaves);
-    const ChainRange range{0, at.links, window, scratch.sheaves, phases};
+    const ChainRange range{0, at.links, scratch.window.data(), scratch.sheaves, phases};
     if (at.ledger) {
         for (Account& account : scratch.accounts) account = {};
         variator.chain().observed_slopes(range, slope, scratch.loads.data(), scratch.accounts.data());

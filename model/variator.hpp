@@ -1,7 +1,6 @@
 #pragma once
 /// The whole variator: chain and pulleys, and how they meet. Links are evaluated in ranges; the pulleys close an evaluation.
 
-#include <memory>
 #include <vector>
 
 #include "model/chain_model.hpp"
@@ -37,6 +36,9 @@ struct EvaluationScratch {
     std::vector<Account> accounts;
     SheaveMotion sheaves[4]{};
 };
+
+/// Copies a whole state into the scratch window: link N-1, all links, link 0.
+void fill_window(const Variator& variator, const double* state, EvaluationScratch& scratch) noexcept;
 
 /// dy/dt at (t, state) with frozen phases: plain serial evaluation with the production kernels. state, slope: [layout.size()].
 void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope, EvaluationScratch& scratch) noexcept;
