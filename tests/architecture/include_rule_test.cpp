@@ -5,7 +5,7 @@
 ///     tasks  → model, engine, std, any third party (.cpp)
 ///     threads, locks and atomics: engine/executor only
 ///
-/// A header that does include a third party is private: only .cpp files of its own folder include it.
+/// A header that includes a third party, itself or through another one, is private: only files of its own folder include it, and their tests.
 
 #include <gtest/gtest.h>
 
@@ -13,6 +13,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "source_tree_fixture.hpp"
@@ -63,16 +64,18 @@ std::vector<SourceFile> library() {
     return files;
 }
 
-/// Headers of the library that include a third party directly.
+/// Headers of the library that include a third party, directly or through another such header.
 Names private_headers() {
-    Names headers;
-    for (const SourceFile& file : library()) {
-        const std::vector<Include> includes = includes_of(file.text);
-        const bool foreign =
-            std::any_of(includes.begin(), includes.end(), [](const Include& i) { return !i.quoted && !third_party(i.name).empty(); });
-        if (file.header() && foreign) headers.insert(file.path);
+    Names hidden;
+    const auto reveals = [&](const Include& i) { return i.quoted ? hidden.contains(i.name) : !third_party(i.name).empty(); };
+    for (bool grown = true; std::exchange(grown, false);) {
+        for (const SourceFile& file : library()) {
+            const std::vector<Include> includes = includes_of(file.text);
+            if (!file.header() || !std::any_of(includes.begin(), includes.end(), reveals)) continue;
+            grown |= hidden.insert(file.path).second;
+        }
     }
-    return headers;
+    return hidden;
 }
 
 TEST(IncludeRule, PartsIncludeOnlyTheirFriends) {
@@ -101,8 +104,8 @@ TEST(IncludeRule, HeadersThatIncludeThirdPartiesArePrivate) {
     for (const SourceFile& file : source_files()) {
         for (const Include& include : includes_of(file.text)) {
             if (!include.quoted || !hidden.contains(include.name)) continue;
-            const bool own = include.name.starts_with(file.folder() + "/") && !file.header();
-            EXPECT_TRUE(own || file.part() == "tests") << where(file, include) << " is private to its folder's .cpp files";
+            const bool own = include.name.substr(0, include.name.rfind('/')) == file.folder();
+            EXPECT_TRUE(own || file.part() == "tests") << where(file, include) << " is private to its folder";
         }
     }
 }
