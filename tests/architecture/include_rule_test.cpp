@@ -5,7 +5,8 @@
 ///     tasks  → model, engine, std, any third party (.cpp)
 ///     threads, locks and atomics: engine/executor only
 ///
-/// A header that includes a third party, itself or through another one, is private: only files of its own folder include it, and their tests.
+/// A header that includes a third party, itself or through another one, is private: only files of its own folder and
+/// tests include it.
 
 #include <gtest/gtest.h>
 
