@@ -13,7 +13,8 @@ struct Interpolant {
     const double* end_slope;    ///< y'(t + h)
     double h;                   ///< [s]
 
-    /// out[i - from] = y_i(t + theta h) for i in [from, to); bitwise y(t) at theta = 0, y(t + h) at 1, and independent of how a range is split.
+    /// out[i - from] = y_i(t + theta h) for i in [from, to); bitwise y(t) at theta = 0, y(t + h) at 1, and independent of
+    /// how a range is split.
     /// @param theta in [0, 1]; outside it extrapolates   @param out to - from numbers, no overlap with the vectors
     void evaluate(double theta, int from, int to, double* out) const noexcept;
 };

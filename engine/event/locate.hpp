@@ -12,11 +12,11 @@ struct Crossing {
     int evaluations;  ///< of the gap function
 };
 
-/// Finds a sign change of gap(theta) in [lo, hi]: the first point of the final bracket on which the NEW sign (that of gap_hi) holds, so that
-/// an event is never left pending by rounding. Zero and NaN do not count as the new sign. Several crossings: one of them.
-/// At most ceil(log2((hi - lo) / tolerance)) + 2 evaluations, whatever the function does; near a simple root about five.
+/// Finds a sign change of gap(theta) in [lo, hi]: the first point of the final bracket on which the NEW sign (that of gap_hi) holds, so
+/// that an event is never left pending by rounding. Zero and NaN do not count as the new sign. Several crossings: one of them.
+/// At most ceil(log2((hi - lo) / tolerance)) + 2 evaluations, whatever the function does; near a simple root under ten.
 /// @param gap θ ↦ double, never throws
-/// @param gap_lo, gap_hi values at the ends; unless their signs differ the answer is hi
+/// @param gap_lo, gap_hi values at the ends; unless gap_hi has a sign and gap_lo has the other one or is zero, the answer is hi
 /// @param tolerance on theta; less than a few units in the last place counts as these
 /// Source: Oliveira, Takahashi, ACM Trans. Math. Softw. 47 (2021) 5 (ITP method, κ1 = 0.2/(hi - lo), κ2 = 2, n0 = 1).
 template <class Gap>

@@ -46,8 +46,8 @@ struct StagePlan {
 };
 
 /// Rejects a plan that cannot be executed, or whose result would depend on how the state is cut into segments:
-/// slots out of range, sums of state factors other than 1 (error: 0) by more than 1e-12, slots read before they are written, slots written in
-/// the stage that reads them (a neighbour's halo is combined from the old contents at the same time), and writes to the two slots 0.
+/// slots out of range, sums of state factors other than 1 (error: 0) by more than 1e-12, slots read before they are written, slots written
+/// in the stage that reads them (a neighbour's halo is combined from the old contents at the same time), and writes to the two slots 0.
 /// @throws std::invalid_argument naming plan and stage
 void validate(const StagePlan& plan);
 

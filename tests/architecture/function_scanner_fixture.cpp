@@ -1,0 +1,129 @@
+/// A scanner of braces: enough C++ to measure functions, no more.
+
+#include <algorithm>
+#include <cctype>
+#include <cstddef>
+#include <regex>
+
+#include "source_tree_fixture.hpp"
+
+namespace cvtflow::architecture {
+
+namespace {
+
+/// Overwrites [begin, end) with spaces, keeping line breaks.
+void blank(std::string& text, std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < std::min(end, text.size()); ++i) {
+        if (text[i] != '\n') text[i] = ' ';
+    }
+}
+
+std::size_t after(const std::string& text, const std::string& what, std::size_t from) {
+    const std::size_t found = text.find(what, from);
+    return found == std::string::npos ? text.size() : found + what.size();
+}
+
+std::size_t end_of_literal(const std::string& text, std::size_t begin) {
+    std::size_t i = begin + 1;
+    while (i < text.size() && text[i] != text[begin] && text[i] != '\n') i += text[i] == '\\' ? 2 : 1;
+    return i + 1;
+}
+
+std::size_t end_of_raw_literal(const std::string& text, std::size_t quote) {
+    const std::size_t open = text.find('(', quote);
+    return after(text, ")" + text.substr(quote + 1, open - quote - 1) + "\"", open);
+}
+
+std::size_t end_of_directive(const std::string& text, std::size_t begin) {
+    std::size_t end = text.find('\n', begin);
+    while (end != std::string::npos && end > 0 && text[end - 1] == '\\') end = text.find('\n', end + 1);
+    return end == std::string::npos ? text.size() : end;
+}
+
+bool word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+/// Where the comment, literal or directive that begins at i ends; i if none begins there.
+std::size_t end_of_noise(const std::string& text, std::size_t i, bool line_start) {
+    const char c = text[i];
+    const char before = i == 0 ? '\n' : text[i - 1];
+    if (c == '#' && line_start) return end_of_directive(text, i);
+    if (c == '/' && text.compare(i, 2, "//") == 0) return end_of_directive(text, i);
+    if (c == '/' && text.compare(i, 2, "/*") == 0) return after(text, "*/", i + 2);
+    if (c == '"') return before == 'R' ? end_of_raw_literal(text, i) : end_of_literal(text, i);
+    if (c == '\'' && !word(before)) return end_of_literal(text, i);
+    return i;
+}
+
+enum class Block { scope, initialiser, function };
+
+/// What a brace opens, from the text between the last ; { or } and itself.
+Block kind_of(const std::string& head) {
+    static const std::regex scope(
+        R"(^(?:template\s*<.*>\s*)?(?:(?:inline|export|typedef|extern)\s*)*(?:namespace|class|struct|union|enum)\b[^()=]*$)");
+    static const std::regex linkage(R"(^extern\s*$)");
+    if (std::regex_match(head, scope) || std::regex_match(head, linkage)) return Block::scope;
+    if (!head.empty() && (head.back() == '=' || head.find('(') == std::string::npos)) return Block::initialiser;
+    return Block::function;
+}
+
+std::string one_line(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        const bool space = std::isspace(static_cast<unsigned char>(c)) != 0;
+        if (!space) result += c;
+        if (space && !result.empty() && result.back() != ' ') result += ' ';
+    }
+    while (!result.empty() && result.back() == ' ') result.pop_back();
+    return result;
+}
+
+int line_of(const std::string& text, std::size_t position) {
+    return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(position), '\n'));
+}
+
+std::size_t closing_brace(const std::string& code, std::size_t open) {
+    int depth = 0;
+    for (std::size_t i = open; i < code.size(); ++i) {
+        if (code[i] == '{') ++depth;
+        if (code[i] == '}' && --depth == 0) return i;
+    }
+    return code.size() - 1;
+}
+
+}  // namespace
+
+std::string code_only(const std::string& text) {
+    std::string code = text;
+    bool line_start = true;
+    for (std::size_t i = 0; i < text.size();) {
+        const std::size_t end = end_of_noise(text, i, line_start);
+        blank(code, i, end);
+        if (end == i && text[i] == '\n') line_start = true;
+        if (end == i && std::isspace(static_cast<unsigned char>(text[i])) == 0) line_start = false;
+        i = std::max(end, i + 1);
+    }
+    return code;
+}
+
+std::vector<FunctionBody> functions_of(const std::string& text) {
+    const std::string code = code_only(text);
+    std::vector<FunctionBody> functions;
+    std::size_t begin = 0;  // of the head
+    for (std::size_t i = 0; i < code.size(); ++i) {
+        if (code[i] == ';' || code[i] == '}') begin = i + 1;
+        if (code[i] != '{') continue;
+        const std::string head = one_line(code.substr(begin, i - begin));
+        const Block kind = kind_of(head);
+        if (kind != Block::scope) {
+            while (begin < i && std::isspace(static_cast<unsigned char>(code[begin])) != 0) ++begin;
+            const std::size_t end = closing_brace(code, i);
+            const int line = line_of(code, begin);
+            if (kind == Block::function) functions.push_back({head, line, line_of(code, end) - line + 1});
+            i = end;
+        }
+        begin = i + 1;
+    }
+    return functions;
+}
+
+}  // namespace cvtflow::architecture

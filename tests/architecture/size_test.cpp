@@ -1,0 +1,52 @@
+/// Gates on size: files of 300 lines, functions of 40.
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <map>
+#include <string>
+
+#include "source_tree_fixture.hpp"
+
+namespace cvtflow::architecture {
+namespace {
+
+constexpr int most_file_lines = 300;
+constexpr int most_function_lines = 40;
+
+/// The only files that may be longer, since they are tables: path and what is tabulated.
+const std::map<std::string, std::string> tables{
+    {"tasks/scene/parameter_table.cpp", "one row per parameter"},
+};
+
+TEST(Size, FilesAreShort) {
+    for (const SourceFile& file : source_files()) {
+        if (tables.contains(file.path)) continue;
+        EXPECT_LE(line_count(file.text), most_file_lines) << file.path;
+    }
+}
+
+TEST(Size, FunctionsAreShort) {
+    for (const SourceFile& file : source_files()) {
+        if (tables.contains(file.path)) continue;
+        for (const FunctionBody& function : functions_of(file.text)) {
+            EXPECT_LE(function.lines, most_function_lines) << file.path << ":" << function.line << ": " << function.head;
+        }
+    }
+}
+
+TEST(Size, ExemptionsAreNeeded) {
+    for (const SourceFile& file : source_files()) {
+        if (!tables.contains(file.path)) continue;
+        EXPECT_GT(line_count(file.text), most_file_lines) << file.path << " is no longer long: take it off the list";
+    }
+}
+
+TEST(Size, TheScannerSeesTheCode) {
+    std::size_t functions = 0;
+    for (const SourceFile& file : source_files()) functions += functions_of(file.text).size();
+    EXPECT_GT(functions, 100u);
+}
+
+}  // namespace
+}  // namespace cvtflow::architecture

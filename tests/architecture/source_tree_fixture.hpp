@@ -1,0 +1,46 @@
+#pragma once
+/// The source tree as the architecture tests see it.
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace cvtflow::architecture {
+
+struct SourceFile {
+    std::string path;  ///< relative to the top level, with slashes
+    std::string text;
+
+    [[nodiscard]] bool header() const { return path.ends_with(".hpp"); }
+    /// Folder of the top level: "model", "engine" …
+    [[nodiscard]] std::string part() const { return path.substr(0, path.find('/')); }
+    /// Folder of the file: "engine/graph".
+    [[nodiscard]] std::string folder() const { return path.substr(0, path.rfind('/')); }
+};
+
+struct Include {
+    int line;          ///< from 1
+    std::string name;  ///< as written between the quotes or brackets
+    bool quoted;
+};
+
+/// A block that opens outside all functions: the body of a function or lambda at namespace or class scope.
+struct FunctionBody {
+    std::string head;  ///< its first line
+    int line;          ///< of the head, from 1
+    int lines;         ///< from head to closing brace
+};
+
+/// All .cpp and .hpp files below the source folders, ascending by path.
+[[nodiscard]] std::vector<SourceFile> source_files();
+
+/// Names on the top level that git tracks; empty where there is no git to ask.
+[[nodiscard]] std::set<std::string> tracked_top_level();
+
+[[nodiscard]] std::vector<Include> includes_of(const std::string& text);
+[[nodiscard]] int line_count(const std::string& text);
+/// The text with comments, literals and preprocessor lines blanked out; lines stay where they are.
+[[nodiscard]] std::string code_only(const std::string& text);
+[[nodiscard]] std::vector<FunctionBody> functions_of(const std::string& text);
+
+}  // namespace cvtflow::architecture

@@ -1,0 +1,30 @@
+/// The top level is the first thing that a newcomer sees: nothing lands there by accident.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "source_tree_fixture.hpp"
+
+namespace cvtflow::architecture {
+namespace {
+
+const std::set<std::string> allowed{
+    ".ci",          ".clang-format", ".clang-tidy", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json",
+    "DECISIONS.md", "LICENSE",       "README.md",   "bench",      "engine",          "model",        "scenes",         "tasks",
+    "tests",        "tools",
+};
+
+TEST(TopLevel, HoldsOnlyWhatIsAllowed) {
+    const std::set<std::string> tracked = tracked_top_level();
+    if (tracked.empty()) GTEST_SKIP() << "no git to ask";
+    for (const std::string& name : tracked) EXPECT_TRUE(allowed.contains(name)) << name;
+}
+
+TEST(TopLevel, HoldsWhatEveryBuildNeeds) {
+    const std::set<std::string> tracked = tracked_top_level();
+    if (tracked.empty()) GTEST_SKIP() << "no git to ask";
+    EXPECT_THAT(tracked, testing::IsSupersetOf({"CMakeLists.txt", "LICENSE", "engine", "model", "tests"}));
+}
+
+}  // namespace
+}  // namespace cvtflow::architecture
