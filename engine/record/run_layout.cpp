@@ -26,7 +26,7 @@ void check_names(const Items& items, const std::string& kind, const std::set<std
             throw Failure("'" + name + "' cannot be the name of a " + kind);
         }
         if (reserved.contains(name)) {
-            throw Failure("the name '" + name + "' of a " + kind + " is reserved");
+            throw Failure("the name '" + name + "' is reserved (" + kind + ")");
         }
         if (!seen.insert(name).second) {
             throw Failure("the " + kind + " '" + name + "' is declared twice");

@@ -98,8 +98,11 @@ void RunFile::Impl::write(hdf5::RowBlock& block) {
     }
 }
 
-void RunFile::Impl::write_if_full(hdf5::RowBlock& block) {
-    if (block.full()) {
+/// Before a row is taken and not after, so that a row whose append threw was not taken.
+void RunFile::Impl::prepare(hdf5::RowBlock& block) {
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - last_flush).count() >= options.flush_seconds) {
+        flush();
+    } else if (block.full()) {
         hdf5::guarded(part.path(), [&] { write(block); });
     }
 }
@@ -117,12 +120,6 @@ void RunFile::Impl::flush() {
         fail(std::strerror(reason));
     }
     last_flush = std::chrono::steady_clock::now();
-}
-
-void RunFile::Impl::flush_if_due() {
-    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - last_flush).count() >= options.flush_seconds) {
-        flush();
-    }
 }
 
 /// Ends SWMR by closing, then writes what SWMR forbids. Leaves the file closed.

@@ -38,9 +38,8 @@ struct RunFile::Impl {
     void make_room(std::size_t growth);
     [[noreturn]] void fail(const std::string& reason) const;
     void write(hdf5::RowBlock& block);
-    void write_if_full(hdf5::RowBlock& block);
+    void prepare(hdf5::RowBlock& block);
     void flush();
-    void flush_if_due();
     void finish(const std::string& final_status);
     void release() noexcept;
 };

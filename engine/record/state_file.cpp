@@ -42,7 +42,7 @@ std::vector<std::byte> image_of(const SavedState& saved) {
     const hdf5::Handle file(H5Fcreate("state", H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot build the file in memory");
     for (const Attribute& attribute : saved.attributes) {
         if (attribute.name.empty() || is_own(attribute)) {
-            throw hdf5::Failure("the name '" + attribute.name + "' of an attribute is reserved");
+            throw hdf5::Failure("the name '" + attribute.name + "' is reserved (attribute)");
         }
         hdf5::write_attribute(file.id(), attribute);
     }
