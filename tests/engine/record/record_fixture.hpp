@@ -17,7 +17,7 @@ protected:
     ~RecordTest() override;
 
     [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-    /// Output of /usr/bin/python3 running a program with one argument; the test is skipped if h5py is not there.
+    /// Output of /usr/bin/python3 running a program with one argument; the tests need h5py.
     static std::string python(const std::string& program, const std::string& argument);
 
 private:
