@@ -47,7 +47,8 @@ struct RunFileOptions {
 /// flush_seconds have passed they first call HDF5, which allocates inside (row_block.cpp: RowBlock::write) and writes.
 class RunFile {
 public:
-    /// Creates `<path>.part`. Errors: missing folder, not writable, a folder of that name, another run writing it, contents that contradict.
+    /// Creates `<path>.part`.
+    /// Errors: missing folder, not writable, a folder of that name, another run writing it, contents that contradict.
     RunFile(const std::string& path, RunContents contents, RunFileOptions options = {});
     /// Without close(): saves what it can, sets the status to "interrupted" unless set_status() said otherwise, leaves the .part file.
     ~RunFile();

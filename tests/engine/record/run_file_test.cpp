@@ -120,7 +120,8 @@ TEST_F(RunFileTest, SaysWhyAFileCannotBeCreated) {
         return error_of([&] { RunFile(name, example_contents(), options); });
     };
     fs::create_directory(path("folder"));
-    EXPECT_EQ(create(path("missing/out.h5")), path("missing/out.h5") + ": cannot create: the folder '" + path("missing") + "' does not exist");
+    EXPECT_EQ(create(path("missing/out.h5")),
+        path("missing/out.h5") + ": cannot create: the folder '" + path("missing") + "' does not exist");
     EXPECT_EQ(create(path("folder")), path("folder") + ": cannot create: a folder, not a file");
     EXPECT_EQ(create(""), "cannot create a file without a name");
     fs::create_directory(path("out.h5.part"));
@@ -144,7 +145,8 @@ TEST_F(RunFileTest, DoesNotReplaceFilesIfToldSo) {
 TEST_F(RunFileTest, RefusesAFileThatAnotherRunIsWriting) {
     RunFile first(path("out.h5"), example_contents());
     append_example(first, 0);
-    EXPECT_EQ(error_of([&] { RunFile(path("out.h5"), example_contents()); }), path("out.h5.part") + ": cannot create: another run is writing it");
+    EXPECT_EQ(error_of([&] { RunFile(path("out.h5"), example_contents()); }),
+        path("out.h5.part") + ": cannot create: another run is writing it");
     first.close();
     EXPECT_EQ(RunReader(path("out.h5")).rows(), 1U);
 }
@@ -158,7 +160,8 @@ TEST_F(RunFileTest, RefusesContentsThatContradictAndLeavesNoFile) {
     EXPECT_EQ(create({.channels = {{"a", "N", "", 0}}}), part + "the channel 'a' has width 0");
     EXPECT_EQ(create({.tables = {{"events", "", {}}}}), part + "the table 'events' has no columns");
     EXPECT_EQ(create({.attributes = {{"status", 1.0}}}), part + "the name 'status' is reserved (attribute)");
-    EXPECT_THAT(create({.channels = {{"a", "N", ""}, {"a/b", "N", ""}}}), testing::StartsWith(part + "cannot create dataset '/channels/a/b': "));
+    EXPECT_THAT(create({.channels = {{"a", "N", ""}, {"a/b", "N", ""}}}),
+        testing::StartsWith(part + "cannot create dataset '/channels/a/b': "));
     EXPECT_FALSE(fs::exists(path("out.h5.part")));
 }
 

@@ -60,7 +60,9 @@ TEST_F(RunWriterTest, AFileOfAKilledRunHoldsAllRowsUpToTheLastFlush) {
     EXPECT_EQ(reader.status(), "running");
     EXPECT_EQ(reader.state_times().size(), 1000U);
     const std::string shape = python(
-        "import h5py, sys\nwith h5py.File(sys.argv[1], \"r\", swmr=True) as f: print(f[\"channels/links/tension\"].shape, f[\"states/y\"][-1, 0])",
+        "import h5py, sys\n"
+        "f = h5py.File(sys.argv[1], \"r\", swmr=True)\n"
+        "print(f[\"channels/links/tension\"].shape, f[\"states/y\"][-1, 0])",
         path("out.h5.part"));
     EXPECT_EQ(shape, "(1000, 3) 999.25\n");
 }
@@ -107,7 +109,8 @@ TEST_F(RunWriterTest, ALiveFileCanBeReadWhileItIsWrittenAndDoesNotDisturbTheWrit
     append_example(file, 1);
     file.flush();
     EXPECT_EQ(early.rows(), 1U);
-    EXPECT_EQ(python("import h5py, sys\nf = h5py.File(sys.argv[1], \"r\", swmr=True); print(f[\"channels/ratio\"][:])", file.part_path()), "[-0. -1.]\n");
+    const std::string program = "import h5py, sys\nf = h5py.File(sys.argv[1], \"r\", swmr=True); print(f[\"channels/ratio\"][:])";
+    EXPECT_EQ(python(program, file.part_path()), "[-0. -1.]\n");
     file.close();
     EXPECT_EQ(check_example(path("out.h5")), 2U);
 }
@@ -153,7 +156,7 @@ TEST_F(RunWriterTest, SaysPathReasonAndWhatIsSavedIfTheDiskIsFull) {
     EXPECT_EQ(wait_for(child), 0);
     const std::size_t rows = check_example(path("out.h5.part"));
     EXPECT_GT(rows, 1000U);
-    // Room is made by 100 rows at a time; the rows that wait in memory are brought to disk by the destructor, for which there is room again.
+    // Room is made for 100 rows at a time; those that wait in memory are saved by the destructor, for which there is room again.
     EXPECT_EQ(read_text_file(path("message")), fmt::format("{}: cannot write: File too large; saved: {} rows up to t = {:.9g} s",
         path("out.h5.part"), rows - 100, static_cast<double>(rows - 101) / 1000.0));
     EXPECT_EQ(RunReader(path("out.h5.part")).status(), "interrupted");
@@ -193,7 +196,8 @@ TEST_F(RunWriterTest, SurvivesAnErrorInsideHdf5AndKeepsWhatWasSaved) {
         std::exit(0);  // with HDF5's own closing at exit, which must neither hang nor abort
     });
     EXPECT_EQ(wait_for(child), 0);
-    EXPECT_EQ(read_text_file(path("message")), path("out.h5.part") + ": cannot write: Bad file descriptor; saved: 1000 rows up to t = 0.999 s");
+    EXPECT_EQ(read_text_file(path("message")),
+        path("out.h5.part") + ": cannot write: Bad file descriptor; saved: 1000 rows up to t = 0.999 s");
     EXPECT_EQ(read_text_file(path("stderr")), "");
     EXPECT_EQ(check_example(path("out.h5.part")), 1000U);
 }

@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 using StateFileTest = RecordTest;
 
 SavedState example(std::size_t size = 100) {
-    SavedState saved{0.25, {}, {0, 1, 255}, "cbf29ce484222325", {{"scene", std::string("baseline")}, {"step", 1e-7}, {"steps", std::int64_t{1} << 40U}}};
+    SavedState saved{0.25, {}, {0, 1, 255}, "cbf29ce484222325",
+        {{"scene", std::string("baseline")}, {"step", 1e-7}, {"steps", std::int64_t{1} << 40U}}};
     for (std::size_t i = 0; i < size; ++i) {
         saved.state.push_back(1.0 / (1.0 + static_cast<double>(i)));
     }
@@ -68,7 +69,8 @@ TEST_F(StateFileTest, LeavesTheFormerFileIfTheDiskIsFull) {
 TEST_F(StateFileTest, SaysWhyAFileCannotBeWritten) {
     EXPECT_EQ(error_of([&] { write_state(path("absent/s.h5"), {}); }),
         path("absent/s.h5") + ": cannot create: the folder '" + path("absent") + "' does not exist");
-    EXPECT_EQ(error_of([&] { write_state(path("s.h5"), {.attributes = {{"time", 1.0}}}); }), path("s.h5") + ": the name 'time' is reserved (attribute)");
+    EXPECT_EQ(error_of([&] { write_state(path("s.h5"), {.attributes = {{"time", 1.0}}}); }),
+        path("s.h5") + ": the name 'time' is reserved (attribute)");
 }
 
 TEST_F(StateFileTest, SaysWhyAFileCannotBeRead) {
@@ -78,7 +80,8 @@ TEST_F(StateFileTest, SaysWhyAFileCannotBeRead) {
     write_state(path("s.h5"), example());
     const auto size = fs::file_size(path("s.h5"));
     fs::resize_file(path("s.h5"), size - 100);
-    EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": truncated HDF5 file: " + std::to_string(size - 100) + " bytes of " + std::to_string(size));
+    EXPECT_EQ(reading(path("s.h5")),
+        path("s.h5") + ": truncated HDF5 file: " + std::to_string(size - 100) + " bytes of " + std::to_string(size));
 }
 
 TEST_F(StateFileTest, NoticesAStateThatChangedOnDisk) {
@@ -89,9 +92,11 @@ TEST_F(StateFileTest, NoticesAStateThatChangedOnDisk) {
 
 TEST_F(StateFileTest, H5pyReadsTheFileNaturally) {
     write_state(path("s.h5"), example());
-    EXPECT_EQ(python("import h5py, sys\nf = h5py.File(sys.argv[1], \"r\"); print(f.attrs[\"fingerprint\"], f.attrs[\"time\"], f[\"y\"][1], f[\"phases\"][:])",
-                  path("s.h5")),
-        "cbf29ce484222325 0.25 0.5 [  0   1 255]\n");
+    const std::string program =
+        "import h5py, sys\n"
+        "f = h5py.File(sys.argv[1], \"r\")\n"
+        "print(f.attrs[\"fingerprint\"], f.attrs[\"time\"], f[\"y\"][1], f[\"phases\"][:])";
+    EXPECT_EQ(python(program, path("s.h5")), "cbf29ce484222325 0.25 0.5 [  0   1 255]\n");
 }
 
 }  // namespace
