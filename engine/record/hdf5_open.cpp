@@ -56,7 +56,8 @@ void require_kind(hid_t file, const std::string& path, const std::string& format
         throw RecordError(path + ": an HDF5 file, but not a " + format + (found.empty() ? "" : " (format: '" + found + "')"));
     }
     if (const std::int64_t given = read_integer(file, "format_version", 0); given > version) {
-        throw RecordError(path + ": format version " + std::to_string(given) + " is newer than this program reads (" + std::to_string(version) + ")");
+        throw RecordError(path + ": format version " + std::to_string(given) + " is newer than this program reads (" +
+                          std::to_string(version) + ")");
     }
 }
 

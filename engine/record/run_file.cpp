@@ -52,7 +52,7 @@ RunFile::~RunFile() {
 void RunFile::append(double time, std::span<const double> values) {
     impl_->require_open();
     impl_->require_size(values.size(), impl_->values_per_row, "channels");
-    impl_->write_if_full(impl_->channels);
+    impl_->prepare(impl_->channels);
     const double* next = values.data();
     std::size_t member = 0;
     for (const ChannelInfo& channel : impl_->contents.channels) {
@@ -62,8 +62,6 @@ void RunFile::append(double time, std::span<const double> values) {
     impl_->channels.put(member, &time);
     impl_->channels.advance();
     impl_->last_time = time;
-    impl_->write_if_full(impl_->channels);
-    impl_->flush_if_due();
 }
 
 void RunFile::append_state(double time, std::span<const double> state, std::span<const std::uint8_t> phases) {
@@ -73,7 +71,7 @@ void RunFile::append_state(double time, std::span<const double> state, std::span
     if (state.empty()) {
         throw RecordError(impl_->part.path() + ": cannot write: this run has no states");
     }
-    impl_->write_if_full(impl_->states);
+    impl_->prepare(impl_->states);
     std::size_t member = 0;
     impl_->states.put(member++, state.data());
     if (!phases.empty()) {
@@ -81,8 +79,6 @@ void RunFile::append_state(double time, std::span<const double> state, std::span
     }
     impl_->states.put(member, &time);
     impl_->states.advance();
-    impl_->write_if_full(impl_->states);
-    impl_->flush_if_due();
 }
 
 void RunFile::append_row(std::string_view table, std::span<const double> values) {
@@ -94,16 +90,14 @@ void RunFile::append_row(std::string_view table, std::span<const double> values)
     }
     impl_->require_size(values.size(), info->columns.size(), "a table's row");
     hdf5::RowBlock& block = impl_->tables[static_cast<std::size_t>(info - infos.begin())];
-    impl_->write_if_full(block);
     hdf5::guarded(impl_->part.path(), [&] {
         for (std::size_t i = 0; i < values.size(); ++i) {
             impl_->table_row[i] = cell(info->columns[i], values[i]);
         }
     });
+    impl_->prepare(block);
     block.put(0, impl_->table_row.data());
     block.advance();
-    impl_->write_if_full(block);
-    impl_->flush_if_due();
 }
 
 void RunFile::set_attribute(Attribute attribute) {

@@ -32,7 +32,7 @@ struct RunContents {
 };
 
 struct RunFileOptions {
-    double flush_seconds = 5.0;  ///< wall time after which an append flushes by itself [s]
+    double flush_seconds = 5.0;  ///< wall time after which an append first flushes by itself [s]
     int channel_rows = 512;      ///< rows of channels gathered in memory, and per chunk of the file
     int deflate_states = 0;      ///< compression of states, 0 (none) … 9
     bool replace = true;         ///< whether files of that name, finished or .part, may be overwritten
@@ -41,13 +41,14 @@ struct RunFileOptions {
 /// Writer. All errors are RecordError; those of writing say the path, the reason and what is saved, for instance
 /// "out.h5.part: cannot write: No space left on device; saved: 1024 rows up to t = 0.01023 s".
 /// A full disk is noticed before anything is written, so the file stays whole, and the call may be repeated once there is room:
-/// a row that could not be taken was not taken, a row that was taken is not lost.
+/// a row whose append threw was not taken; rows that were taken wait in memory.
 ///
-/// Not thread-safe; one thread at a time. append… copy into memory taken at construction and allocate nothing; when a chunk is complete or
-/// flush_seconds have passed they call HDF5, which allocates inside (row_block.cpp: RowBlock::write) and writes.
+/// Not thread-safe; one thread at a time. append… copy into memory taken at construction and allocate nothing; if a chunk is complete or
+/// flush_seconds have passed they first call HDF5, which allocates inside (row_block.cpp: RowBlock::write) and writes.
 class RunFile {
 public:
-    /// Creates `<path>.part`. Errors: missing folder, not writable, a folder of that name, another run writing it, contents that contradict.
+    /// Creates `<path>.part`.
+    /// Errors: missing folder, not writable, a folder of that name, another run writing it, contents that contradict.
     RunFile(const std::string& path, RunContents contents, RunFileOptions options = {});
     /// Without close(): saves what it can, sets the status to "interrupted" unless set_status() said otherwise, leaves the .part file.
     ~RunFile();

@@ -26,7 +26,7 @@ void check_names(const Items& items, const std::string& kind, const std::set<std
             throw Failure("'" + name + "' cannot be the name of a " + kind);
         }
         if (reserved.contains(name)) {
-            throw Failure("the name '" + name + "' of a " + kind + " is reserved");
+            throw Failure("the name '" + name + "' is reserved (" + kind + ")");
         }
         if (!seen.insert(name).second) {
             throw Failure("the " + kind + " '" + name + "' is declared twice");
@@ -125,8 +125,8 @@ RunLayout run_layout(const RunContents& contents, const RunFileOptions& options)
         layout.states.series.push_back({.path = "/states/y", .type = H5T_NATIVE_DOUBLE, .width = contents.state_size, .flat = false,
             .deflate = options.deflate_states, .chunk = few});
         if (contents.phase_count > 0) {
-            layout.states.series.push_back({.path = "/states/phases", .type = H5T_NATIVE_UINT8, .width = contents.phase_count, .flat = false,
-                .deflate = options.deflate_states, .chunk = few});
+            layout.states.series.push_back({.path = "/states/phases", .type = H5T_NATIVE_UINT8, .width = contents.phase_count,
+                .flat = false, .deflate = options.deflate_states, .chunk = few});
         }
         layout.states.series.push_back({.path = "/states/time", .type = H5T_NATIVE_DOUBLE, .chunk = few});
     }

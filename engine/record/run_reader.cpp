@@ -183,7 +183,8 @@ RecordedState RunReader::last_state() const {
 RecordedState RunReader::state_nearest(double time) const {
     impl_->require_states();
     const std::vector<double> times = state_times();
-    const auto nearest = std::min_element(times.begin(), times.end(), [&](double a, double b) { return std::abs(a - time) < std::abs(b - time); });
+    const auto nearer = [time](double a, double b) { return std::abs(a - time) < std::abs(b - time); };
+    const auto nearest = std::min_element(times.begin(), times.end(), nearer);
     return impl_->read_state(static_cast<std::size_t>(nearest - times.begin()));
 }
 

@@ -1,6 +1,8 @@
 #include "engine/record/run_writer.hpp"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -19,6 +21,19 @@ hdf5::RowBlock open_block(hid_t file, const hdf5::BlockShape& shape) {
         block.add(hdf5::open_series(file, series.path), series);
     }
     return block;
+}
+
+/// After a failed write HDF5 1.10 still wants to write what it holds, fails to close, and crashes at the end of the program. So its
+/// descriptor is turned to memory: closing succeeds, and the file stays as it was at the first failed write.
+void divert_writes(hid_t file) noexcept {
+    void* handle = nullptr;
+    const int memory = memfd_create("abandoned", MFD_CLOEXEC);
+    if (memory >= 0 && H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0) {
+        dup2(memory, *static_cast<int*>(handle));
+    }
+    if (memory >= 0) {
+        close(memory);
+    }
 }
 
 }  // namespace
@@ -81,25 +96,33 @@ void RunFile::Impl::make_room(std::size_t growth) {
     }
 }
 
-void RunFile::Impl::write(hdf5::RowBlock& block) {
-    if (block.buffered() == 0) {
-        return;
-    }
-    make_room(block.growth());
+template <class Body>
+void RunFile::Impl::or_damage(Body&& body) {
     try {
-        block.write();
+        body();
     } catch (const hdf5::Failure& failure) {
         const std::string_view text = failure.what();
         damage = text.substr(text.find(": ") + 2);
         fail(damage);
     }
+}
+
+void RunFile::Impl::write(hdf5::RowBlock& block) {
+    if (block.buffered() == 0) {
+        return;
+    }
+    make_room(block.growth());
+    or_damage([&] { block.write(); });
     if (&block == &channels) {
         saved_time = last_time;
     }
 }
 
-void RunFile::Impl::write_if_full(hdf5::RowBlock& block) {
-    if (block.full()) {
+/// Before a row is taken and not after, so that a row whose append threw was not taken.
+void RunFile::Impl::prepare(hdf5::RowBlock& block) {
+    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - last_flush).count() >= options.flush_seconds) {
+        flush();
+    } else if (block.full()) {
         hdf5::guarded(part.path(), [&] { write(block); });
     }
 }
@@ -111,18 +134,12 @@ void RunFile::Impl::flush() {
         for (hdf5::RowBlock& table : tables) {
             write(table);
         }
-        hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot flush");
+        or_damage([this] { hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot write"); });
     });
     if (const int reason = part.sync(); reason != 0) {
         fail(std::strerror(reason));
     }
     last_flush = std::chrono::steady_clock::now();
-}
-
-void RunFile::Impl::flush_if_due() {
-    if (std::chrono::duration<double>(std::chrono::steady_clock::now() - last_flush).count() >= options.flush_seconds) {
-        flush();
-    }
 }
 
 /// Ends SWMR by closing, then writes what SWMR forbids. Leaves the file closed.
@@ -136,17 +153,30 @@ void RunFile::Impl::finish(const std::string& final_status) {
         // Spare space was kept by every write; only attributes of unusual size can need more.
         make_room(bytes + 16384 > spare_bytes ? bytes : 0);
         release();
-        hdf5::Handle plain(H5Fopen(part.path().c_str(), H5F_ACC_RDWR, hdf5::file_access().id()), H5Fclose, "cannot complete");
-        for (const Attribute& attribute : late_attributes) {
-            hdf5::write_attribute(plain.id(), attribute);
-        }
-        hdf5::write_attribute(plain.id(), {"status", final_status});
-        plain.close("cannot complete");
+        write_ending(final_status);
     });
     part.trim();
 }
 
+void RunFile::Impl::write_ending(const std::string& final_status) {
+    hdf5::Handle plain(H5Fopen(part.path().c_str(), H5F_ACC_RDWR, hdf5::file_access().id()), H5Fclose, "cannot complete");
+    try {
+        for (const Attribute& attribute : late_attributes) {
+            hdf5::write_attribute(plain.id(), attribute);
+        }
+        hdf5::write_attribute(plain.id(), {"status", final_status});
+        hdf5::check(H5Fflush(plain.id(), H5F_SCOPE_GLOBAL), "cannot complete");
+    } catch (const hdf5::Failure&) {
+        divert_writes(plain.id());
+        throw;
+    }
+    plain.close("cannot complete");
+}
+
 void RunFile::Impl::release() noexcept {
+    if (!damage.empty()) {
+        divert_writes(file.id());
+    }
     tables.clear();
     states = {};
     channels = {};

@@ -37,11 +37,14 @@ struct RunFile::Impl {
     void require_size(std::size_t given, std::size_t wanted, std::string_view of) const;
     void make_room(std::size_t growth);
     [[noreturn]] void fail(const std::string& reason) const;
+    /// Runs a call that writes; after a failure nothing is written any more.
+    template <class Body>
+    void or_damage(Body&& body);
     void write(hdf5::RowBlock& block);
-    void write_if_full(hdf5::RowBlock& block);
+    void prepare(hdf5::RowBlock& block);
     void flush();
-    void flush_if_due();
     void finish(const std::string& final_status);
+    void write_ending(const std::string& final_status);
     void release() noexcept;
 };
 

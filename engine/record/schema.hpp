@@ -18,29 +18,29 @@ struct RecordError : std::runtime_error {
 
 /// A quantity recorded over time.
 struct ChannelInfo {
-    std::string name;         ///< e.g. "strand_tension", or in groups: "links/tension"
-    std::string unit;         ///< e.g. "N"; "1" for a pure number
-    std::string description;  ///< one sentence
+    std::string name{};         ///< e.g. "strand_tension", or in groups: "links/tension"
+    std::string unit{};         ///< e.g. "N"; "1" for a pure number
+    std::string description{};  ///< one sentence
     int width = 1;            ///< numbers per instant; > 1 makes a dataset [time, width]
-    std::string axis;         ///< label of the second dimension, e.g. "link"; only used if width > 1
+    std::string axis{};         ///< label of the second dimension, e.g. "link"; only used if width > 1
     bool operator==(const ChannelInfo&) const = default;
 };
 
 enum class ColumnType { real, integer };
 
 struct TableColumn {
-    std::string name;
-    std::string unit;
-    std::string description;
+    std::string name{};
+    std::string unit{};
+    std::string description{};
     ColumnType type = ColumnType::real;
     bool operator==(const TableColumn&) const = default;
 };
 
 /// Records that come at irregular times, e.g. events: one row of named columns each.
 struct TableInfo {
-    std::string name;
-    std::string description;
-    std::vector<TableColumn> columns;
+    std::string name{};
+    std::string description{};
+    std::vector<TableColumn> columns{};
     bool operator==(const TableInfo&) const = default;
 };
 

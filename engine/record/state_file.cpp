@@ -37,12 +37,13 @@ void write_array(hid_t file, const char* name, hid_t type, std::size_t count, co
 
 /// The bytes of the file. Made in memory: HDF5 cannot give up half-way on a full disk without trouble, write(2) can.
 std::vector<std::byte> image_of(const SavedState& saved) {
-    const hdf5::Handle access = hdf5::file_access();
+    // Oldest format on purpose: H5Fget_file_image (1.10.8) clears flags in newer superblocks without renewing their checksum.
+    const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot build the file in memory");
     hdf5::check(H5Pset_fapl_core(access.id(), std::size_t{1} << 16U, 0), "cannot build the file in memory");
     const hdf5::Handle file(H5Fcreate("state", H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot build the file in memory");
     for (const Attribute& attribute : saved.attributes) {
         if (attribute.name.empty() || is_own(attribute)) {
-            throw hdf5::Failure("the name '" + attribute.name + "' of an attribute is reserved");
+            throw hdf5::Failure("the name '" + attribute.name + "' is reserved (attribute)");
         }
         hdf5::write_attribute(file.id(), attribute);
     }
