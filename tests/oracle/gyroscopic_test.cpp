@@ -17,12 +17,17 @@ model::Parameters free_rotors() {
     return p;
 }
 
-/// Acceleration of a body's tilt for given tilting rates and spin [rad/s²], everything else at rest.
-Vec2 tilt_acceleration(const model::Parameters& p, int body, Vec2 tilt_rate, Real spin) {
+/// Everything at rest, tips free.
+ExactState state_at_rest(const model::Parameters& p) {
     ExactState at = exact_random_state(p, 3);
-    const auto layout = model::layout_of(p);
-    for (const int index : rate_indices(layout)) at.state[index] = 0.0L;
+    for (const int index : rate_indices(model::layout_of(p))) at.state[index] = 0.0L;
     std::fill(at.phases.begin(), at.phases.end(), model::Phase::free);
+    return at;
+}
+
+/// Acceleration of a body's tilt for given tilting rates and spin [rad/s²], everything else at rest.
+Vec2 tilt_acceleration(const model::Parameters& p, ExactState at, int body, Vec2 tilt_rate, Real spin) {
+    const auto layout = model::layout_of(p);
     const auto rate = [&](int freedom) { return layout.pulley_begin() + layout.pulley_size + model::body_freedom(body, freedom); };
     at.state[rate(2)] = tilt_rate.x;
     at.state[rate(3)] = tilt_rate.y;
@@ -33,9 +38,10 @@ Vec2 tilt_acceleration(const model::Parameters& p, int body, Vec2 tilt_rate, Rea
 
 TEST(GyroscopicForce, DoesNoWork) {
     const model::Parameters p = free_rotors();
+    const ExactState rest = state_at_rest(p);
     for (int body = 0; body < 6; ++body) {
         const Vec2 rate{0.3L, -0.7L};
-        const Vec2 acceleration = tilt_acceleration(p, body, rate, 200.0L);
+        const Vec2 acceleration = tilt_acceleration(p, rest, body, rate, 200.0L);
         EXPECT_GT(norm(acceleration), 1.0L);
         EXPECT_NEAR(static_cast<double>(dot(rate, acceleration)), 0.0, 1e-12);
     }
@@ -43,13 +49,15 @@ TEST(GyroscopicForce, DoesNoWork) {
 
 TEST(GyroscopicForce, TurnsTheAxisOfAFastRotorTowardsTheMomentThatPushesIt) {
     const model::Parameters p = free_rotors();
+    const ExactState rest = state_at_rest(p);
     // A kick about x makes the axis (τ_y, -τ_x, 1) move towards -y; the spin must bend this towards +x, the axis of the kick.
-    for (int body = 0; body < 6; ++body) EXPECT_GT(tilt_acceleration(p, body, {1.0L, 0.0L}, 200.0L).y, 0.0L) << body;
-    for (int body = 0; body < 6; ++body) EXPECT_LT(tilt_acceleration(p, body, {0.0L, 1.0L}, 200.0L).x, 0.0L) << body;
+    for (int body = 0; body < 6; ++body) EXPECT_GT(tilt_acceleration(p, rest, body, {1.0L, 0.0L}, 200.0L).y, 0.0L) << body;
+    for (int body = 0; body < 6; ++body) EXPECT_LT(tilt_acceleration(p, rest, body, {0.0L, 1.0L}, 200.0L).x, 0.0L) << body;
 }
 
 TEST(GyroscopicForce, KeepsTheAngularMomentumOfAFreeRotor) {
     const model::Parameters p = free_rotors();
+    const ExactState rest = state_at_rest(p);
     const int body = model::sheave_body(0, 1);
     const Real spin = 200.0L;
     const Real polar = p.pulley.sheave_polar_inertia;
@@ -58,9 +66,9 @@ TEST(GyroscopicForce, KeepsTheAngularMomentumOfAFreeRotor) {
     Vec2 rate{0.1L, 0.0L};
     const Real step = 2e-5L;
     for (int k = 0; k < 300; ++k) {   // midpoint rule
-        const Vec2 middle = rate + (step / 2.0L) * tilt_acceleration(p, body, rate, spin);
+        const Vec2 middle = rate + (step / 2.0L) * tilt_acceleration(p, rest, body, rate, spin);
         tau += step * middle;
-        rate += step * tilt_acceleration(p, body, middle, spin);
+        rate += step * tilt_acceleration(p, rest, body, middle, spin);
     }
     // H = J_t τ' + J_p φ' (axis), axis = (τ_y, -τ_x): conserved from the kick J_t (0.1, 0).
     EXPECT_NEAR(static_cast<double>(tilting * rate.x + polar * spin * tau.y), static_cast<double>(tilting * 0.1L), 1e-6 * 4.2e-4);
