@@ -19,7 +19,8 @@ void expect_balance(const model::Parameters& parameters, double t, std::uint64_t
     const ExactState at = exact_random_state(parameters, seed);
     const auto result = exact_right_hand_side(parameters, t, at.state, at.phases);
     const Real step = 1e-12L;
-    const Real rate = (energy_after(parameters, at, result.slope, step) - energy_after(parameters, at, result.slope, -step)) / (2.0L * step);
+    const Real after = energy_after(parameters, at, result.slope, step);
+    const Real rate = (after - energy_after(parameters, at, result.slope, -step)) / (2.0L * step);
     const auto& losses = result.powers.losses;
     const auto& works = result.powers.works;
     const Real lost = std::accumulate(losses.begin(), losses.end(), 0.0L);

@@ -199,8 +199,8 @@ RandomState random_state(const model::Parameters& parameters, std::uint64_t seed
     builder.lay();
     if (builder.has_pulleys()) {
         Real axial[2] = {0.0L, 0.0L};
-        builder.clamp(0, 10e-6L, axial);
-        builder.clamp(1, 10e-6L, axial);
+        builder.clamp(0, 12e-6L, axial);
+        builder.clamp(1, 12e-6L, axial);
         builder.disturb_pulleys();
     }
     builder.disturb_chain();
