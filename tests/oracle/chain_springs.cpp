@@ -124,7 +124,8 @@ void add_plate(const System& system, int number, const PlateSpring& plate, Total
     const Real length = norm(d);
     const Real rate = dot(d, d_rate) / length;
     const Real stretch = length - link.rest_length;
-    const Real tension = spring(stretch, rate, plate.stiffness, plate.damping, totals.energies.plates, totals.loss(model::Loss::plate_damping));
+    Real& loss = totals.loss(model::Loss::plate_damping);
+    const Real tension = spring(stretch, rate, plate.stiffness, plate.damping, totals.energies.plates, loss);
     const auto& friction = system.parameters.plate.friction;
     const Real slope = friction_slope(system.parameters.detail, friction, std::abs(d_rate.z));
     const Real sliding = friction.coefficient * std::max(tension, 0.0L) * slope * d_rate.z;

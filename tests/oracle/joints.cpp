@@ -24,8 +24,8 @@ struct JointPoint {
 
 JointPoint joint_point(const System& system, Totals& totals, int pin, const QuadraturePoint& point) {
     const int previous = system.layout.previous(pin);
-    JointPoint j{system.links[previous], system.links[pin], totals.link[previous], totals.link[pin], point.at, point.weight, {}, {}, {}, {}, {},
-                 {}, {}, {}};
+    JointPoint j{system.links[previous], system.links[pin], totals.link[previous], totals.link[pin], point.at, point.weight,
+                 {}, {}, {}, {}, {}, {}, {}, {}};
     const Real arm = Real{system.parameters.joint.radius} - system.parameters.half.width / 2.0L;
     j.left = j.before.front.at(j.xi);
     j.right = j.after.rear.at(j.xi);

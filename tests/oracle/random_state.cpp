@@ -199,11 +199,11 @@ RandomState random_state(const model::Parameters& parameters, std::uint64_t seed
     builder.lay();
     if (builder.has_pulleys()) {
         Real axial[2] = {0.0L, 0.0L};
-        builder.clamp(0, 10e-6L, axial);
-        builder.clamp(1, 10e-6L, axial);
+        builder.clamp(0, 12e-6L, axial);
+        builder.clamp(1, 12e-6L, axial);
+        builder.disturb_pulleys();
     }
     builder.disturb_chain();
-    builder.disturb_pulleys();
     if (builder.layout.control) builder.state[builder.layout.control_begin()] = builder.dice.about_zero(1e-4L);
     for (int k = builder.layout.ledger_begin(); k < builder.layout.size(); ++k) builder.state[k] = builder.dice.about_zero(1.0L);
     return builder.finish();

@@ -142,7 +142,8 @@ void add_tip(const System& system, int number, End end, int side, Phase phase, T
     const Real elastic = tip.hertz * c.depth * std::sqrt(c.depth);
     const Real reference = tip.reference_depth;
     const Real hertz = tip.hertz;
-    const Real chi = 2.0L * system.parameters.chain.damping_ratio * std::sqrt(1.5L * hertz * std::sqrt(reference) * system.parameters.half.mass)
+    const Real stiffness = 1.5L * hertz * std::sqrt(reference);
+    const Real chi = damping_of(system.parameters.chain.damping_ratio, stiffness, system.parameters.half.mass)
                    / (hertz * reference * std::sqrt(reference));
     const Real force = std::max(0.0L, elastic * (1.0L + chi * depth_rate));
     const TipTarget target{link, half, totals.link[number], totals.link[number].half(end), totals.body[c.sheave]};

@@ -1,0 +1,79 @@
+#include "tests/oracle/oracle_cases.hpp"
+
+namespace cvtflow::oracle {
+
+model::Parameters small_scene() {
+    model::Parameters p;
+    p.chain.pins = 16;
+    p.chain.pitch = {30e-3, 29.9e-3};
+    p.plate.count = 5;
+    p.pulley.centre_distance = 0.1;
+    p.pulley.arc_position = 44e-3;
+    p.start.ratio = 1.1;
+    p.drive.inertia = 0.01;
+    p.load.inertia = 0.02;
+    return p;
+}
+
+std::vector<Case> all_details(const model::Parameters& base) {
+    std::vector<Case> cases;
+    for (const auto pulleys : {model::PulleyDetail::elastic, model::PulleyDetail::rigid, model::PulleyDetail::absent}) {
+        for (const auto law : {model::JointLaw::linear, model::JointLaw::palmgren}) {
+            for (const auto plates : {model::PlateDetail::each, model::PlateDetail::lumped}) {
+                for (int order = 0; order <= 3; ++order) {
+                    for (const int points : {1, 3, 8}) {
+                        Case one{"", base};
+                        one.parameters.detail.pulleys = pulleys;
+                        one.parameters.detail.plates = plates;
+                        one.parameters.detail.order = order;
+                        one.parameters.detail.joint_points = points;
+                        one.parameters.joint.law = law;
+                        one.name = std::string("pulleys ") + std::to_string(static_cast<int>(pulleys)) + ", joint law "
+                                 + std::to_string(static_cast<int>(law)) + ", plates " + std::to_string(static_cast<int>(plates))
+                                 + ", order " + std::to_string(order) + ", joint points " + std::to_string(points);
+                        cases.push_back(one);
+                    }
+                }
+            }
+        }
+    }
+    return cases;
+}
+
+void make_conservative(model::Parameters& p) {
+    p.chain.damping_ratio = 0.0;
+    p.pulley.damping_ratio = 0.0;
+    p.pulley.cylinder_damping = 0.0;
+    p.plate.friction.coefficient = 0.0;
+    p.joint.friction.coefficient = 0.0;
+    p.tip.friction.coefficient = 0.0;
+}
+
+ExactState exact_random_state(const model::Parameters& parameters, std::uint64_t seed) {
+    const RandomState random = random_state(parameters, seed);
+    return {{random.state.begin(), random.state.end()}, random.phases};
+}
+
+std::vector<int> coordinate_indices(const model::ChainLayout& layout) {
+    std::vector<int> indices;
+    for (int link = 0; link < layout.links; ++link) {
+        for (int k = 0; k < layout.link_size(); ++k) indices.push_back(layout.link_begin(link) + k);
+    }
+    for (int k = 0; k < layout.pulley_size; ++k) indices.push_back(layout.pulley_begin() + k);
+    return indices;
+}
+
+std::vector<int> rate_indices(const model::ChainLayout& layout) {
+    std::vector<int> indices;
+    for (int link = 0; link < layout.links; ++link) {
+        for (int k = 0; k < layout.link_size(); ++k) indices.push_back(layout.link_begin(link) + layout.link_size() + k);
+    }
+    for (int k = 0; k < layout.pulley_size; ++k) indices.push_back(layout.pulley_begin() + layout.pulley_size + k);
+    return indices;
+}
+
+Real potential_energy(const model::Parameters& parameters, const ExactState& at) {
+    return exact_right_hand_side(parameters, 0.0, at.state, at.phases, false).energies.potential();
+}
+
+}  // namespace cvtflow::oracle

@@ -1,0 +1,38 @@
+#pragma once
+/// Scenes and helpers shared by the oracle's own tests.
+
+#include "tests/oracle/plain_rhs.hpp"
+#include "tests/oracle/random_state.hpp"
+#include "tests/oracle/vectors.hpp"
+
+#include <string>
+#include <vector>
+
+namespace cvtflow::oracle {
+
+struct Case {
+    std::string name;
+    model::Parameters parameters;
+};
+
+/// A short chain of long links of two pitches, with few plates: everything the model has, at little cost.
+model::Parameters small_scene();
+/// All combinations of order 0…3, plates each/lumped, joint points 1, 3, 8, both joint laws, and pulleys elastic/rigid/absent.
+std::vector<Case> all_details(const model::Parameters& base);
+/// No friction, no damping.
+void make_conservative(model::Parameters& parameters);
+
+/// A random state in full precision, with its phases.
+struct ExactState {
+    std::vector<Real> state;
+    std::vector<model::Phase> phases;
+};
+ExactState exact_random_state(const model::Parameters& parameters, std::uint64_t seed);
+
+/// Index in the state of every generalized coordinate, in the order of q; its rate is at the same place of `rate_indices`.
+std::vector<int> coordinate_indices(const model::ChainLayout& layout);
+std::vector<int> rate_indices(const model::ChainLayout& layout);
+
+Real potential_energy(const model::Parameters& parameters, const ExactState& at);
+
+}  // namespace cvtflow::oracle

@@ -1,0 +1,111 @@
+#include "tests/oracle/oracle_cases.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace cvtflow::oracle {
+namespace {
+
+ExactState moved(ExactState at, const std::vector<Real>& slope, Real time) {
+    for (std::size_t k = 0; k < slope.size(); ++k) at.state[k] += time * slope[k];
+    return at;
+}
+
+Real energy_after(const model::Parameters& parameters, const ExactState& start, const std::vector<Real>& slope, Real time) {
+    const ExactState at = moved(start, slope, time);
+    const auto energies = exact_right_hand_side(parameters, 0.0, at.state, at.phases, false).energies;
+    return energies.potential() + energies.kinetic;
+}
+
+/// The energy differenced along the slope against works and losses. A step of 1e-12 s moves contacts by picometres to ångströms;
+/// rounding of ~2 kJ at 1e-19 leaves 2e-4 W, of the 1e4 W at work.
+void expect_balance(const model::Parameters& parameters, double t, std::uint64_t seed) {
+    const ExactState at = exact_random_state(parameters, seed);
+    const auto result = exact_right_hand_side(parameters, t, at.state, at.phases);
+    const Real step = 1e-12L;
+    const Real after = energy_after(parameters, at, result.slope, step);
+    const Real rate = (after - energy_after(parameters, at, result.slope, -step)) / (2.0L * step);
+    const auto& losses = result.powers.losses;
+    const auto& works = result.powers.works;
+    const Real lost = std::accumulate(losses.begin(), losses.end(), 0.0L);
+    const Real put_in = std::accumulate(works.begin(), works.end(), 0.0L);
+    EXPECT_NEAR(static_cast<double>(rate), static_cast<double>(put_in - lost), 1e-2 + 1e-8 * static_cast<double>(lost));
+    for (int k = 0; k < model::loss_kinds; ++k) EXPECT_GE(losses[k], 0.0L) << "loss " << k;
+
+    const auto layout = model::layout_of(parameters);
+    const auto rates = rate_indices(layout);
+    Real power = 0.0L;
+    for (int k = 0; k < layout.coordinates(); ++k) power += result.forces[k] * at.state[rates[k]];
+    std::vector<Real> flow(at.state.size(), 0.0L);
+    const auto coordinates = coordinate_indices(layout);
+    for (int k = 0; k < layout.coordinates(); ++k) flow[coordinates[k]] = at.state[rates[k]];
+    // Potential energy alone (~1 J) along the velocities: a longer step and far less rounding, for the small terms.
+    const Real drift = 3e-11L;
+    const Real above = potential_energy(parameters, moved(at, flow, drift));
+    const Real stored = (above - potential_energy(parameters, moved(at, flow, -drift))) / (2.0L * drift);
+    EXPECT_NEAR(static_cast<double>(power), static_cast<double>(put_in - lost - stored), 1e-4 + 1e-9 * static_cast<double>(lost));
+}
+
+TEST(PowerBalance, EnergyChangesByWorksMinusLossesAndEveryLossIsPositive) {
+    model::Parameters base = small_scene();
+    base.control.enabled = true;
+    std::uint64_t seed = 100;
+    for (const Case& one : all_details(base)) {
+        SCOPED_TRACE(one.name);
+        expect_balance(one.parameters, 0.0, seed++);
+    }
+}
+
+TEST(PowerBalance, HoldsWithDampingSoHeavyThatContactsLetGo) {
+    model::Parameters base = small_scene();
+    base.chain.damping_ratio = 50.0;
+    std::uint64_t seed = 300;
+    for (const Case& one : all_details(base)) {
+        SCOPED_TRACE(one.name);
+        expect_balance(one.parameters, 0.0, seed++);
+    }
+}
+
+TEST(PowerBalance, HoldsForEveryFrictionLawPhaseAndInput) {
+    for (const auto law : {model::FrictionLaw::piecewise, model::FrictionLaw::smoothed}) {
+        for (const bool stick_slip : {false, true}) {
+            for (const auto mode : {model::DriveMode::speed, model::DriveMode::torque}) {
+                for (const double t : {-0.018, -0.001, 0.003}) {
+                    model::Parameters parameters = small_scene();
+                    parameters.detail.friction = law;
+                    parameters.detail.stick_slip = stick_slip;
+                    parameters.drive.mode = mode;
+                    parameters.drive.torque = model::TimeTable({0.0, 0.01}, {100.0, 200.0});
+                    parameters.load.torque = model::TimeTable({0.0, 0.01}, {100.0, 200.0});
+                    expect_balance(parameters, t, 77);
+                }
+            }
+        }
+    }
+}
+
+TEST(PowerBalance, HoldsForTheBaselineChain) {
+    for (const double ratio : {0.6, 1.0, 1.7}) {
+        model::Parameters parameters;
+        parameters.start.ratio = ratio;
+        expect_balance(parameters, 0.0, 9);
+    }
+}
+
+TEST(PowerBalance, TheLedgerGrowsWithThePowers) {
+    model::Parameters parameters = small_scene();
+    parameters.ledger = true;
+    parameters.control.enabled = true;
+    const RandomState at = random_state(parameters, 4);
+    const Result result = right_hand_side(parameters, 0.0, at.state, at.phases);
+    const auto layout = model::layout_of(parameters);
+    for (int k = 0; k < model::loss_kinds; ++k) EXPECT_EQ(result.slope[layout.ledger_begin() + k], result.powers.losses[k]);
+    for (int k = 0; k < model::work_kinds; ++k) {
+        EXPECT_EQ(result.slope[layout.ledger_begin() + model::loss_kinds + k], result.powers.works[k]);
+    }
+    for (const double loss : result.powers.losses) EXPECT_GT(loss, 0.0);
+}
+
+}  // namespace
+}  // namespace cvtflow::oracle
