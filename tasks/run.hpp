@@ -1,0 +1,66 @@
+#pragma once
+/// A whole run of a scene: settle if needed, integrate, record, sum up. What `cvtflow run` does, as a function.
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tasks/simulation.hpp"
+
+namespace cvtflow::tasks {
+
+/// How far a run has come; delivered at output times.
+struct Progress {
+    double begin, time, until;   ///< [s]; settling has begin < 0 = until
+    double wall;                 ///< since the run began [s]
+    const Counters& counters;
+    [[nodiscard]] bool settling() const noexcept { return begin < 0.0; }
+};
+
+struct RunOptions {
+    std::string file;                                   ///< record to write; empty: none
+    std::function<void(const Progress&)> progress;      ///< called at every output time, serially
+    const std::atomic<bool>* cancel = nullptr;
+};
+
+/// Mean values over the outputs with t ≥ 0, and what the run took.
+struct RunReport {
+    Fault fault;
+    bool settled = false;                 ///< whether the run began with settling
+    std::vector<std::string> start_differences;
+    double begin = 0.0, end = 0.0;        ///< simulated time, after settling [s]
+    double step = 0.0;                    ///< [s]
+    std::string method;
+    Counters counters;                    ///< after settling
+    Counters settling;
+    double wall = 0.0, settling_wall = 0.0;   ///< [s]
+    std::uint64_t hash = 0;
+    long outputs = 0;
+
+    double tight = 0.0, slack = 0.0;      ///< mean tensions [N]
+    std::array<double, 2> speed{};        ///< mean [rad/s]
+    std::array<double, 2> torque{};       ///< mean, of drive and load [N·m]
+    std::array<double, 2> chain_torque{}; ///< mean, of the chain on the shafts [N·m]
+    std::array<double, 2> clamping{};     ///< mean [N]
+    std::array<double, 2> radius{};       ///< mean [m]
+    std::array<double, 4> axial_force{};  ///< mean, on sheaves 1-, 1+, 2-, 2+ [N]
+    double slip = 0.0, efficiency = 0.0;  ///< efficiency: mean power out over mean power in
+    double ratio_begin = 0.0, ratio_end = 0.0;   ///< means over the first and the last fifth
+    double ratio = 0.0;
+    bool has_pulleys = true;
+};
+
+/// Runs the scene to run.until. A fault ends the run with what was recorded so far on file and is part of the report.
+/// @throws SimulationError, engine::RecordError, std::invalid_argument before the run; engine::RecordError during it (disk full)
+[[nodiscard]] RunReport run_scene(const Scene& scene, const RunOptions& options);
+
+/// The report as lines of text for a person.
+[[nodiscard]] std::string summary(const RunReport& report);
+
+/// Settles a scene's geometric start (`duration` > 0 overrides start.settling_time) and writes the state at t = 0.
+/// @throws as run_scene; SimulationError if settling ends in a fault
+void settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options);
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,153 @@
+#include "tasks/run_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "engine/base/hash.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+std::vector<const Channel*> channels_of(const model::ChainLayout& at) {
+    std::vector<const Channel*> chosen;
+    for (const Channel& channel : channels()) {
+        if (!channel.needs_pulleys || at.pulley_size != 0) chosen.push_back(&channel);
+    }
+    return chosen;
+}
+
+engine::TableInfo transition_table() {
+    return {"transitions",
+            "changes of phase of tips: 0 free, 1 touching, 2 stick, 3 slip",
+            {{"time", "s", "when"},
+             {"pin", "1", "whose tip", engine::ColumnType::integer},
+             {"tip", "1", "4 link + 2 (front half) + (side +z)", engine::ColumnType::integer},
+             {"from", "1", "phase before", engine::ColumnType::integer},
+             {"to", "1", "phase after", engine::ColumnType::integer}}};
+}
+
+std::vector<engine::Attribute> attributes_of_run(const Scene& scene) {
+    std::vector<engine::Attribute> attributes = engine::attributes_of(engine::current_provenance());
+    attributes.push_back({"scene", scene.name});
+    attributes.push_back({"scene_text", scene.text});
+    attributes.push_back({"parameters", write_scene(scene)});
+    attributes.push_back({"method", scene.run.method});
+    attributes.push_back({"step", scene.run.step});
+    attributes.push_back({"seed", static_cast<std::int64_t>(scene.run.seed)});
+    return attributes;
+}
+
+engine::RunContents contents_of(const Scene& scene, const model::ChainLayout& at, const std::vector<const Channel*>& channels) {
+    engine::RunContents contents;
+    for (const Channel* channel : channels) contents.channels.push_back({channel->name, channel->unit, channel->description, channel->width(at), channel->axis});
+    contents.state_size = static_cast<std::size_t>(at.size());
+    contents.phase_count = static_cast<std::size_t>(model::tips_per_link * at.links);
+    contents.state_description = fmt::format("{} links of [q | v], {} coordinates each (a.x, b.x, a.y, b.y, a.z, a.e, b.z, b.e; orders 0...{}), then pulleys [q | v], {} coordinates",
+                                             at.links, at.link_size(), at.order, at.pulley_size);
+    contents.tables = {transition_table()};
+    contents.attributes = attributes_of_run(scene);
+    return contents;
+}
+
+}  // namespace
+
+RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options)
+    : options_(options), state_interval_(scene.run.state_interval), followed_pin_(scene.run.followed_pin), observer_(simulation.variator()),
+      channels_(channels_of(simulation.variator().layout())) {
+    const model::ChainLayout& at = simulation.variator().layout();
+    std::size_t width = 0;
+    for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(at));
+    row_.resize(width);
+    sums_.has_pulleys = at.pulley_size != 0;
+    if (!options.file.empty()) file_ = std::make_unique<engine::RunFile>(options.file, contents_of(scene, at, channels_));
+    ratios_.reserve(static_cast<std::size_t>(std::max(0.0, scene.run.until / scene.run.output_interval)) + 2);
+}
+
+void RunRecorder::begin_part(double begin, double until) noexcept {
+    begin_ = begin;
+    until_ = until;
+}
+
+void RunRecorder::output(double time, const Workspace& workspace, const Counters& counters) {
+    if (options_.progress) {
+        const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+        options_.progress({begin_, time, until_, wall, counters});
+    }
+    if (begin_ < 0.0) return;   // settling is not recorded
+    const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.phases.data());
+    gather(now);
+    if (file_) write(time, workspace, {now, workspace, counters, followed_pin_});
+}
+
+void RunRecorder::write(double time, const Workspace& workspace, const Instant& instant) {
+    double* next = row_.data();
+    for (const Channel* channel : channels_) {
+        channel->read(instant, next);
+        next += channel->width(workspace.layout());
+    }
+    file_->append(time, row_);
+    if (time < next_state_ - 1e-9 * state_interval_) return;
+    while (next_state_ <= time + 1e-9 * state_interval_) next_state_ += state_interval_;
+    const auto* phases = reinterpret_cast<const std::uint8_t*>(workspace.phases.data());
+    file_->append_state(time, {workspace.states[0], static_cast<std::size_t>(workspace.layout().size())}, {phases, workspace.phases.size()});
+}
+
+void RunRecorder::transition(const TransitionRecord& record) {
+    if (begin_ < 0.0 || !file_) return;
+    const double values[] = {record.time, static_cast<double>(record.pin), static_cast<double>(record.tip), static_cast<double>(record.from), static_cast<double>(record.to)};
+    file_->append_row("transitions", values);
+}
+
+void RunRecorder::gather(const model::Observation& now) {
+    ++outputs_;
+    const auto add = [](auto& sum, const auto& values) { std::transform(sum.begin(), sum.end(), values.begin(), sum.begin(), std::plus<>()); };
+    sums_.tight += now.tight;
+    sums_.slack += now.slack;
+    sums_.slip += now.slip;
+    add(sums_.speed, now.speed);
+    add(sums_.torque, now.torque);
+    add(sums_.chain_torque, now.chain_torque);
+    add(sums_.clamping, now.clamping);
+    add(sums_.radius, now.radius);
+    add(sums_.axial_force, now.axial_force);
+    power_in_ += now.torque[0] * now.speed[0];
+    power_out_ -= now.torque[1] * now.speed[1];
+    ratios_.push_back(now.ratio);
+}
+
+void RunRecorder::finish(RunReport& report) {
+    const double n = static_cast<double>(std::max(1L, outputs_));
+    const auto mean = [n](auto values) {
+        for (double& value : values) value /= n;
+        return values;
+    };
+    report.outputs = outputs_;
+    report.has_pulleys = sums_.has_pulleys;
+    report.tight = sums_.tight / n;
+    report.slack = sums_.slack / n;
+    report.slip = sums_.slip / n;
+    report.speed = mean(sums_.speed);
+    report.torque = mean(sums_.torque);
+    report.chain_torque = mean(sums_.chain_torque);
+    report.clamping = mean(sums_.clamping);
+    report.radius = mean(sums_.radius);
+    report.axial_force = mean(sums_.axial_force);
+    report.efficiency = power_in_ != 0.0 ? power_out_ / power_in_ : 0.0;
+    const auto average = [](auto first, auto last) { return first == last ? 0.0 : std::accumulate(first, last, 0.0) / static_cast<double>(last - first); };
+    const std::ptrdiff_t fifth = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(ratios_.size()) / 5);
+    if (!ratios_.empty()) {
+        report.ratio_begin = average(ratios_.begin(), ratios_.begin() + fifth);
+        report.ratio_end = average(ratios_.end() - fifth, ratios_.end());
+        report.ratio = average(ratios_.begin(), ratios_.end());
+    }
+    if (!file_) return;
+    if (report.fault) file_->set_status(report.fault.message());
+    file_->set_attribute({"state_hash", engine::hex(report.hash)});
+    file_->set_attribute({"wall_seconds", report.wall});
+    file_->close();
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,46 @@
+#pragma once
+/// Writes outputs of a run to its record, and keeps the means of the report. Internal to tasks.
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "engine/record/run_file.hpp"
+#include "tasks/channels.hpp"
+#include "tasks/run.hpp"
+
+namespace cvtflow::tasks {
+
+class RunRecorder final : public RunObserver {
+public:
+    RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options);
+
+    void output(double time, const Workspace& workspace, const Counters& counters) override;
+    void transition(const TransitionRecord& record) override;
+    /// Ends the record with what happened, completes the means.
+    void finish(RunReport& report);
+    /// Time span of the present part of the run, for progress.
+    void begin_part(double begin, double until) noexcept;
+
+private:
+    void gather(const model::Observation& now);
+    void write(double time, const Workspace& workspace, const Instant& instant);
+
+    const RunOptions& options_;
+    double state_interval_;
+    int followed_pin_;
+    model::Observer observer_;
+    std::vector<const Channel*> channels_;
+    std::vector<double> row_;
+    std::unique_ptr<engine::RunFile> file_;
+    double next_state_ = 0.0;
+    double begin_ = 0.0, until_ = 0.0;
+    std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+
+    long outputs_ = 0;
+    RunReport sums_;
+    double power_in_ = 0.0, power_out_ = 0.0;
+    std::vector<double> ratios_;
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,125 @@
+#include "tasks/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/hash.hpp"
+#include "engine/executor/serial.hpp"
+#include "engine/method/catalogue.hpp"
+#include "engine/record/state_file.hpp"
+#include "model/start_state.hpp"
+#include "tasks/scene/parameter_table.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+const engine::StagePlan& plan_of(const Scene& scene) {
+    const engine::StagePlan* plan = engine::find_method(scene.run.method);
+    if (plan == nullptr) throw SimulationError(fmt::format("run.method: there is no method '{}' (cvtflow list methods)", scene.run.method));
+    return *plan;
+}
+
+const std::string* text_attribute(const engine::SavedState& saved, std::string_view name) {
+    for (const engine::Attribute& attribute : saved.attributes) {
+        if (attribute.name == name) return std::get_if<std::string>(&attribute.value);
+    }
+    return nullptr;
+}
+
+/// Sections whose keys describe the machine, not the run or the operating point.
+[[nodiscard]] bool describes_machine(const Parameter& parameter) {
+    constexpr std::string_view sections[] = {"detail", "chain", "half", "plate", "joint", "tip", "pulley"};
+    return std::find(std::begin(sections), std::end(sections), parameter.section()) != std::end(sections);
+}
+
+std::vector<std::string> differences(const std::string& saved_scene, const Scene& scene) {
+    std::vector<std::string> lines;
+    const Scene then = parse_scene(saved_scene, scene.path);
+    for (const Parameter& parameter : parameter_table()) {
+        if (!describes_machine(parameter)) continue;
+        const std::string was = value_text(parameter, then);
+        const std::string is = value_text(parameter, scene);
+        if (was != is) lines.push_back(fmt::format("{} = {}, settled with {}", parameter.key, is, was));
+    }
+    return lines;
+}
+
+}  // namespace
+
+Simulation::Simulation(const Scene& scene)
+    : scene_(scene), workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene), Partition::equal(scene.parameters.chain.pins, scene.run.segments))),
+      graph_(fused_graph(*workspace_)) {
+    if (!scene_.state_file.empty()) {
+        take_state(engine::read_state(scene_.state_file));
+        return;
+    }
+    const model::StartState start = model::start_state(scene_.parameters);
+    std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
+    workspace_->phases = start.phases;
+    needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
+    time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
+}
+
+Simulation::~Simulation() = default;
+
+/// Links and pulleys must fit; control and ledger, which a saved state may have or lack, begin at zero where they are new.
+void Simulation::take_state(const engine::SavedState& saved) {
+    const model::ChainLayout& at = workspace_->layout();
+    const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
+    if (const std::string* text = text_attribute(saved, "scene")) start_differences_ = differences(*text, scene_);
+    if (saved.state.size() < mechanical || saved.state.size() > mechanical + 1 + model::loss_kinds + model::work_kinds || saved.phases.size() != workspace_->phases.size()) {
+        std::string message = fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());
+        for (const std::string& line : start_differences_) message += "\n  " + line;
+        throw SimulationError(message);
+    }
+    std::copy_n(saved.state.begin(), mechanical, workspace_->states[0]);
+    std::transform(saved.phases.begin(), saved.phases.end(), workspace_->phases.begin(), [](std::uint8_t phase) { return static_cast<model::Phase>(phase); });
+}
+
+Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const std::atomic<bool>& cancel) {
+    StepController controller(*workspace_, settings, observer, cancel);
+    engine::Serial executor;
+    executor.run(graph_, workspace_.get(), controller);
+    counters_ = controller.counters();
+    step_ = controller.step();
+    time_ = controller.time();
+    controller.rethrow();
+    return controller.fault();
+}
+
+Fault Simulation::settle(RunObserver& observer, const std::atomic<bool>& cancel) {
+    const double duration = scene_.parameters.start.settling_time;
+    const double intervals = std::max(1.0, std::ceil(duration / scene_.run.output_interval * (1.0 - 1e-12)));
+    const Fault fault = integrate({-duration, 0.0, scene_.run.step, duration / intervals, scene_.run.max_steps, scene_.run.max_wall}, observer, cancel);
+    if (fault) return fault;
+    needs_settling_ = false;
+    time_ = 0.0;
+    return fault;
+}
+
+Fault Simulation::run(double until, RunObserver& observer, const std::atomic<bool>& cancel) {
+    return integrate({time_, until, scene_.run.step, scene_.run.output_interval, scene_.run.max_steps, scene_.run.max_wall}, observer, cancel);
+}
+
+std::uint64_t Simulation::hash() const noexcept {
+    engine::Hash hash;
+    hash.add(std::span<const double>(state(), static_cast<std::size_t>(workspace_->layout().size())));
+    hash.add(std::span<const std::uint8_t>(reinterpret_cast<const std::uint8_t*>(phases().data()), phases().size()));
+    return hash.value();
+}
+
+engine::SavedState Simulation::saved_state() const {
+    engine::SavedState saved;
+    saved.time = time_;
+    saved.state.assign(state(), state() + workspace_->layout().size());
+    for (const model::Phase phase : phases()) saved.phases.push_back(static_cast<std::uint8_t>(phase));
+    const std::string text = write_scene(scene_);
+    saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
+    saved.attributes = {{"scene", text}};
+    return saved;
+}
+
+}  // namespace cvtflow::tasks

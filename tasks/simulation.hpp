@@ -1,0 +1,69 @@
+#pragma once
+/// One simulation of one scene: its start state, its step loop, its counters. No global state; any number may live side by side.
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tasks/scene/scene.hpp"
+#include "tasks/step_controller.hpp"
+
+namespace cvtflow::engine {
+struct SavedState;
+}
+
+namespace cvtflow::tasks {
+
+/// A simulation cannot begin: the start state does not fit, the method is unknown.
+class SimulationError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+class Simulation {
+public:
+    /// Prepares the start state: from the scene's state file, else geometric. Nothing runs yet.
+    /// @throws SimulationError, engine::RecordError (state file), std::invalid_argument (the chain does not close)
+    explicit Simulation(const Scene& scene);
+    ~Simulation();
+
+    /// Whether the start is geometric and has to settle before t = 0.
+    [[nodiscard]] bool needs_settling() const noexcept { return needs_settling_; }
+    /// Runs from t = -start.settling_time to t = 0 with clamping and load ramped up. Outputs are delivered with negative times.
+    [[nodiscard]] Fault settle(RunObserver& observer, const std::atomic<bool>& cancel);
+    /// Runs from the present time to `until` with the scene's run settings; ends at the first step at or after it.
+    [[nodiscard]] Fault run(double until, RunObserver& observer, const std::atomic<bool>& cancel);
+
+    [[nodiscard]] double time() const noexcept { return time_; }
+    [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
+    [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
+    [[nodiscard]] const double* state() const noexcept { return workspace_->states[0]; }
+    [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->phases; }
+    /// Of the last settle() or run().
+    [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+    /// Step in use in the last run [s].
+    [[nodiscard]] double step() const noexcept { return step_; }
+    /// Hash of state and phases: equal for every number of segments, threads and schedule.
+    [[nodiscard]] std::uint64_t hash() const noexcept;
+    /// What differs between this scene and the one that the state file was settled with, one line each; empty if nothing.
+    [[nodiscard]] const std::vector<std::string>& start_differences() const noexcept { return start_differences_; }
+
+    /// The present state as a file for start.state.
+    [[nodiscard]] engine::SavedState saved_state() const;
+
+private:
+    [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const std::atomic<bool>& cancel);
+    void take_state(const engine::SavedState& saved);
+
+    Scene scene_;
+    std::unique_ptr<Workspace> workspace_;
+    engine::TaskGraph graph_;
+    bool needs_settling_ = false;
+    double time_ = 0.0;
+    double step_ = 0.0;
+    Counters counters_;
+    std::vector<std::string> start_differences_;
+};
+
+}  // namespace cvtflow::tasks
