@@ -85,7 +85,8 @@ Violation profile_is_round(const Scene& scene) {
 Violation radii_ordered(const Scene& scene) {
     const auto& pulley = scene.parameters.pulley;
     if (pulley.innermost < pulley.outermost) return {};
-    return fmt::format("pulley.innermost: {} is not smaller than pulley.outermost = {}", mm(pulley.innermost), mm(pulley.outermost));
+    return fmt::format("pulley.innermost: {} is not smaller than pulley.outermost = {}", mm(pulley.innermost),
+                       mm(pulley.outermost));
 }
 
 Violation arc_on_sheave(const Scene& scene) {
@@ -108,7 +109,8 @@ Violation ramp_within_settling(const Scene& scene) {
     const auto& start = scene.parameters.start;
     const bool settles = start.layout == StartLayout::belt && start.settling_time > 0.0;
     if (!settles || start.ramp_time <= start.settling_time) return {};
-    return fmt::format("start.ramp_time: {} is longer than start.settling_time = {}", seconds(start.ramp_time), seconds(start.settling_time));
+    return fmt::format("start.ramp_time: {} is longer than start.settling_time = {}", seconds(start.ramp_time),
+                       seconds(start.settling_time));
 }
 
 Violation control_has_pulleys(const Scene& scene) {

@@ -13,7 +13,9 @@ using Json = nlohmann::ordered_json;
 
 /// A number in SI, or a text with a unit (whose dimension the parser checks).
 Json number_schema(double min, double max) {
-    return {{"anyOf", {{{"type", "number"}, {"minimum", min}, {"maximum", max}}, {{"type", "string"}, {"pattern", "^\\s*[-+]?\\.?[0-9]"}}}}};
+    const Json plain{{"type", "number"}, {"minimum", min}, {"maximum", max}};
+    const Json with_unit{{"type", "string"}, {"pattern", "^\\s*[-+]?\\.?[0-9]"}};
+    return {{"anyOf", {plain, with_unit}}};
 }
 
 Json list_schema(Json item) {

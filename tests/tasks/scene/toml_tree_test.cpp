@@ -35,6 +35,20 @@ TEST(TomlTree, ViolationOfTheGrammarIsAProblemWithItsPlace) {
     EXPECT_EQ(problem.message.substr(0, 15), "not valid TOML:");
 }
 
+TEST(TomlTree, TextsThatBreakTheParsersOwnAssumptionsAreProblemsToo) {
+    for (const char* text : {"[[[a]]]", "[[[1]]]", "[[=", "[[[", "[", "a.", "a = [", "a = {", "a = 0x", "\xef\xbb", "\xff\xfe"})
+        EXPECT_TRUE(std::holds_alternative<Problem>(parse_toml(text))) << text;
+}
+
+TEST(TomlTree, CharactersBeyondAsciiBelongInQuotesAndComments) {
+    const std::string good = "\xef\xbb\xbf# é\nk = \"é \\\" é\" # é\n'é' = \"\"\"é\n\"é\" é\"\"\"\"\nl = '''\né'''\ne = \"\"\n";
+    EXPECT_TRUE(std::holds_alternative<Node>(parse_toml(good)));
+    for (const char* text : {"\nµ = 1", "# é\nµ = 1", "k = \"é\" µ", "k = 'é\\' µ", "k = \"\"\"é\"\"\" µ", "k = 5 µ",
+                             "k = 5\"µ", "k = \"é\nµ"})
+        EXPECT_TRUE(std::holds_alternative<Problem>(parse_toml(text))) << text;
+    EXPECT_EQ(std::get<Problem>(parse_toml("a = 1\nk = \"é\" µ")).position, (Position{2, 9}));
+}
+
 TEST(TomlTree, QuotedTextReadsBackEqual) {
     const std::string text = "a \"quoted\" \\ path\nwith\ttabs, \x01 and µ";
     const auto document = std::get<Node>(parse_toml("v = " + toml_text(text)));
