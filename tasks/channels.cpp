@@ -38,8 +38,8 @@ void work(const Instant& now, double* out) { *out = now.observation.work[Kind]; 
 
 void efficiency(const Instant& now, double* out) {
     const Observation& o = now.observation;
-    const double in = o.torque[0] * o.speed[0];
-    *out = in != 0.0 ? -o.torque[1] * o.speed[1] / in : 0.0;
+    const double in = -o.chain_torque[0] * o.speed[0];
+    *out = in != 0.0 ? o.chain_torque[1] * o.speed[1] / in : 0.0;
 }
 void thrust_ratio(const Instant& now, double* out) {
     const Observation& o = now.observation;
@@ -91,7 +91,7 @@ std::span<const Channel> channels() {
         {"sheaves/axial_force", "N", "axial force of all tips on sheaves 1-, 1+, 2-, 2+", "sheave", [](const ChainLayout&) { return 4; }, list<&O::axial_force>},
         {"ratio", "1", "speed ratio: driving over driven", "", one, scalar<&O::ratio>},
         {"slip", "1", "1 - (driven speed x driven radius)/(driving speed x driving radius)", "", one, scalar<&O::slip>},
-        {"efficiency", "1", "power into the load over power from the drive, of the instant", "", one, efficiency},
+        {"efficiency", "1", "power that the chain brings to the driven shaft over power that it takes from the driving one, of the instant", "", one, efficiency},
         {"thrust_ratio", "1", "S_1/S_2", "", one, thrust_ratio},
         {"chain_speed", "m/s", "mean speed of the pins along the chain", "", one, scalar<&O::chain_speed>, false},
         {"tight_tension", "N", "mean plate tension of the strand that the driving sheaves pull (ring: of all links)", "", one, scalar<&O::tight>, false},

@@ -46,7 +46,7 @@ struct RunReport {
     std::array<double, 2> clamping{};     ///< mean [N]
     std::array<double, 2> radius{};       ///< mean [m]
     std::array<double, 4> axial_force{};  ///< mean, on sheaves 1-, 1+, 2-, 2+ [N]
-    double slip = 0.0, efficiency = 0.0;  ///< efficiency: mean power out over mean power in
+    double slip = 0.0, efficiency = 0.0;  ///< efficiency: mean power to the driven shaft over mean power from the driving one
     double ratio_begin = 0.0, ratio_end = 0.0;   ///< means over the first and the last fifth
     double ratio = 0.0;
     bool has_pulleys = true;

@@ -113,8 +113,8 @@ void RunRecorder::gather(const model::Observation& now) {
     add(sums_.clamping, now.clamping);
     add(sums_.radius, now.radius);
     add(sums_.axial_force, now.axial_force);
-    power_in_ += now.torque[0] * now.speed[0];
-    power_out_ -= now.torque[1] * now.speed[1];
+    power_in_ -= now.chain_torque[0] * now.speed[0];
+    power_out_ += now.chain_torque[1] * now.speed[1];
     ratios_.push_back(now.ratio);
 }
 
