@@ -211,31 +211,54 @@ void spin_shafts(const Parameters& p, const ChainLayout& at, const BeltRadii& ra
     return length;
 }
 
+/// Path, pre-tension and speed that a scene asks for.
+struct StartPlan {
+    BeltRadii radii;     ///< nominal, of a belt as long as the sum of pitches
+    PathOf path_of;
+    double turning;      ///< of the driving shaft or the ring [rad/s]
+    double pretension;   ///< σ v²: what the chain's own motion pulls [N]
+    double mean_pitch;   ///< [m]
+};
+
+[[nodiscard]] StartPlan plan_start(const Parameters& p) {
+    const double a = p.pulley.centre_distance;
+    const double ratio = p.start.ratio;
+    const double length = nominal_length(p);
+    const bool ring = p.start.layout == StartLayout::ring;
+    StartPlan plan;
+    plan.mean_pitch = length / p.chain.pins;
+    if (ring) {
+        plan.radii = {length / (2.0 * std::numbers::pi), length / (2.0 * std::numbers::pi)};
+        plan.path_of = [](double r) { return PitchPath(r); };
+        plan.turning = p.start.ring_speed;
+    } else {
+        const auto radii = belt_radii(length, ratio, a);
+        if (!radii) throw std::invalid_argument("start: the chain does not close around the pulleys at the wanted ratio");
+        plan.radii = *radii;
+        plan.path_of = [=](double r) { return PitchPath(BeltRadii{r, ratio * r}, a); };
+        plan.turning = p.drive.mode == DriveMode::speed ? p.drive.speed.at(0.0) : p.control.reference_speed;
+    }
+    const double speed = plan.radii.driving * plan.turning;
+    plan.pretension = link_mass(p) / plan.mean_pitch * speed * speed;
+    return plan;
+}
+
 }  // namespace
 
 StartState start_state(const Parameters& p) {
     const ChainLayout at = layout_of(p);
-    const double a = p.pulley.centre_distance;
-    const double length = nominal_length(p);
-    const bool ring = p.start.layout == StartLayout::ring;
-    const auto radii = ring ? BeltRadii{length / (2.0 * std::numbers::pi), length / (2.0 * std::numbers::pi)}
-                            : belt_radii(length, p.start.ratio, a).value_or(BeltRadii{0.0, 0.0});
-    if (radii.driving <= 0.0) throw std::invalid_argument("start: the chain does not close around the pulleys at the wanted ratio");
-    const double turning = ring ? p.start.ring_speed : p.drive.mode == DriveMode::speed ? p.drive.speed.at(0.0) : p.control.reference_speed;
-    const double ratio = p.start.ratio;
-    const PathOf path_of = ring ? PathOf([](double r) { return PitchPath(r); }) : PathOf([=](double r) { return PitchPath(BeltRadii{r, ratio * r}, a); });
+    const StartPlan plan = plan_start(p);
+    const ChainPlacer placer(p, plan.pretension, plan.path_of, plan.radii.driving);
+    const double phase = 0.25 * plan.mean_pitch;
+    const double step = 1e-3 * plan.mean_pitch;   // velocities: how the placed chain moves with its phase
+    const PlacedChain now = placer.place(phase);
 
-    const double mean_pitch = length / p.chain.pins;
-    const double pull = link_mass(p) * radii.driving * turning * turning * radii.driving / mean_pitch;   // σ v²
-    const ChainPlacer placer(p, pull, path_of, radii.driving);
-    const double step = 1e-3 * mean_pitch;
-    const PlacedChain now = placer.place(0.25 * mean_pitch);
-    const PlacedChain before = placer.place(0.25 * mean_pitch - step);
-    const PlacedChain after = placer.place(0.25 * mean_pitch + step);
-
-    StartState start{std::vector<double>(static_cast<std::size_t>(at.size()), 0.0), std::vector<Phase>(static_cast<std::size_t>(tips_per_link * at.links), Phase::free),
-                     {now.radius, ring ? now.radius : ratio * now.radius}, turning * now.radius};
-    fill_links(at, now, before, after, start.speed / (2.0 * step), start.state);
+    StartState start;
+    start.state.assign(static_cast<std::size_t>(at.size()), 0.0);
+    start.phases.assign(static_cast<std::size_t>(tips_per_link * at.links), Phase::free);
+    start.radii = {now.radius, p.start.layout == StartLayout::ring ? now.radius : p.start.ratio * now.radius};
+    start.speed = plan.turning * now.radius;
+    fill_links(at, now, placer.place(phase - step), placer.place(phase + step), start.speed / (2.0 * step), start.state);
     if (at.pulley_size != 0) {
         SheaveFitter(p, start.state, now.along).fit();
         spin_shafts(p, at, start.radii, start.speed, start.state);
