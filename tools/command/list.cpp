@@ -1,0 +1,117 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <memory>
+#include <set>
+
+#include "engine/executor/catalogue.hpp"
+#include "engine/method/catalogue.hpp"
+#include "engine/method/order.hpp"
+#include "engine/method/stability.hpp"
+#include "tasks/channels.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/units.hpp"
+#include "tools/command.hpp"
+#include "tools/ready_scenes.hpp"
+#include "tools/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+std::string methods() {
+    Table table({{"method"}, {"stages", Align::right}, {"order", Align::right}, {"real", Align::right}, {"imaginary", Align::right}, {"description"}});
+    for (const engine::StagePlan& plan : engine::methods()) {
+        const int embedded = engine::embedded_order_of(plan);
+        const std::string order = embedded > 0 ? fmt::format("{}({})", engine::order_of(plan), embedded) : fmt::format("{}", engine::order_of(plan));
+        table.add({plan.name, fmt::format("{}", plan.stages.size()), order, fmt::format("{:.3f}", engine::real_stability(plan)),
+                   fmt::format("{:.3f}", engine::imaginary_stability(plan)), plan.description});
+    }
+    return table.text() + "\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution.\n";
+}
+
+std::string detail() {
+    Table table({{"detail"}, {"order", Align::right}, {"plates"}, {"joint points", Align::right}, {"meaning"}});
+    for (const tasks::DetailPreset& preset : tasks::detail_presets()) {
+        table.add({std::string(preset.name), fmt::format("{}", preset.order), preset.plates == model::PlateDetail::each ? "each" : "lumped",
+                   fmt::format("{}", preset.joint_points), std::string(preset.meaning)});
+    }
+    return table.text();
+}
+
+std::string channels() {
+    Table table({{"channel"}, {"unit"}, {"per"}, {"description"}});
+    for (const tasks::Channel& channel : tasks::channels()) table.add({channel.name, channel.unit, channel.axis, channel.description});
+    return table.text();
+}
+
+std::string scenes() {
+    Table table({{"scene"}, {"pins", Align::right}, {"description"}, {"file"}});
+    for (const ReadyScene& ready : ready_scenes()) {
+        try {
+            const tasks::Scene scene = tasks::read_scene(ready.path, tasks::StartState::ignored);
+            table.add({ready.name, fmt::format("{}", scene.parameters.chain.pins), scene.description, ready.path.string()});
+        } catch (const tasks::SceneError&) {
+            table.add({ready.name, "", "has errors, see cvtflow check", ready.path.string()});
+        }
+    }
+    return table.text();
+}
+
+std::string executors() {
+    Table table({{"executor"}, {"threads"}, {"description"}});
+    for (const engine::ExecutorRow& row : engine::executors()) table.add({std::string(row.name), row.parallel ? "many" : "one", std::string(row.description)});
+    return table.text();
+}
+
+std::string keys() {
+    const tasks::Scene defaults;
+    Table table({{"key"}, {"default"}, {"unit"}, {"meaning"}});
+    for (const tasks::Parameter& parameter : tasks::parameter_table()) {
+        table.add({std::string(parameter.key), tasks::value_text(parameter, defaults), std::string(parameter.unit), std::string(parameter.meaning)});
+    }
+    return table.text();
+}
+
+std::string units() {
+    Table table({{"quantity"}, {"SI"}, {"also"}, {"example"}});
+    std::set<std::string_view> seen{""};
+    for (const tasks::Parameter& parameter : tasks::parameter_table()) {
+        if (!seen.insert(parameter.unit).second) continue;
+        const std::string quantity(tasks::dimension_name(tasks::dimension_of(parameter.unit)));
+        table.add({quantity, std::string(parameter.unit), fmt::format("{}", fmt::join(tasks::usual_units(parameter.unit), ", ")), std::string(parameter.key)});
+    }
+    return table.text() + "\nAny product of m cm g s min h rad deg rpm Hz N Pa bar % with prefixes n u m k M G and powers will do: \"5.7e4 N/mm\", \"2.5e10 N/m^1.5\".\n";
+}
+
+struct Listing {
+    const char* name;
+    const char* description;
+    std::string (*text)();
+};
+
+constexpr std::array listings{
+    Listing{"methods", "Integration methods: stages, order, stability", methods},
+    Listing{"detail", "Levels of detail, coarsest first", detail},
+    Listing{"channels", "Recorded quantities", channels},
+    Listing{"scenes", "Ready scenes", scenes},
+    Listing{"executors", "Ways to run the task graph", executors},
+    Listing{"keys", "All keys of scenes", keys},
+    Listing{"units", "Units of quantities", units},
+};
+
+}  // namespace
+
+Action declare_list(CLI::App& app) {
+    app.require_subcommand(1);
+    for (const Listing& listing : listings) app.add_subcommand(listing.name, listing.description);
+    return [&app] {
+        for (const Listing& listing : listings) {
+            if (app.got_subcommand(listing.name)) fmt::print("{}", listing.text());
+        }
+        return ExitStatus::finished;
+    };
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "tasks/run.hpp"
+#include "tools/command.hpp"
+#include "tools/interrupt.hpp"
+#include "tools/progress.hpp"
+#include "tools/scene_arguments.hpp"
+#include "tools/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+struct SettleArguments {
+    SceneArguments scene;
+    std::string output;
+    bool quiet = false;
+};
+
+void simulate(const SettleArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+    ProgressDisplay display(progress_style(arguments.quiet), 0.0);
+    tasks::RunOptions options;
+    options.cancel = &catch_interrupts();
+    options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
+    tasks::settle_scene(scene, file, options);
+}
+
+ExitStatus settle(SettleArguments& arguments) {
+    arguments.scene.settle = true;
+    const tasks::Scene scene = load_scene(arguments.scene).scene;
+    const std::string file = arguments.output.empty() ? scene.path.stem().string() + "_state.h5" : arguments.output;
+    const model::Start& start = scene.parameters.start;
+    if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) throw tasks::SceneError("this scene has nothing to settle: start.layout and start.settling_time say so");
+    simulate(arguments, scene, file);
+    if (arguments.quiet) return ExitStatus::finished;
+    fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
+    fmt::print("{}", field("to use it", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}", std::filesystem::path(file).filename().string(), file)));
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_settle(CLI::App& app) {
+    const auto arguments = std::make_shared<SettleArguments>();
+    declare_scene(app, arguments->scene);
+    app.add_option("-o,--output", arguments->output, "State file to write (default: SCENE_state.h5)")->type_name("STATE.h5");
+    declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.footer("A scene's start.state counts from the folder of the scene file, --set start.state from the working directory.\n"
+               "Exit status as for run.");
+    return [arguments] { return settle(*arguments); };
+}
+
+}  // namespace cvtflow::tools
