@@ -54,15 +54,15 @@ int execute(int argc, char** argv) {
     app.set_version_flag("--version", version_text, "Print version, build and machine");
     app.require_subcommand(1);
     app.get_formatter()->column_width(32);
-    app.footer("cvtflow COMMAND --help tells more. First steps:\n"
-               "  cvtflow list scenes\n"
-               "  cvtflow run tiny\n"
-               "  cvtflow info results/tiny.h5\n\n" + std::string(exit_status_help));
     std::vector<Action> actions;
     for (const Command& command : commands()) {
         CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.description) + ".");
         actions.push_back(command.declare(*sub));
     }
+    app.footer("cvtflow COMMAND --help tells more. First steps:\n"
+               "  cvtflow list scenes\n"
+               "  cvtflow run tiny\n"
+               "  cvtflow info results/tiny.h5\n\n" + std::string(exit_status_help));
     if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return static_cast<int>(ExitStatus::usage);
     try {
         app.parse(argc, argv);

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <set>
@@ -11,6 +12,7 @@
 #include "engine/method/stability.hpp"
 #include "tasks/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/spelling.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/command.hpp"
 #include "tools/ready_scenes.hpp"
@@ -47,16 +49,18 @@ std::string channels() {
 }
 
 std::string scenes() {
-    Table table({{"scene"}, {"pins", Align::right}, {"description"}, {"file"}});
+    Table table({{"scene"}, {"pins", Align::right}, {"description"}});
+    std::set<std::string> folders;
     for (const ReadyScene& ready : ready_scenes()) {
+        folders.insert(ready.path.parent_path().string());
         try {
             const tasks::Scene scene = tasks::read_scene(ready.path, tasks::StartState::ignored);
-            table.add({ready.name, fmt::format("{}", scene.parameters.chain.pins), scene.description, ready.path.string()});
+            table.add({ready.name, fmt::format("{}", scene.parameters.chain.pins), scene.description});
         } catch (const tasks::SceneError&) {
-            table.add({ready.name, "", "has errors, see cvtflow check", ready.path.string()});
+            table.add({ready.name, "", "(has errors, see cvtflow check)"});
         }
     }
-    return table.text();
+    return table.text() + fmt::format("\nFrom {}. Further folders: environment variable CVTFLOW_SCENES.\n", fmt::join(folders, ", "));
 }
 
 std::string executors() {
@@ -86,8 +90,8 @@ std::string units() {
 }
 
 struct Listing {
-    const char* name;
-    const char* description;
+    std::string_view name;
+    std::string_view description;
     std::string (*text)();
 };
 
@@ -101,17 +105,36 @@ constexpr std::array listings{
     Listing{"units", "Units of quantities", units},
 };
 
+const Listing* find_listing(const std::string& name) {
+    const auto found = std::find_if(listings.begin(), listings.end(), [&](const Listing& listing) { return listing.name == name; });
+    return found == listings.end() ? nullptr : &*found;
+}
+
+/// What is wrong with a name, empty: nothing. (CLI11's form of a check.)
+std::string refusal(const std::string& name) {
+    if (find_listing(name) != nullptr) return {};
+    std::vector<std::string> names;
+    for (const Listing& listing : listings) names.emplace_back(listing.name);
+    const std::string near = tasks::closest(name, names);
+    return near.empty() ? fmt::format("no list '{}', only {}", name, fmt::join(names, ", ")) : fmt::format("no list '{}', did you mean '{}'?", name, near);
+}
+
+ExitStatus list(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : "\n") + find_listing(name)->text();
+    fmt::print("{}", text);
+    return ExitStatus::finished;
+}
+
 }  // namespace
 
 Action declare_list(CLI::App& app) {
-    app.require_subcommand(1);
-    for (const Listing& listing : listings) app.add_subcommand(listing.name, listing.description);
-    return [&app] {
-        for (const Listing& listing : listings) {
-            if (app.got_subcommand(listing.name)) fmt::print("{}", listing.text());
-        }
-        return ExitStatus::finished;
-    };
+    const auto names = std::make_shared<std::vector<std::string>>();
+    app.add_option("WHAT", *names, "One or more of the names below")->required()->type_name("")->check(CLI::Validator(refusal, ""));
+    std::string footer = "Lists:";
+    for (const Listing& listing : listings) footer += fmt::format("\n  {:<12}{}", listing.name, listing.description);
+    app.footer(footer);
+    return [names] { return list(*names); };
 }
 
 }  // namespace cvtflow::tools
