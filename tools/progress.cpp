@@ -35,6 +35,12 @@ std::string rate_text(double slowness, std::string_view per) {
 
 std::string left_text(const ProgressNumbers& now) { return now.slowness > 0.0 ? clock_text(now.left) + " left" : ""; }
 
+/// "t = 2.6 ms of 5 ms"; settling ends at 0, which goes without saying.
+std::string when_text(const ProgressNumbers& now) {
+    const std::string when = "t = " + time_text(now.time);
+    return now.until > 0.0 ? when + " of " + time_text(now.until) : when;
+}
+
 /// Appends what is not empty.
 void append(std::string& line, const std::string& separator, const std::string& part) {
     if (!part.empty()) line += separator + part;
@@ -51,7 +57,7 @@ ProgressStyle progress_style(bool quiet) {
 
 std::string bar_text(const ProgressNumbers& now, int columns) {
     const std::string head = fmt::format("{:<8} ", now.phase);
-    std::string tail = fmt::format(" {:3.0f} %  t = {} of {}", 100.0 * now.share, time_text(now.time), time_text(now.until));
+    std::string tail = fmt::format(" {:3.0f} %  {}", 100.0 * now.share, when_text(now));
     std::string with_rate = tail;
     append(with_rate, "  ", rate_text(now.slowness, "s/s"));
     append(tail, "  ", left_text(now));
@@ -64,7 +70,7 @@ std::string bar_text(const ProgressNumbers& now, int columns) {
 }
 
 std::string line_text(const ProgressNumbers& now) {
-    std::string line = fmt::format("{}: {:.0f} %, t = {} of {}", now.phase, 100.0 * now.share, time_text(now.time), time_text(now.until));
+    std::string line = fmt::format("{}: {:.0f} %, {}", now.phase, 100.0 * now.share, when_text(now));
     append(line, ", ", rate_text(now.slowness, "s per simulated second"));
     append(line, ", ", left_text(now));
     return line;

@@ -94,7 +94,8 @@ void declare_fresh_start(CLI::App& app, SceneArguments& arguments) {
 void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string option, std::string key, const std::string& type) {
     Shortcut& shortcut = arguments.shortcuts.emplace_back(Shortcut{std::move(option), std::move(key), {}});
     const std::string meaning(tasks::find_parameter(shortcut.key)->meaning);
-    app.add_option(shortcut.option, shortcut.value, fmt::format("{} ({})", meaning, shortcut.key))->type_name(type);
+    app.add_option(shortcut.option, shortcut.value, fmt::format("{} ({})", meaning, shortcut.key))
+        ->type_name(type)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
 LoadedScene load_scene(const SceneArguments& arguments) {

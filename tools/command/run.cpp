@@ -26,7 +26,8 @@ struct RunArguments {
 std::string record_path(const RunArguments& arguments, const tasks::Scene& scene) {
     if (arguments.output == "none") return {};
     if (!arguments.output.empty()) return arguments.output;
-    std::filesystem::create_directories("results");
+    std::error_code reported_later;   // by the record, which needs the folder
+    std::filesystem::create_directories("results", reported_later);
     return "results/" + scene.path.stem().string() + ".h5";
 }
 
