@@ -63,13 +63,17 @@ FrozenStart frozen_start(const Simulation& simulation) {
     probed.phases = simulation.phases();
     Nobody nobody;
     const std::atomic<bool> never{false};
-    StepController controller(probed, StepSettings{}, nobody, never);   // probes the start
+    StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
     return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases};
 }
 
 FrozenStepper::FrozenStepper(const model::Variator& variator, const engine::StagePlan& plan, std::span<const model::Phase> phases)
-    : variator_(variator), plan_(plan), phases_(phases), state_slots_(slots(states_, plan_.state_slots(), variator.layout().size())),
-      slope_slots_(slots(slopes_, plan_.slope_slots(), variator.layout().size())), stage_(static_cast<std::size_t>(variator.layout().size())),
+    : variator_(variator),
+      plan_(plan),
+      phases_(phases),
+      state_slots_(slots(states_, plan_.state_slots(), variator.layout().size())),
+      slope_slots_(slots(slopes_, plan_.slope_slots(), variator.layout().size())),
+      stage_(static_cast<std::size_t>(variator.layout().size())),
       scratch_(variator.layout()) {}
 
 void FrozenStepper::step(double t, double h) {
@@ -79,7 +83,8 @@ void FrozenStepper::step(double t, double h) {
         const engine::PlanStep row = plan_.stage(stage);
         engine::combine(row, h, view, 0, size, stage_.data());
         if (row.keep >= 0) std::copy(stage_.begin(), stage_.end(), state_slots_[static_cast<std::size_t>(row.keep)]);
-        model::right_hand_side(variator_, t + row.time * h, stage_.data(), phases_.data(), slope_slots_[static_cast<std::size_t>(row.slope)], scratch_);
+        model::right_hand_side(variator_, t + row.time * h, stage_.data(), phases_.data(),
+                               slope_slots_[static_cast<std::size_t>(row.slope)], scratch_);
     }
     engine::combine(plan_.result(), h, view, 0, size, stage_.data());
     std::copy(stage_.begin(), stage_.end(), state_slots_[0]);

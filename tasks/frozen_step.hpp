@@ -34,7 +34,7 @@ private:
     const model::Variator& variator_;
     const engine::CompiledPlan plan_;
     std::span<const model::Phase> phases_;
-    std::vector<std::vector<double>> states_, slopes_;   ///< [slot][layout.size()]
+    std::vector<std::vector<double>> states_, slopes_;  ///< [slot][layout.size()]
     std::vector<double*> state_slots_, slope_slots_;
     std::vector<double> stage_;
     model::EvaluationScratch scratch_;

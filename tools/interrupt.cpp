@@ -13,7 +13,7 @@ static_assert(std::atomic<bool>::is_always_lock_free, "only lock-free atomics ma
 extern "C" void on_interrupt(int signal) {
     if (interrupted.exchange(true)) {
         std::signal(signal, SIG_DFL);
-        std::raise(signal);   // delivered when the handler returns
+        std::raise(signal);  // delivered when the handler returns
     }
 }
 

@@ -27,8 +27,8 @@ void print_error(std::string_view message) {
 
 std::string version_text() {
     const engine::Provenance here = engine::current_provenance();
-    return fmt::format("cvtflow {} ({})\nbuilt with {} as {} for {}\nrunning on {}, {} core{}, {}", here.version, here.commit, here.compiler,
-                       here.build_type, here.instruction_set, here.cpu, here.cores, here.cores == 1 ? "" : "s", here.os);
+    return fmt::format("cvtflow {} ({})\nbuilt with {} as {} for {}\nrunning on {}, {} core{}, {}", here.version, here.commit,
+                       here.compiler, here.build_type, here.instruction_set, here.cpu, here.cores, here.cores == 1 ? "" : "s", here.os);
 }
 
 /// A misspelt command would be reported by CLI11 as an argument that was not expected.
@@ -59,10 +59,12 @@ int execute(int argc, char** argv) {
         CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.description) + ".");
         actions.push_back(command.declare(*sub));
     }
-    app.footer("cvtflow COMMAND --help tells more. First steps:\n"
-               "  cvtflow list scenes\n"
-               "  cvtflow run tiny\n"
-               "  cvtflow info results/tiny.h5\n\n" + std::string(exit_status_help));
+    app.footer(
+        "cvtflow COMMAND --help tells more. First steps:\n"
+        "  cvtflow list scenes\n"
+        "  cvtflow run tiny\n"
+        "  cvtflow info results/tiny.h5\n\n" +
+        std::string(exit_status_help));
     if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return static_cast<int>(ExitStatus::usage);
     try {
         app.parse(argc, argv);

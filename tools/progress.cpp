@@ -93,8 +93,10 @@ ProgressNumbers ProgressDisplay::numbers(const tasks::Progress& progress) {
 void ProgressDisplay::show(const tasks::Progress& progress) {
     if (style_ == ProgressStyle::silent) return;
     const ProgressNumbers now = numbers(progress);
-    if (style_ == ProgressStyle::bar) draw(now);
-    else print(now);
+    if (style_ == ProgressStyle::bar)
+        draw(now);
+    else
+        print(now);
 }
 
 void ProgressDisplay::draw(const ProgressNumbers& now) {

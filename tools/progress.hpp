@@ -51,8 +51,8 @@ private:
     ProgressStyle style_;
     double until_;
     std::string phase_;
-    double phase_wall_ = 0.0;      ///< wall time when the phase began [s]
-    int tenths_ = 0;               ///< of the phase, as last printed
+    double phase_wall_ = 0.0;  ///< wall time when the phase began [s]
+    int tenths_ = 0;           ///< of the phase, as last printed
     Clock::time_point shown_{};
     bool drawn_ = false;
 };

@@ -44,7 +44,8 @@ std::vector<ReadyScene> ready_scenes() {
 
 fs::path find_scene(const std::string& argument) {
     std::error_code unreadable;
-    if (argument.find('/') != std::string::npos || argument.ends_with(".toml") || fs::is_regular_file(argument, unreadable)) return argument;
+    if (argument.find('/') != std::string::npos || argument.ends_with(".toml") || fs::is_regular_file(argument, unreadable))
+        return argument;
     std::vector<std::string> names;
     for (const ReadyScene& scene : ready_scenes()) {
         if (scene.name == argument) return scene.path;

@@ -41,7 +41,8 @@ std::string in_words_given(const std::string& message, const SceneArguments& arg
         for (const Shortcut& shortcut : arguments.shortcuts) {
             if (!shortcut.value) continue;
             const std::string as_setting = fmt::format("--set {}={}: {}: ", shortcut.key, *shortcut.value, shortcut.key);
-            if (line.starts_with(as_setting)) line = fmt::format("{} {}: {}", shortcut.option, *shortcut.value, line.substr(as_setting.size()));
+            if (line.starts_with(as_setting))
+                line = fmt::format("{} {}: {}", shortcut.option, *shortcut.value, line.substr(as_setting.size()));
         }
         rewritten.push_back(line);
     }
@@ -83,7 +84,10 @@ void require_method(const tasks::Scene& scene) {
 void declare_scene(CLI::App& app, SceneArguments& arguments) {
     app.add_option("SCENE", arguments.scene, "Scene file, or name of a ready scene (cvtflow list scenes)")->required()->type_name("");
     app.add_option("--set", arguments.settings, "Change a key of the scene; may be repeated (cvtflow list keys)")
-        ->type_name("KEY=VALUE")->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--detail", arguments.detail, "Level of detail (cvtflow list detail)")->type_name("PRESET");
 }
 
@@ -95,7 +99,8 @@ void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string opti
     Shortcut& shortcut = arguments.shortcuts.emplace_back(Shortcut{std::move(option), std::move(key), {}});
     const std::string meaning(tasks::find_parameter(shortcut.key)->meaning);
     app.add_option(shortcut.option, shortcut.value, fmt::format("{} ({})", meaning, shortcut.key))
-        ->type_name(type)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+        ->type_name(type)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 }
 
 LoadedScene load_scene(const SceneArguments& arguments) {

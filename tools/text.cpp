@@ -60,7 +60,8 @@ std::string Table::text(int indent) const {
         std::string made(static_cast<std::size_t>(indent), ' ');
         for (std::size_t i = 0; i < columns_.size(); ++i) {
             const std::string_view gap = i == 0 ? "" : "  ";
-            made += columns_[i].align == Align::right ? fmt::format("{}{:>{}}", gap, cell(i), width[i]) : fmt::format("{}{:<{}}", gap, cell(i), width[i]);
+            made += columns_[i].align == Align::right ? fmt::format("{}{:>{}}", gap, cell(i), width[i])
+                                                      : fmt::format("{}{:<{}}", gap, cell(i), width[i]);
         }
         text += made.substr(0, made.find_last_not_of(' ') + 1) + "\n";
     };

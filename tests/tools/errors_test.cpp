@@ -69,15 +69,21 @@ TEST_F(Errors, InScenesSayWhereAndWhat) {
         {{"run", "zzzzzzz"}, 1, "no scene 'zzzzzzz' (cvtflow list scenes)"},
         {{"run", "missing.toml"}, 1, "missing.toml: cannot be read"},
         {{"run", "./folder"}, 1, "./folder: cannot be read"},
-        {{"run", "broken.toml"}, 1,
-         "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an integer"},
-        {{"check", "broken.toml"}, 1,
-         "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an integer"},
+        {{"run", "broken.toml"},
+         1,
+         "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
+         "integer"},
+        {{"check", "broken.toml"},
+         1,
+         "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
+         "integer"},
         {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: there is no file \"gone.h5\""},
         {{"settle", "free_ring"}, 1, "free_ring: nothing to settle, start.layout and start.settling_time say so"},
         {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
-        {{"local-error", "tiny"}, 1,
-         "tiny: the start is not settled, its errors would mean nothing: give --settle, or a state file with --set start.state=FILE (cvtflow settle)"},
+        {{"local-error", "tiny"},
+         1,
+         "tiny: the start is not settled, its errors would mean nothing: give --settle, or a state file with --set start.state=FILE "
+         "(cvtflow settle)"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
     EXPECT_THAT(run({"check", "syntax.toml"}).err, testing::StartsWith("cvtflow: syntax.toml:1:"));
@@ -115,10 +121,14 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
         {{"run", "tiny", "--set", "start.state=gone.h5"}, 1, "--set start.state=gone.h5: start.state: there is no file \"gone.h5\""},
         {{"run", "tiny", "--set", "start.state=text.h5"}, 1, "FOLDER/text.h5: not an HDF5 file"},
         {{"run", "tiny", "--set", "start.state=cut_state.h5"}, 1, "FOLDER/cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
-        {{"run", "tiny", "--set", "start.state=record.h5"}, 1, "FOLDER/record.h5: an HDF5 file, but not a cvtflow state (format: 'cvtflow run')"},
-        {{"run", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"}, 1,
+        {{"run", "tiny", "--set", "start.state=record.h5"},
+         1,
+         "FOLDER/record.h5: an HDF5 file, but not a cvtflow state (format: 'cvtflow run')"},
+        {{"run", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
+         1,
          "start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled with 1"},
-        {{"check", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"}, 1,
+        {{"check", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
+         1,
          "start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled with 1"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);

@@ -1,6 +1,7 @@
 #include "tests/tools/program_fixture.hpp"
 
 #include <fcntl.h>
+#include <pty.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -85,9 +86,35 @@ Outcome Program::run(const std::vector<std::string>& arguments, const std::vecto
 }
 
 Outcome Program::run_briefly(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{"run", "tiny", "--until", "20 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
+    std::vector<std::string> arguments{
+        "run", "tiny", "--until", "20 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
+}
+
+std::string Program::draw(const std::vector<std::string>& arguments, int columns) const {
+    std::vector<std::string> all = arguments;
+    all.insert(all.begin(), CVTFLOW_PROGRAM);
+    std::vector<char*> words;
+    for (std::string& argument : all) words.push_back(argument.data());
+    words.push_back(nullptr);
+    winsize size{};
+    size.ws_row = 24;
+    size.ws_col = static_cast<unsigned short>(columns);
+    int terminal = -1;
+    const pid_t process = forkpty(&terminal, nullptr, nullptr, &size);
+    if (process < 0) throw std::runtime_error("forkpty");
+    if (process == 0) {
+        setenv("TERM", "xterm", 1);
+        if (chdir(folder_.c_str()) == 0) execv(words[0], words.data());
+        _exit(127);
+    }
+    std::string text;
+    char buffer[4096];
+    for (ssize_t got; (got = ::read(terminal, buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(got));
+    close(terminal);
+    waitpid(process, nullptr, 0);
+    return text;
 }
 
 void Program::write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name, std::ios::binary) << text; }

@@ -24,10 +24,13 @@ protected:
         text.replace(text.find("until = \"1 ms\""), 14, "until = \"20 us\"");
         write("settled.toml", text);
     }
-    [[nodiscard]] std::string read_ready(const std::string& name) const { return read(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name); }
+    [[nodiscard]] std::string read_ready(const std::string& name) const {
+        return read(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name);
+    }
     /// What comes of a run that would take minutes, if it gets a signal once it has recorded something.
     [[nodiscard]] Outcome interrupted_by(int signal, const std::string& file) const {
-        Child child({"run", "tiny", "-o", file, "--until", "1 s", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"}, folder_);
+        Child child({"run", "tiny", "-o", file, "--until", "1 s", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"},
+                    folder_);
         EXPECT_TRUE(eventually([&] { return rows_of(file + ".part") > 0; }));
         child.send(signal);
         return child.wait();
@@ -36,7 +39,7 @@ protected:
         try {
             return exists(file) ? record(file).rows() : 0;
         } catch (const engine::RecordError&) {
-            return 0;   // not yet
+            return 0;  // not yet
         }
     }
 };
@@ -45,10 +48,11 @@ TEST_F(Run, RecordsInResultsAndSumsUp) {
     const Outcome outcome = run_briefly();
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(outcome.out, StartsWith("tiny: finished at t = 2e-05 s\n"));
-    EXPECT_THAT(outcome.out, AllOf(HasSubstr("\n  method "), HasSubstr("\n  state hash "), HasSubstr("\n  machine "), HasSubstr("\n  program ")));
+    EXPECT_THAT(outcome.out,
+                AllOf(HasSubstr("\n  method "), HasSubstr("\n  state hash "), HasSubstr("\n  machine "), HasSubstr("\n  program ")));
     EXPECT_THAT(outcome.out, HasSubstr("\n  record              results/tiny.h5 ("));
     EXPECT_EQ(record("results/tiny.h5").status(), "finished");
-    EXPECT_EQ(record("results/tiny.h5").rows(), 3u);   // 0, 10, 20 us
+    EXPECT_EQ(record("results/tiny.h5").rows(), 3u);  // 0, 10, 20 us
 }
 
 TEST_F(Run, TellsItsProgressInPlainLinesWhereThereIsNoTerminal) {
@@ -57,6 +61,22 @@ TEST_F(Run, TellsItsProgressInPlainLinesWhereThereIsNoTerminal) {
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("\nsettling: 100 %, t = 0 s, "), HasSubstr("\nrunning: 50 %, t = 10 us of 20 us, ")));
     EXPECT_THAT(outcome.err, AllOf(HasSubstr(" s per simulated second ("), HasSubstr(" x real time), 0:00 left\n")));
     EXPECT_EQ(outcome.err.find_first_of("\r\x1b"), std::string::npos);
+}
+
+TEST_F(Run, DrawsABarOnATerminalThatFitsAndGoesAway) {
+    const std::vector<std::string> brief{
+        "run", "tiny", "-o", "none", "--until", "1 ms", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
+    for (const int columns : {40, 70, 120}) {
+        const std::string text = draw(brief, columns);
+        const std::string drawn = text.substr(0, text.find("tiny: finished"));
+        EXPECT_THAT(drawn, StartsWith("\rsettling "));
+        EXPECT_THAT(drawn, testing::EndsWith("\r\x1b[K"));
+        EXPECT_EQ(drawn.find('\n'), std::string::npos);
+        for (std::size_t begin = 0, end; (end = drawn.find('\r', begin)) != std::string::npos; begin = end + 1) {
+            EXPECT_LT(end - begin, static_cast<std::size_t>(columns) + 3) << "the code to clear the rest of the line takes 3";
+        }
+        EXPECT_TRUE(columns < 70 || drawn.find(" [>") != std::string::npos) << drawn;
+    }
 }
 
 TEST_F(Run, WithoutOutputRecordsNothing) {
@@ -121,8 +141,11 @@ TEST_F(Run, OfAnotherDetailDropsTheStateFileAndSaysSo) {
     write_settled_scene();
     const Outcome outcome = run({"run", "settled.toml", "--detail", "coarse"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.err, StartsWith("cvtflow: detail.order = 0 (was 1), detail.joint_points = 1 (was 2), detail.pulleys = \"rigid\" (was \"elastic\"): "
-                                        "the state in " + folder_.string() + "/state.h5 does not fit any more, the run settles anew\nsettling: "));
+    EXPECT_THAT(
+        outcome.err,
+        StartsWith("cvtflow: detail.order = 0 (was 1), detail.joint_points = 1 (was 2), detail.pulleys = \"rigid\" (was \"elastic\"): "
+                   "the state in " +
+                   folder_.string() + "/state.h5 does not fit any more, the run settles anew\nsettling: "));
 }
 
 TEST_F(Run, ThatSettlesNeedsNoStateFile) {

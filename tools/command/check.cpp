@@ -31,7 +31,8 @@ std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simul
     const model::Start& start = scene.parameters.start;
     if (start.layout == model::StartLayout::ring) return fmt::format("geometric ring at {:.4g} rad/s", start.ring_speed);
     const std::string geometric = fmt::format("geometric at ratio {:.4g}", start.ratio);
-    return simulation.needs_settling() ? fmt::format("{}, settles for {}", geometric, time_text(start.settling_time)) : geometric + ", no settling";
+    return simulation.needs_settling() ? fmt::format("{}, settles for {}", geometric, time_text(start.settling_time))
+                                       : geometric + ", no settling";
 }
 
 /// Evaluations of the right-hand side: every step takes its stages, every transition one or two steps more.
@@ -40,12 +41,15 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
     const long stages = static_cast<long>(engine::find_method(run.method)->stages.size());
     const long running = steps_over(run.until, run.output_interval, run.step);
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, run.step) : 0;
-    std::string text = field("run", fmt::format("until {}, {} with step {}, {}", time_text(run.until), run.method, time_text(run.step), plural(run.segments, "segment")));
-    text += field("steps", settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
+    std::string text = field("run", fmt::format("until {}, {} with step {}, {}", time_text(run.until), run.method, time_text(run.step),
+                                                plural(run.segments, "segment")));
+    text += field("steps",
+                  settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
     text += field("evaluations", fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));
     const long outputs = std::lround(std::floor(run.until / run.output_interval * (1.0 + 1e-12))) + 1;
     const long states = std::lround(std::floor(run.until / run.state_interval * (1.0 + 1e-12))) + 1;
-    text += field("record", fmt::format("{} every {}, {} every {}", plural(outputs, "row"), time_text(run.output_interval), plural(states, "state"), time_text(run.state_interval)));
+    text += field("record", fmt::format("{} every {}, {} every {}", plural(outputs, "row"), time_text(run.output_interval),
+                                        plural(states, "state"), time_text(run.state_interval)));
     return text;
 }
 

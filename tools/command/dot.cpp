@@ -35,10 +35,13 @@ ExitStatus dot(const DotArguments& arguments) {
 
 Action declare_dot(CLI::App& app) {
     const auto arguments = std::make_shared<DotArguments>();
-    arguments->scene.settle = true;   // the start does not matter
+    arguments->scene.settle = true;  // the start does not matter
     declare_scene(app, arguments->scene);
     declare_shortcut(app, arguments->scene, "--segments", "run.segments", "N");
-    app.add_option("--cycle", arguments->cycle, "Cycle to draw: evaluate, detect, locate or truncate")->type_name("NAME")->check(CLI::IsMember(cycles))->capture_default_str();
+    app.add_option("--cycle", arguments->cycle, "Cycle to draw: evaluate, detect, locate or truncate")
+        ->type_name("NAME")
+        ->check(CLI::IsMember(cycles))
+        ->capture_default_str();
     app.footer("Example: cvtflow dot tiny --segments 3 | dot -Tsvg > step.svg");
     return [arguments] { return dot(*arguments); };
 }

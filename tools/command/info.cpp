@@ -25,7 +25,8 @@ std::string value_text(const engine::Attribute& attribute) {
 
 /// An attribute's text, or what stands for it.
 std::string text_of(const std::vector<engine::Attribute>& attributes, std::string_view name, const std::string& otherwise = "unknown") {
-    const auto found = std::find_if(attributes.begin(), attributes.end(), [&](const engine::Attribute& attribute) { return attribute.name == name; });
+    const auto found =
+        std::find_if(attributes.begin(), attributes.end(), [&](const engine::Attribute& attribute) { return attribute.name == name; });
     return found == attributes.end() ? otherwise : value_text(*found);
 }
 
@@ -60,7 +61,8 @@ std::string tables_text(const engine::RunReader& run) {
     for (const engine::TableInfo& info : run.tables()) {
         std::vector<std::string> columns;
         for (const engine::TableColumn& column : info.columns) columns.push_back(column.name);
-        table.add({info.name, fmt::format("{}", run.table(info.name).size()), fmt::format("{}", fmt::join(columns, " ")), info.description});
+        table.add(
+            {info.name, fmt::format("{}", run.table(info.name).size()), fmt::format("{}", fmt::join(columns, " ")), info.description});
     }
     return run.tables().empty() ? "" : "\n" + table.text(2);
 }
@@ -79,7 +81,8 @@ std::string run_text(const std::string& path, const engine::RunReader& run) {
     text += field("scene", of("scene"));
     if (const auto scene = scene_in(all, "parameters")) text += field("detail", detail_text(*scene));
     text += field("method", fmt::format("{}, step {} s, seed {}", of("method"), of("step"), of("seed")));
-    text += field("program", fmt::format("cvtflow {} ({}), {} {}, {}, HDF5 {}", of("program_version"), of("commit"), of("compiler"), of("build_type"), of("instruction_set"), of("hdf5_version")));
+    text += field("program", fmt::format("cvtflow {} ({}), {} {}, {}, HDF5 {}", of("program_version"), of("commit"), of("compiler"),
+                                         of("build_type"), of("instruction_set"), of("hdf5_version")));
     text += field("machine", fmt::format("{}, {} cores, {}", of("cpu"), of("cores"), of("os")));
     text += field("date", of("date"));
     if (!running) text += field("wall time", of("wall_seconds") + " s") + field("state hash", of("state_hash"));
@@ -89,7 +92,8 @@ std::string run_text(const std::string& path, const engine::RunReader& run) {
 }
 
 std::string state_text(const std::string& path, const engine::SavedState& saved) {
-    const std::string hash = engine::Hash().add(std::span<const double>(saved.state)).add(std::span<const std::uint8_t>(saved.phases)).hex();
+    const std::string hash =
+        engine::Hash().add(std::span<const double>(saved.state)).add(std::span<const std::uint8_t>(saved.phases)).hex();
     const auto touching = std::count_if(saved.phases.begin(), saved.phases.end(), [](std::uint8_t phase) { return phase != 0; });
     std::string text = fmt::format("{}: state, {}\n", path, size_text(static_cast<double>(std::filesystem::file_size(path))));
     text += field("time", time_text(saved.time));
@@ -101,11 +105,14 @@ std::string state_text(const std::string& path, const engine::SavedState& saved)
     if (!scene) return text + field("settled with", "a scene that this program cannot read");
     text += field("settled with", fmt::format("scene {}, {} pins", scene->name, scene->parameters.chain.pins));
     text += field("", detail_text(*scene));
-    text += field("", fmt::format("{} with step {}, {} of settling", scene->run.method, time_text(scene->run.step), time_text(scene->parameters.start.settling_time)));
+    text += field("", fmt::format("{} with step {}, {} of settling", scene->run.method, time_text(scene->run.step),
+                                  time_text(scene->parameters.start.settling_time)));
     return text;
 }
 
-[[nodiscard]] bool other_kind(const engine::RecordError& error) { return std::string_view(error.what()).find("an HDF5 file, but not a ") != std::string_view::npos; }
+[[nodiscard]] bool other_kind(const engine::RecordError& error) {
+    return std::string_view(error.what()).find("an HDF5 file, but not a ") != std::string_view::npos;
+}
 
 ExitStatus info(const std::string& path) {
     try {

@@ -23,14 +23,21 @@ namespace cvtflow::tools {
 namespace {
 
 std::string methods() {
-    Table table({{"method"}, {"stages", Align::right}, {"order", Align::right}, {"real", Align::right}, {"imaginary", Align::right}, {"description"}});
+    Table table({{"method"},
+                 {"stages", Align::right},
+                 {"order", Align::right},
+                 {"real", Align::right},
+                 {"imaginary", Align::right},
+                 {"description"}});
     for (const engine::StagePlan& plan : engine::methods()) {
         const int embedded = engine::embedded_order_of(plan);
-        const std::string order = embedded > 0 ? fmt::format("{}({})", engine::order_of(plan), embedded) : fmt::format("{}", engine::order_of(plan));
+        const std::string order =
+            embedded > 0 ? fmt::format("{}({})", engine::order_of(plan), embedded) : fmt::format("{}", engine::order_of(plan));
         table.add({plan.name, fmt::format("{}", plan.stages.size()), order, fmt::format("{:.3f}", engine::real_stability(plan)),
                    fmt::format("{:.3f}", engine::imaginary_stability(plan)), plan.description});
     }
-    return table.text() + "\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution.\n";
+    return table.text() +
+           "\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution.\n";
 }
 
 std::string detail() {
@@ -44,7 +51,8 @@ std::string detail() {
 
 std::string channels() {
     Table table({{"channel"}, {"unit"}, {"per"}, {"description"}});
-    for (const tasks::Channel& channel : tasks::channels()) table.add({channel.name, channel.unit, channel.axis, channel.description});
+    for (const tasks::Channel& channel : tasks::channels())
+        table.add({std::string(channel.name), std::string(channel.unit), std::string(channel.axis), std::string(channel.description)});
     return table.text();
 }
 
@@ -65,7 +73,8 @@ std::string scenes() {
 
 std::string executors() {
     Table table({{"executor"}, {"threads"}, {"description"}});
-    for (const engine::ExecutorRow& row : engine::executors()) table.add({std::string(row.name), row.parallel ? "many" : "one", std::string(row.description)});
+    for (const engine::ExecutorRow& row : engine::executors())
+        table.add({std::string(row.name), row.parallel ? "many" : "one", std::string(row.description)});
     return table.text();
 }
 
@@ -73,7 +82,8 @@ std::string keys() {
     const tasks::Scene defaults;
     Table table({{"key"}, {"default"}, {"unit"}, {"meaning"}});
     for (const tasks::Parameter& parameter : tasks::parameter_table()) {
-        table.add({std::string(parameter.key), tasks::value_text(parameter, defaults), std::string(parameter.unit), std::string(parameter.meaning)});
+        table.add({std::string(parameter.key), tasks::value_text(parameter, defaults), std::string(parameter.unit),
+                   std::string(parameter.meaning)});
     }
     return table.text();
 }
@@ -84,9 +94,12 @@ std::string units() {
     for (const tasks::Parameter& parameter : tasks::parameter_table()) {
         if (!seen.insert(parameter.unit).second) continue;
         const std::string quantity(tasks::dimension_name(tasks::dimension_of(parameter.unit)));
-        table.add({quantity, std::string(parameter.unit), fmt::format("{}", fmt::join(tasks::usual_units(parameter.unit), ", ")), std::string(parameter.key)});
+        table.add({quantity, std::string(parameter.unit), fmt::format("{}", fmt::join(tasks::usual_units(parameter.unit), ", ")),
+                   std::string(parameter.key)});
     }
-    return table.text() + "\nAny product of m cm g s min h rad deg rpm Hz N Pa bar % with prefixes n u m k M G and powers will do: \"5.7e4 N/mm\", \"2.5e10 N/m^1.5\".\n";
+    return table.text() +
+           "\nAny product of m cm g s min h rad deg rpm Hz N Pa bar % with prefixes n u m k M G and powers will do: \"5.7e4 N/mm\", "
+           "\"2.5e10 N/m^1.5\".\n";
 }
 
 struct Listing {
@@ -116,7 +129,8 @@ std::string refusal(const std::string& name) {
     std::vector<std::string> names;
     for (const Listing& listing : listings) names.emplace_back(listing.name);
     const std::string near = tasks::closest(name, names);
-    return near.empty() ? fmt::format("no list '{}', only {}", name, fmt::join(names, ", ")) : fmt::format("no list '{}', did you mean '{}'?", name, near);
+    return near.empty() ? fmt::format("no list '{}', only {}", name, fmt::join(names, ", "))
+                        : fmt::format("no list '{}', did you mean '{}'?", name, near);
 }
 
 ExitStatus list(const std::vector<std::string>& names) {

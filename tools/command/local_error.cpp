@@ -38,7 +38,8 @@ std::vector<double> read_steps(const std::string& list) {
         const auto parsed = tasks::parse_quantity(word);
         const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
         const bool time = quantity != nullptr && (!quantity->has_unit || quantity->dimension == tasks::dimension_of("s"));
-        if (!time || !(quantity->value > 0.0)) throw tasks::SceneError(fmt::format("--steps {}: '{}' is not a time above 0, such as 40ns", list, word));
+        if (!time || !(quantity->value > 0.0))
+            throw tasks::SceneError(fmt::format("--steps {}: '{}' is not a time above 0, such as 40ns", list, word));
         steps.push_back(quantity->value);
     }
     std::sort(steps.rbegin(), steps.rend());
@@ -49,8 +50,10 @@ std::vector<double> read_steps(const std::string& list) {
 tasks::FrozenStart start_of(const tasks::Scene& scene, bool settle) {
     tasks::Simulation simulation(scene);
     if (simulation.needs_settling() && !settle) {
-        throw tasks::SceneError(fmt::format("{}: the start is not settled, its errors would mean nothing: give --settle, or a state file with "
-                                            "--set start.state=FILE (cvtflow settle)", scene.name));
+        throw tasks::SceneError(
+            fmt::format("{}: the start is not settled, its errors would mean nothing: give --settle, or a state file with "
+                        "--set start.state=FILE (cvtflow settle)",
+                        scene.name));
     }
     if (simulation.needs_settling()) {
         Nobody nobody;
@@ -69,9 +72,11 @@ std::string slope(double error, double above, double ratio) {
 
 std::string error_table(const std::vector<tasks::LocalError>& errors) {
     using tasks::LocalError;
-    constexpr double LocalError::* parts[] = {&LocalError::positions, &LocalError::velocities, &LocalError::axial_force, &LocalError::tension};
+    constexpr double LocalError::*parts[] = {&LocalError::positions, &LocalError::velocities, &LocalError::axial_force,
+                                             &LocalError::tension};
     const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
-    Table table({right("step"), right("positions"), right("slope"), right("velocities"), right("slope"), right("axial force"), right("slope"), right("tension"), right("slope")});
+    Table table({right("step"), right("positions"), right("slope"), right("velocities"), right("slope"), right("axial force"),
+                 right("slope"), right("tension"), right("slope")});
     for (std::size_t i = 0; i < errors.size(); ++i) {
         std::vector<std::string> cells{time_text(errors[i].step)};
         for (const auto part : parts) {
@@ -90,13 +95,15 @@ ExitStatus local_error(const LocalErrorArguments& arguments) {
     if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
     const tasks::FrozenStart start = start_of(scene, arguments.scene.settle);
     const engine::StagePlan& plan = *engine::find_method(scene.run.method);
-    const long touching = std::count_if(start.phases.begin(), start.phases.end(), [](model::Phase phase) { return phase != model::Phase::free; });
-    fmt::print("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene.name, plan.name,
-               engine::order_of(plan), engine::order_of(plan) + 1, plural(touching, "tip"));
+    const long touching =
+        std::count_if(start.phases.begin(), start.phases.end(), [](model::Phase phase) { return phase != model::Phase::free; });
+    fmt::print("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene.name,
+               plan.name, engine::order_of(plan), engine::order_of(plan) + 1, plural(touching, "tip"));
     model::Parameters parameters = scene.parameters;
     for (const model::FrictionLaw law : {model::FrictionLaw::piecewise, model::FrictionLaw::smoothed}) {
         const std::string name = law == model::FrictionLaw::piecewise ? "piecewise" : "smoothed";
-        const bool wanted = arguments.friction.empty() ? law == scene.parameters.detail.friction : arguments.friction == name || arguments.friction == "both";
+        const bool wanted = arguments.friction.empty() ? law == scene.parameters.detail.friction
+                                                       : arguments.friction == name || arguments.friction == "both";
         if (!wanted) continue;
         parameters.detail.friction = law;
         const std::vector<tasks::LocalError> errors = tasks::local_errors(model::Variator(parameters), plan, start, steps);
@@ -113,10 +120,12 @@ Action declare_local_error(CLI::App& app) {
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     app.add_option("--steps", arguments->steps, "Step lengths, separated by commas")->type_name("LIST")->capture_default_str();
     app.add_option("--friction", arguments->friction, "Friction law: piecewise, smoothed or both (default: the scene's)")
-        ->type_name("LAW")->check(CLI::IsMember({"piecewise", "smoothed", "both"}));
+        ->type_name("LAW")
+        ->check(CLI::IsMember({"piecewise", "smoothed", "both"}));
     declare_fresh_start(app, arguments->scene);
-    app.footer("Relative errors in the Euclidean norm against 32 steps of rk4 over the same time, from the scene's settled start.\n"
-               "slope: of the error over the step length, between a row and the one above; where rounding is reached, it falls to 0.");
+    app.footer(
+        "Relative errors in the Euclidean norm against 32 steps of rk4 over the same time, from the scene's settled start.\n"
+        "slope: of the error over the step length, between a row and the one above; where rounding is reached, it falls to 0.");
     return [arguments] { return local_error(*arguments); };
 }
 

@@ -26,7 +26,7 @@ struct RunArguments {
 std::string record_path(const RunArguments& arguments, const tasks::Scene& scene) {
     if (arguments.output == "none") return {};
     if (!arguments.output.empty()) return arguments.output;
-    std::error_code reported_later;   // by the record, which needs the folder
+    std::error_code reported_later;  // by the record, which needs the folder
     std::filesystem::create_directories("results", reported_later);
     return "results/" + scene.path.stem().string() + ".h5";
 }
@@ -41,7 +41,8 @@ std::string record_text(const std::string& path) {
 std::string machine_text() {
     const engine::Provenance here = engine::current_provenance();
     return field("machine", fmt::format("{}, {} cores", here.cpu, here.cores)) +
-           field("program", fmt::format("cvtflow {} ({}), {} {}, {}", here.version, here.commit, here.compiler, here.build_type, here.instruction_set));
+           field("program", fmt::format("cvtflow {} ({}), {} {}, {}", here.version, here.commit, here.compiler, here.build_type,
+                                        here.instruction_set));
 }
 
 tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
@@ -81,8 +82,10 @@ Action declare_run(CLI::App& app) {
     declare_shortcut(app, scene, "--seed", "run.seed", "N");
     declare_fresh_start(app, scene);
     app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
-    app.footer("Times take units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; twice ends it at once.\n"
-               "While the run goes on, its record is FILE.part, readable at any time (cvtflow info FILE.part).\n\n" + std::string(exit_status_help));
+    app.footer(
+        "Times take units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; twice ends it at once.\n"
+        "While the run goes on, its record is FILE.part, readable at any time (cvtflow info FILE.part).\n\n" +
+        std::string(exit_status_help));
     return [arguments] { return run(*arguments); };
 }
 

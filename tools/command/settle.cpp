@@ -33,7 +33,8 @@ void require_place(const std::filesystem::path& file) {
     if (!std::filesystem::is_directory(folder, unknown)) {
         throw engine::RecordError(fmt::format("{}: cannot create: the folder '{}' does not exist", file.string(), folder.string()));
     }
-    if (access(folder.c_str(), W_OK) != 0) throw engine::RecordError(fmt::format("{}: cannot create: {}", file.string(), std::strerror(errno)));
+    if (access(folder.c_str(), W_OK) != 0)
+        throw engine::RecordError(fmt::format("{}: cannot create: {}", file.string(), std::strerror(errno)));
 }
 
 void simulate(const SettleArguments& arguments, const tasks::Scene& scene, const std::string& file) {
@@ -56,7 +57,8 @@ ExitStatus settle(SettleArguments& arguments) {
     simulate(arguments, scene, file);
     if (arguments.quiet) return ExitStatus::finished;
     fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
-    fmt::print("{}", field("to use it", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}", std::filesystem::path(file).filename().string(), file)));
+    fmt::print("{}", field("to use it", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}",
+                                                    std::filesystem::path(file).filename().string(), file)));
     return ExitStatus::finished;
 }
 
@@ -68,8 +70,9 @@ Action declare_settle(CLI::App& app) {
     app.add_option("-o,--output", arguments->output, "State file to write (default: SCENE_state.h5)")->type_name("STATE.h5");
     declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
     app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
-    app.footer("A scene's start.state counts from the folder of the scene file, --set start.state from the working directory.\n"
-               "Exit status as for run.");
+    app.footer(
+        "A scene's start.state counts from the folder of the scene file, --set start.state from the working directory.\n"
+        "Exit status as for run.");
     return [arguments] { return settle(*arguments); };
 }
 
