@@ -40,9 +40,11 @@ std::string in_words_given(const std::string& message, const SceneArguments& arg
     for (std::string line; std::getline(lines, line);) {
         for (const Shortcut& shortcut : arguments.shortcuts) {
             if (!shortcut.value) continue;
-            const std::string as_setting = fmt::format("--set {}={}: {}: ", shortcut.key, *shortcut.value, shortcut.key);
-            if (line.starts_with(as_setting))
-                line = fmt::format("{} {}: {}", shortcut.option, *shortcut.value, line.substr(as_setting.size()));
+            const std::string as_setting = fmt::format("--set {}={}: ", shortcut.key, *shortcut.value);
+            if (!line.starts_with(as_setting)) continue;
+            std::string problem = line.substr(as_setting.size());
+            if (problem.starts_with(shortcut.key + ": ")) problem.erase(0, shortcut.key.size() + 2);
+            line = fmt::format("{} {}: {}", shortcut.option, *shortcut.value, problem);
         }
         rewritten.push_back(line);
     }
