@@ -59,8 +59,15 @@ struct RunReport {
 /// The report as lines of text for a person.
 [[nodiscard]] std::string summary(const RunReport& report);
 
-/// Settles a scene's geometric start (`duration` > 0 overrides start.settling_time) and writes the state at t = 0.
-/// @throws as run_scene; SimulationError if settling ends in a fault
+/// Settling ended before t = 0.
+class SettlingFault : public SimulationError {
+public:
+    explicit SettlingFault(Fault why) : SimulationError("settling: " + why.message()), fault(why) {}
+    Fault fault;
+};
+
+/// Settles a scene's geometric start and writes the state at t = 0.
+/// @throws as run_scene; SettlingFault, and then writes nothing
 void settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options);
 
 }  // namespace cvtflow::tasks
