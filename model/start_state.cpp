@@ -40,18 +40,20 @@ public:
         for (int i = 0; i < p.chain.pins; ++i) length_.push_back(p.chain.pitch[static_cast<std::size_t>(i) % p.chain.pitch.size()] + p.half.width + stretch);
     }
 
-    [[nodiscard]] PlacedChain place(double phase) const {
+    /// @param rise axial distance from the driving to the driven arc, climbed evenly along the strands [m]
+    [[nodiscard]] PlacedChain place(double phase, double rise) const {
         const std::size_t n = length_.size();
         std::vector<double> chord(n);
         for (std::size_t i = 0; i < n; ++i) chord[i] = length_[i] - (diameter_ - 2.0 * arm_);
         std::vector<Point> direction;
         for (int iteration = 0; iteration < 200; ++iteration) {
             const auto [pins, placed] = close(chord, phase);
+            if (!(placed.radius > 0.0) || !std::isfinite(placed.radius)) break;   // a link is longer than the smaller pulley is wide
             if (direction.empty()) {
                 for (std::size_t i = 0; i < n; ++i) direction.push_back(unit(pins[(i + 1) % n] - pins[i]));
             }
             PlacedChain chain = placed;
-            if (relax(pins, chord, direction, chain) < 1e-15 * static_cast<double>(iteration + 1)) return chain;
+            if (relax(pins, rise, chord, direction, chain) < 1e-15 * static_cast<double>(iteration + 1)) return chain;
         }
         throw std::invalid_argument("start: the chain cannot be closed around the pulleys with its joints rolling");
     }
@@ -91,7 +93,7 @@ private:
     }
 
     /// Halves from pins; corrects chords and directions; returns the largest error of a link's length [m].
-    double relax(const std::vector<Point>& pins, std::vector<double>& chord, std::vector<Point>& direction, PlacedChain& chain) const {
+    double relax(const std::vector<Point>& pins, double rise, std::vector<double>& chord, std::vector<Point>& direction, PlacedChain& chain) const {
         const std::size_t n = pins.size();
         std::vector<Point> reach(n);   // from the pin's middle to its front half
         for (std::size_t i = 0; i < n; ++i) {
@@ -106,8 +108,9 @@ private:
         for (std::size_t i = 0; i < n; ++i) {
             const Point link = chain.front[(i + 1) % n] - chain.rear[i];
             const Point turned = unit(link);
-            const double error = norm(link) - length_[i];
-            worst = std::max({worst, std::abs(error), 1e-3 * norm(turned - direction[i]) * length_[i]});
+            const double climb = rise * (chain.along[(i + 1) % n] - chain.along[i]);
+            const double error = std::hypot(norm(link), climb) - length_[i];
+            worst = std::max({worst, std::abs(error), norm(turned - direction[i]) * length_[i]});
             chord[i] -= error;
             direction[i] = turned;
         }
@@ -120,19 +123,33 @@ private:
     std::vector<double> length_;
 };
 
-/// Writes positions to q and velocities to v of every link.
-void fill_links(const ChainLayout& at, const PlacedChain& now, const PlacedChain& before, const PlacedChain& after, double rate, std::vector<double>& state) {
-    const auto put = [&](double* block, End end, std::size_t pin, const std::vector<Point>& here, const std::vector<Point>& back, const std::vector<Point>& forth) {
-        block[at.x(end, 0)] = here[pin].x;
-        block[at.y(end, 0)] = here[pin].y;
-        block[at.link_size() + at.x(end, 0)] = rate * (forth[pin].x - back[pin].x);
-        block[at.link_size() + at.y(end, 0)] = rate * (forth[pin].y - back[pin].y);
-    };
+/// Calls put(link block, end, pin) for every half.
+template <class Put>
+void for_every_half(const ChainLayout& at, std::vector<double>& state, const Put& put) {
     for (int link = 0; link < at.links; ++link) {
         double* block = state.data() + at.link_begin(link);
-        put(block, End::rear, static_cast<std::size_t>(link), now.rear, before.rear, after.rear);
-        put(block, End::front, static_cast<std::size_t>(at.next(link)), now.front, before.front, after.front);
+        put(block, End::rear, static_cast<std::size_t>(link));
+        put(block, End::front, static_cast<std::size_t>(at.next(link)));
     }
+}
+
+void fill_positions(const ChainLayout& at, const PlacedChain& now, std::vector<double>& state) {
+    for_every_half(at, state, [&](double* block, End end, std::size_t pin) {
+        const Point here = (end == End::rear ? now.rear : now.front)[pin];
+        block[at.x(end, 0)] = here.x;
+        block[at.y(end, 0)] = here.y;
+    });
+}
+
+/// Velocities as differences of two placements; axially the strands climb by `rise`.
+void fill_velocities(const ChainLayout& at, const PlacedChain& before, const PlacedChain& after, double rate, double rise, std::vector<double>& state) {
+    for_every_half(at, state, [&](double* block, End end, std::size_t pin) {
+        const Point moved = (end == End::rear ? after.rear : after.front)[pin] - (end == End::rear ? before.rear : before.front)[pin];
+        double* v = block + at.link_size();
+        v[at.x(end, 0)] = rate * moved.x;
+        v[at.y(end, 0)] = rate * moved.y;
+        v[at.z(end)] = rate * rise * (after.along[pin] - before.along[pin]);
+    });
 }
 
 /// Moves the arcs axially onto the fixed sheaves and the movable sheaves onto the arcs, until the deepest tip just touches.
@@ -141,7 +158,8 @@ public:
     SheaveFitter(const Parameters& p, std::vector<double>& state, const std::vector<double>& along)
         : model_(p), pulleys_(p), state_(state), along_(along) {}
 
-    void fit() {
+    /// Axial distance from the driving to the driven arc [m].
+    double fit() {
         for (int iteration = 0; iteration < 30; ++iteration) {
             for (int shaft = 0; shaft < 2; ++shaft) shift_[shaft] -= fixed_sign(shaft) * deepest(shaft, shaft == 0 ? 0 : 1);
             place_axially();
@@ -152,6 +170,7 @@ public:
                 state_[static_cast<std::size_t>(model_.layout().pulley_begin() + pulleys_.movable(shaft))] -= fixed_sign(shaft) * overlap;
             }
         }
+        return shift_[1] - shift_[0];
     }
 
 private:
@@ -159,12 +178,7 @@ private:
 
     void place_axially() {
         const ChainLayout& at = model_.layout();
-        for (int link = 0; link < at.links; ++link) {
-            double* block = state_.data() + at.link_begin(link);
-            const auto z = [&](int pin) { return shift_[0] + along_[static_cast<std::size_t>(pin)] * (shift_[1] - shift_[0]); };
-            block[at.z(End::rear)] = z(link);
-            block[at.z(End::front)] = z(at.next(link));
-        }
+        for_every_half(at, state_, [&](double* block, End end, std::size_t pin) { block[at.z(end)] = shift_[0] + along_[pin] * (shift_[1] - shift_[0]); });
     }
 
     /// Largest depth of tips on one side of one shaft.
@@ -229,17 +243,20 @@ StartState start_state(const Parameters& p) {
     const double pull = link_mass(p) * radii.driving * turning * turning * radii.driving / mean_pitch;   // σ v²
     const ChainPlacer placer(p, pull, path_of, radii.driving);
     const double step = 1e-3 * mean_pitch;
-    const PlacedChain now = placer.place(0.25 * mean_pitch);
-    const PlacedChain before = placer.place(0.25 * mean_pitch - step);
-    const PlacedChain after = placer.place(0.25 * mean_pitch + step);
-
-    StartState start{std::vector<double>(static_cast<std::size_t>(at.size()), 0.0), std::vector<Phase>(static_cast<std::size_t>(tips_per_link * at.links), Phase::free),
-                     {now.radius, ring ? now.radius : ratio * now.radius}, turning * now.radius};
-    fill_links(at, now, before, after, start.speed / (2.0 * step), start.state);
-    if (at.pulley_size != 0) {
-        SheaveFitter(p, start.state, now.along).fit();
-        spin_shafts(p, at, start.radii, start.speed, start.state);
+    const double phase = 0.25 * mean_pitch;
+    PlacedChain now = placer.place(phase, 0.0);
+    StartState start{std::vector<double>(static_cast<std::size_t>(at.size()), 0.0), std::vector<Phase>(static_cast<std::size_t>(tips_per_link * at.links), Phase::free), {}, 0.0};
+    fill_positions(at, now, start.state);
+    double rise = 0.0;
+    for (int iteration = 0; iteration < 3 && at.pulley_size != 0; ++iteration) {   // the climb of strands shortens them in second order only
+        rise = SheaveFitter(p, start.state, now.along).fit();
+        now = placer.place(phase, rise);
+        fill_positions(at, now, start.state);
     }
+    start.radii = {now.radius, ring ? now.radius : ratio * now.radius};
+    start.speed = turning * now.radius;
+    fill_velocities(at, placer.place(phase - step, rise), placer.place(phase + step, rise), start.speed / (2.0 * step), rise, start.state);
+    if (at.pulley_size != 0) spin_shafts(p, at, start.radii, start.speed, start.state);
     return start;
 }
 
