@@ -70,10 +70,21 @@ double ChainView::stretching(int link) const {
 }
 
 Vector ChainView::momentum() const {
-    // Consistent plates share their mass evenly over both halves: m/3 + m/6 each.
-    const double mass = parameters_.half.mass + 0.5 * parameters_.plate.count * parameters_.plate.mass;
+    const model::LinkInertia inertia = model::link_inertia(parameters_);
+    const int lateral = layout_.lateral();
     Vector sum{0.0, 0.0, 0.0};
-    for (int link = 0; link < links(); ++link) sum = sum + mass * (velocity(link, End::rear) + velocity(link, End::front));
+    for (int link = 0; link < links(); ++link) {
+        const double* v = state_ + layout_.link_begin(link) + layout_.link_size();
+        for (const int row : {0, lateral}) {   // m = 0 of both halves; plates couple it with bending
+            for (int column = 0; column < 2 * lateral; ++column) {
+                const double mass = inertia.lateral_matrix[static_cast<std::size_t>(2 * lateral * row + column)];
+                sum = sum + Vector{mass * v[column], mass * v[2 * lateral + column], 0.0};
+            }
+        }
+        for (const int row : {0, 2}) {
+            for (int column = 0; column < 4; ++column) sum.z += inertia.axial_matrix[static_cast<std::size_t>(4 * row + column)] * v[4 * lateral + column];
+        }
+    }
     return sum;
 }
 
