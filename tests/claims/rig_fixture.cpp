@@ -1,0 +1,57 @@
+#include "tests/claims/rig_fixture.hpp"
+
+#include <algorithm>
+
+#include "engine/executor/serial.hpp"
+#include "engine/method/catalogue.hpp"
+
+namespace cvtflow::claims {
+
+namespace {
+
+class Listener final : public tasks::RunObserver {
+public:
+    Listener(const Rig::Output& output, std::vector<tasks::TransitionRecord>& transitions) : output_(output), transitions_(transitions) {}
+    void output(double time, const tasks::Workspace& workspace, const tasks::Counters&) override {
+        if (output_) output_(time, workspace);
+    }
+    void transition(const tasks::TransitionRecord& record) override { transitions_.push_back(record); }
+
+private:
+    const Rig::Output& output_;
+    std::vector<tasks::TransitionRecord>& transitions_;
+};
+
+}  // namespace
+
+Rig::Rig(const model::Parameters& parameters, const std::vector<double>& state, const std::vector<model::Phase>& phases, int segments, std::string_view method)
+    : workspace_(std::make_unique<tasks::Workspace>(parameters, *engine::find_method(method), tasks::Partition::equal(parameters.chain.pins, segments))),
+      graph_(tasks::fused_graph(*workspace_)) {
+    std::copy(state.begin(), state.end(), workspace_->states[0]);
+    workspace_->phases = phases;
+}
+
+Rig::Rig(const model::Parameters& parameters, int segments, std::string_view method)
+    : Rig(parameters, model::start_state(parameters).state, std::vector<model::Phase>(static_cast<std::size_t>(4 * parameters.chain.pins)), segments, method) {}
+
+tasks::Fault Rig::run(const tasks::StepSettings& settings, const Output& output) {
+    const std::atomic<bool> never{false};
+    transitions_.clear();
+    Listener listener(output, transitions_);
+    tasks::StepController controller(*workspace_, settings, listener, never);
+    engine::Serial().run(graph_, workspace_.get(), controller);
+    counters_ = controller.counters();
+    controller.rethrow();
+    return controller.fault();
+}
+
+std::vector<double> Rig::state_copy() const { return {state(), state() + workspace_->layout().size()}; }
+
+void make_conservative(model::Parameters& p) {
+    p.chain.damping_ratio = 0.0;
+    p.pulley.damping_ratio = 0.0;
+    p.pulley.cylinder_damping = 0.0;
+    for (model::Friction* friction : {&p.plate.friction, &p.joint.friction, &p.tip.friction}) friction->coefficient = 0.0;
+}
+
+}  // namespace cvtflow::claims

@@ -1,0 +1,47 @@
+#pragma once
+/// A variator on the test bench: the real step controller on a state of one's own, without scene, file or settling.
+
+#include <functional>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "model/start_state.hpp"
+#include "tasks/step_controller.hpp"
+
+namespace cvtflow::claims {
+
+class Rig {
+public:
+    using Output = std::function<void(double time, const tasks::Workspace&)>;
+
+    /// Begins with the given state and phases.
+    Rig(const model::Parameters& parameters, const std::vector<double>& state, const std::vector<model::Phase>& phases, int segments = 1,
+        std::string_view method = "rk4");
+    /// Begins with the geometric start.
+    explicit Rig(const model::Parameters& parameters, int segments = 1, std::string_view method = "rk4");
+
+    /// Integrates; `output` sees every output. Counters and transitions are those of the last run.
+    tasks::Fault run(const tasks::StepSettings& settings, const Output& output = {});
+
+    [[nodiscard]] tasks::Workspace& workspace() { return *workspace_; }
+    [[nodiscard]] const model::Variator& variator() const { return workspace_->variator; }
+    [[nodiscard]] const double* state() const { return workspace_->states[0]; }
+    [[nodiscard]] std::vector<double> state_copy() const;
+    [[nodiscard]] double* mutable_state() { return workspace_->states[0]; }
+    [[nodiscard]] const std::vector<model::Phase>& phases() const { return workspace_->phases; }
+    [[nodiscard]] double time() const { return workspace_->time; }
+    [[nodiscard]] const tasks::Counters& counters() const { return counters_; }
+    [[nodiscard]] const std::vector<tasks::TransitionRecord>& transitions() const { return transitions_; }
+
+private:
+    std::unique_ptr<tasks::Workspace> workspace_;
+    engine::TaskGraph graph_;
+    tasks::Counters counters_;
+    std::vector<tasks::TransitionRecord> transitions_;
+};
+
+/// No friction, no damping.
+void make_conservative(model::Parameters& parameters);
+
+}  // namespace cvtflow::claims
