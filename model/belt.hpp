@@ -8,6 +8,9 @@ namespace cvtflow::model {
 struct Point {
     double x, y;
 };
+[[nodiscard]] constexpr Point operator+(Point a, Point b) noexcept { return {a.x + b.x, a.y + b.y}; }
+[[nodiscard]] constexpr Point operator-(Point a, Point b) noexcept { return {a.x - b.x, a.y - b.y}; }
+[[nodiscard]] constexpr Point operator*(double s, Point a) noexcept { return {s * a.x, s * a.y}; }
 
 /// Radii of an open belt over pulleys at (0, 0) and (a, 0), travelled counter-clockwise.
 struct BeltRadii {

@@ -76,7 +76,8 @@ private:
         const LinkKind& kind = c_.kind(number);
         double moment = inner_elasticity<P, Observe>(c_, kind, frame, q, v, f, account);
         with_lanes(c_.plates.width, [&]<int W>() { plates<P, W, Observe>(c_, kind, q, v, f, account); });
-        add_joint(rear, front, f);
+        rear.on_front.apply(-1.0, f, End::rear);
+        front.on_front.apply(1.0, f, End::front);
         moment += rear.after + front.before;
         const Phase* phases = range_.phases + tips_per_link * number;
         if (any_touching(phases)) {
@@ -85,19 +86,6 @@ private:
         }
         add_moment<P>(frame, moment, f);
         accelerate<P>(model_.inertia(), f);
-    }
-
-    static void add_joint(const JointForce<P>& rear, const JointForce<P>& front, double* f) noexcept {
-        for (int m = 0; m <= P; ++m) {
-            f[at<P>.x(End::rear, m)] -= rear.x[m];
-            f[at<P>.y(End::rear, m)] -= rear.y[m];
-            f[at<P>.x(End::front, m)] += front.x[m];
-            f[at<P>.y(End::front, m)] += front.y[m];
-        }
-        f[at<P>.z(End::rear)] -= rear.z;
-        f[at<P>.e(End::rear)] -= rear.e;
-        f[at<P>.z(End::front)] += front.z;
-        f[at<P>.e(End::front)] += front.e;
     }
 
     const ChainModel& model_;
@@ -130,7 +118,7 @@ void probe_link(const ChainModel& model, const double* state, const SheaveMotion
 /// Sum of the plates' elastic tensions.
 template <int P>
 [[nodiscard]] double elastic_tension(const Coefficients& c, const LinkKind& kind, const double* q) noexcept {
-    const Stretch<P> d(q);
+    const Difference<P> d(q, End::front, q, End::rear);
     double tension = 0.0;
     for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
         double dx = 0.0;

@@ -147,8 +147,9 @@ struct Clamping {
 struct Control {
     bool enabled = false;
     TimeTable ratio{1.0};            ///< i_ref = ω_1/ω_2 [1]
-    double proportional = 1e5;       ///< K_P [N]
-    double integral = 2e7;           ///< K_I [N/s]
+    double proportional = 1e6;       ///< K_P [N]
+    double integral = 5e7;           ///< K_I [N/s]
+    double authority = 1e4;          ///< A, largest correction of S_1 either way [N]
     double reference_speed = 209.43951023931953;  ///< ω_n in drive mode torque [rad/s]
     bool operator==(const Control&) const = default;
 };

@@ -42,7 +42,7 @@ void Variator::close(double t, const double* tail, const Phase* phases, const Li
         const double* control = tail + at.pulley_block();
         const Inputs inputs = pulleys_.inputs(t, tail, at.control ? *control : 0.0);
         pulleys_.slope(tail, inputs, sheave_forces(phases, loads), tail_slope, at.ledger ? &total : nullptr);
-        if (at.control) tail_slope[at.pulley_block()] = inputs.ratio_error;
+        if (at.control) tail_slope[at.pulley_block()] = inputs.control_rate;
         works = pulleys_.works(tail, inputs);
     }
     if (!at.ledger) return;

@@ -38,8 +38,8 @@ void work(const Instant& now, double* out) { *out = now.observation.work[Kind]; 
 
 void efficiency(const Instant& now, double* out) {
     const Observation& o = now.observation;
-    const double in = o.torque[0] * o.speed[0];
-    *out = in != 0.0 ? -o.torque[1] * o.speed[1] / in : 0.0;
+    const double in = -o.chain_torque[0] * o.speed[0];
+    *out = in != 0.0 ? o.chain_torque[1] * o.speed[1] / in : 0.0;
 }
 void thrust_ratio(const Instant& now, double* out) {
     const Observation& o = now.observation;
@@ -64,6 +64,65 @@ void followed_position(const Instant& now, double* out) {
 void followed_tension(const Instant& now, double* out) { *out = now.observation.tension[static_cast<std::size_t>(now.followed_pin)]; }
 int two(const ChainLayout&) { return 2; }
 int three(const ChainLayout&) { return 3; }
+int four(const ChainLayout&) { return 4; }
+void touching(const Instant& now, double* out) { *out = now.observation.touching; }
+
+using O = Observation;
+constexpr Channel table[] = {
+    {"shaft_1/speed", "rad/s", "speed of the driving shaft", "", one, element<&O::speed, 0>},
+    {"shaft_2/speed", "rad/s", "speed of the driven shaft", "", one, element<&O::speed, 1>},
+    {"shaft_1/angle", "rad", "angle of the driving shaft", "", one, element<&O::angle, 0>},
+    {"shaft_2/angle", "rad", "angle of the driven shaft", "", one, element<&O::angle, 1>},
+    {"shaft_1/torque", "N*m", "torque of the drive on the driving shaft", "", one, element<&O::torque, 0>},
+    {"shaft_2/torque", "N*m", "torque of the load on the driven shaft (negative brakes)", "", one, element<&O::torque, 1>},
+    {"shaft_1/chain_torque", "N*m", "torque of the chain on the driving sheaves", "", one, element<&O::chain_torque, 0>},
+    {"shaft_2/chain_torque", "N*m", "torque of the chain on the driven sheaves", "", one, element<&O::chain_torque, 1>},
+    {"shaft_1/clamping", "N", "clamping force S_1 of the driving sheaves", "", one, element<&O::clamping, 0>},
+    {"shaft_2/clamping", "N", "clamping force S_2 of the driven sheaves", "", one, element<&O::clamping, 1>},
+    {"shaft_1/radius", "m", "mean running radius of the pins between the driving sheaves", "", one, element<&O::radius, 0>},
+    {"shaft_2/radius", "m", "mean running radius of the pins between the driven sheaves", "", one, element<&O::radius, 1>},
+    {"shaft_1/sheave_position", "m", "axial position of the movable driving sheave on its shaft", "", one, element<&O::sheave_position, 0>},
+    {"shaft_2/sheave_position", "m", "axial position of the movable driven sheave on its shaft", "", one, element<&O::sheave_position, 1>},
+    {"sheaves/axial_force", "N", "axial force of all tips on sheaves 1-, 1+, 2-, 2+", "sheave", four, list<&O::axial_force>},
+    {"ratio", "1", "speed ratio: driving over driven", "", one, scalar<&O::ratio>},
+    {"slip", "1", "1 - (driven speed x driven radius)/(driving speed x driving radius)", "", one, scalar<&O::slip>},
+    {"efficiency", "1", "power that the chain brings to the driven shaft over power that it takes from the driving one, of the instant", "", one, efficiency},
+    {"thrust_ratio", "1", "S_1/S_2", "", one, thrust_ratio},
+    {"chain_speed", "m/s", "mean speed of the pins along the chain", "", one, scalar<&O::chain_speed>, false},
+    {"tight_tension", "N", "mean plate tension of the strand that the driving sheaves pull (ring: of all links)", "", one, scalar<&O::tight>, false},
+    {"slack_tension", "N", "mean plate tension of the other strand (ring: of all links)", "", one, scalar<&O::slack>, false},
+    {"links/tension", "N", "elastic tension of the plates of every link", "link", per_link, list<&O::tension>, false},
+    {"tips/axial_force", "N", "axial force of every tip on its sheave; tip = 4 link + 2 (front half) + (side +z)", "tip", per_tip, list<&O::tip_axial>},
+    {"tips/touching", "1", "number of tips that touch a sheave", "", one, touching},
+    {"tips/deepest", "m", "largest penetration of a tip", "", one, scalar<&O::deepest>},
+    {"followed_pin/axial_force", "N", "axial force of the followed pin on sheaves at -z and +z", "side", two, followed_axial},
+    {"followed_pin/position", "m", "x, y, z of the followed pin's rear half", "axis", three, followed_position, false},
+    {"followed_pin/tension", "N", "tension of the link behind the followed pin", "", one, followed_tension, false},
+    {"energy/kinetic", "J", "kinetic energy of chain, shafts and sheaves", "", one, energy<0>, false},
+    {"energy/inner", "J", "elastic energy inside pin halves", "", one, energy<1>, false},
+    {"energy/pack", "J", "elastic energy of plate packs in bending, shear and torsion", "", one, energy<2>, false},
+    {"energy/plates", "J", "elastic energy of plates in tension", "", one, energy<3>, false},
+    {"energy/joints", "J", "elastic energy of joints", "", one, energy<4>, false},
+    {"energy/tips", "J", "elastic energy of tip contacts", "", one, energy<5>},
+    {"energy/supports", "J", "elastic energy of bearings and sheave attachments", "", one, energy<6>},
+    {"loss/inner", "W", "power dissipated inside pin halves and plate packs", "", one, loss<0>, false},
+    {"loss/plate_damping", "W", "power dissipated by damping of plates", "", one, loss<1>, false},
+    {"loss/plate_friction", "W", "power dissipated by friction of plates on pins", "", one, loss<2>, false},
+    {"loss/joint_damping", "W", "power dissipated by damping of joints", "", one, loss<3>, false},
+    {"loss/joint_friction", "W", "power dissipated by friction in joints", "", one, loss<4>, false},
+    {"loss/tip_damping", "W", "power dissipated by damping of tip contacts", "", one, loss<5>},
+    {"loss/tip_friction", "W", "power dissipated by friction of tips on sheaves", "", one, loss<6>},
+    {"loss/supports", "W", "power dissipated in bearings and sheave attachments", "", one, loss<7>},
+    {"loss/cylinder", "W", "power dissipated in the hydraulic cylinders", "", one, loss<8>},
+    {"power/drive", "W", "power of the drive", "", one, work<0>},
+    {"power/load", "W", "power of the load (negative: taken out)", "", one, work<1>},
+    {"power/clamping", "W", "power of the clamping forces", "", one, work<2>},
+    {"run/steps", "1", "steps so far", "", one, count<&Counters::steps>, false},
+    {"run/evaluations", "1", "evaluations of the right-hand side so far", "", one, count<&Counters::evaluations>, false},
+    {"run/transitions", "1", "transitions of phase so far", "", one, count<&Counters::detected>, false},
+    {"run/truncated", "1", "steps cut at a transition so far", "", one, count<&Counters::truncated>, false},
+    {"run/suppressed", "1", "transitions put off because the tip had just changed", "", one, count<&Counters::suppressed>, false},
+};
 
 }  // namespace
 
@@ -71,64 +130,6 @@ std::string_view loss_name(int kind) noexcept { return losses[kind]; }
 std::string_view work_name(int kind) noexcept { return works[kind]; }
 std::string_view energy_name(int kind) noexcept { return energies[kind]; }
 
-std::span<const Channel> channels() {
-    using O = Observation;
-    static const std::vector<Channel> table{   // table
-        {"shaft_1/speed", "rad/s", "speed of the driving shaft", "", one, element<&O::speed, 0>},
-        {"shaft_2/speed", "rad/s", "speed of the driven shaft", "", one, element<&O::speed, 1>},
-        {"shaft_1/angle", "rad", "angle of the driving shaft", "", one, element<&O::angle, 0>},
-        {"shaft_2/angle", "rad", "angle of the driven shaft", "", one, element<&O::angle, 1>},
-        {"shaft_1/torque", "N*m", "torque of the drive on the driving shaft", "", one, element<&O::torque, 0>},
-        {"shaft_2/torque", "N*m", "torque of the load on the driven shaft (negative brakes)", "", one, element<&O::torque, 1>},
-        {"shaft_1/chain_torque", "N*m", "torque of the chain on the driving sheaves", "", one, element<&O::chain_torque, 0>},
-        {"shaft_2/chain_torque", "N*m", "torque of the chain on the driven sheaves", "", one, element<&O::chain_torque, 1>},
-        {"shaft_1/clamping", "N", "clamping force S_1 of the driving sheaves", "", one, element<&O::clamping, 0>},
-        {"shaft_2/clamping", "N", "clamping force S_2 of the driven sheaves", "", one, element<&O::clamping, 1>},
-        {"shaft_1/radius", "m", "mean running radius of the pins between the driving sheaves", "", one, element<&O::radius, 0>},
-        {"shaft_2/radius", "m", "mean running radius of the pins between the driven sheaves", "", one, element<&O::radius, 1>},
-        {"shaft_1/sheave_position", "m", "axial position of the movable driving sheave on its shaft", "", one, element<&O::sheave_position, 0>},
-        {"shaft_2/sheave_position", "m", "axial position of the movable driven sheave on its shaft", "", one, element<&O::sheave_position, 1>},
-        {"sheaves/axial_force", "N", "axial force of all tips on sheaves 1-, 1+, 2-, 2+", "sheave", [](const ChainLayout&) { return 4; }, list<&O::axial_force>},
-        {"ratio", "1", "speed ratio: driving over driven", "", one, scalar<&O::ratio>},
-        {"slip", "1", "1 - (driven speed x driven radius)/(driving speed x driving radius)", "", one, scalar<&O::slip>},
-        {"efficiency", "1", "power into the load over power from the drive, of the instant", "", one, efficiency},
-        {"thrust_ratio", "1", "S_1/S_2", "", one, thrust_ratio},
-        {"chain_speed", "m/s", "mean speed of the pins along the chain", "", one, scalar<&O::chain_speed>, false},
-        {"tight_tension", "N", "mean plate tension of the strand that the driving sheaves pull (ring: of all links)", "", one, scalar<&O::tight>, false},
-        {"slack_tension", "N", "mean plate tension of the other strand (ring: of all links)", "", one, scalar<&O::slack>, false},
-        {"links/tension", "N", "elastic tension of the plates of every link", "link", per_link, list<&O::tension>, false},
-        {"tips/axial_force", "N", "axial force of every tip on its sheave; tip = 4 link + 2 (front half) + (side +z)", "tip", per_tip, list<&O::tip_axial>},
-        {"tips/touching", "1", "number of tips that touch a sheave", "", one, [](const Instant& now, double* out) { *out = now.observation.touching; }},
-        {"tips/deepest", "m", "largest penetration of a tip", "", one, scalar<&O::deepest>},
-        {"followed_pin/axial_force", "N", "axial force of the followed pin on sheaves at -z and +z", "side", two, followed_axial},
-        {"followed_pin/position", "m", "x, y, z of the followed pin's rear half", "axis", three, followed_position, false},
-        {"followed_pin/tension", "N", "tension of the link behind the followed pin", "", one, followed_tension, false},
-        {"energy/kinetic", "J", "kinetic energy of chain, shafts and sheaves", "", one, energy<0>, false},
-        {"energy/inner", "J", "elastic energy inside pin halves", "", one, energy<1>, false},
-        {"energy/pack", "J", "elastic energy of plate packs in bending, shear and torsion", "", one, energy<2>, false},
-        {"energy/plates", "J", "elastic energy of plates in tension", "", one, energy<3>, false},
-        {"energy/joints", "J", "elastic energy of joints", "", one, energy<4>, false},
-        {"energy/tips", "J", "elastic energy of tip contacts", "", one, energy<5>},
-        {"energy/supports", "J", "elastic energy of bearings and sheave attachments", "", one, energy<6>},
-        {"loss/inner", "W", "power dissipated inside pin halves and plate packs", "", one, loss<0>, false},
-        {"loss/plate_damping", "W", "power dissipated by damping of plates", "", one, loss<1>, false},
-        {"loss/plate_friction", "W", "power dissipated by friction of plates on pins", "", one, loss<2>, false},
-        {"loss/joint_damping", "W", "power dissipated by damping of joints", "", one, loss<3>, false},
-        {"loss/joint_friction", "W", "power dissipated by friction in joints", "", one, loss<4>, false},
-        {"loss/tip_damping", "W", "power dissipated by damping of tip contacts", "", one, loss<5>},
-        {"loss/tip_friction", "W", "power dissipated by friction of tips on sheaves", "", one, loss<6>},
-        {"loss/supports", "W", "power dissipated in bearings and sheave attachments", "", one, loss<7>},
-        {"loss/cylinder", "W", "power dissipated in the hydraulic cylinders", "", one, loss<8>},
-        {"power/drive", "W", "power of the drive", "", one, work<0>},
-        {"power/load", "W", "power of the load (negative: taken out)", "", one, work<1>},
-        {"power/clamping", "W", "power of the clamping forces", "", one, work<2>},
-        {"run/steps", "1", "steps so far", "", one, count<&Counters::steps>, false},
-        {"run/evaluations", "1", "evaluations of the right-hand side so far", "", one, count<&Counters::evaluations>, false},
-        {"run/transitions", "1", "transitions of phase so far", "", one, count<&Counters::detected>, false},
-        {"run/truncated", "1", "steps cut at a transition so far", "", one, count<&Counters::truncated>, false},
-        {"run/suppressed", "1", "transitions put off because the tip had just changed", "", one, count<&Counters::suppressed>, false},
-    };
-    return table;
-}
+std::span<const Channel> channels() { return table; }
 
 }  // namespace cvtflow::tasks

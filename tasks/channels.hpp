@@ -1,11 +1,8 @@
 #pragma once
 /// The catalogue of recorded quantities: a row per channel, from which the record, `list channels` and tests are made.
 
-#include <functional>
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 #include "model/observation.hpp"
 #include "tasks/step_controller.hpp"
@@ -21,10 +18,10 @@ struct Instant {
 };
 
 struct Channel {
-    std::string name;          ///< as in the record; '/' groups
-    std::string unit;
-    std::string description;
-    std::string axis;          ///< label of the second dimension, empty for a plain channel
+    std::string_view name;     ///< as in the record; '/' groups
+    std::string_view unit;
+    std::string_view description;
+    std::string_view axis;     ///< label of the second dimension, empty for a plain channel
     int (*width)(const model::ChainLayout&);
     void (*read)(const Instant&, double* values);
     bool needs_pulleys = true;

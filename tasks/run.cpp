@@ -65,7 +65,7 @@ void settle_scene(const Scene& scene, const std::string& state_file, const RunOp
     RunRecorder recorder(unsettled, simulation, quiet);
     RunReport report;
     settle(simulation, unsettled, recorder, cancel, report);
-    if (report.fault) throw SimulationError("settling: " + report.fault.message());
+    if (report.fault) throw SettlingFault(report.fault);
     engine::write_state(state_file, simulation.saved_state());
 }
 

@@ -46,7 +46,7 @@ struct RunReport {
     std::array<double, 2> clamping{};     ///< mean [N]
     std::array<double, 2> radius{};       ///< mean [m]
     std::array<double, 4> axial_force{};  ///< mean, on sheaves 1-, 1+, 2-, 2+ [N]
-    double slip = 0.0, efficiency = 0.0;  ///< efficiency: mean power out over mean power in
+    double slip = 0.0, efficiency = 0.0;  ///< efficiency: mean power to the driven shaft over mean power from the driving one
     double ratio_begin = 0.0, ratio_end = 0.0;   ///< means over the first and the last fifth
     double ratio = 0.0;
     bool has_pulleys = true;
@@ -59,8 +59,15 @@ struct RunReport {
 /// The report as lines of text for a person.
 [[nodiscard]] std::string summary(const RunReport& report);
 
-/// Settles a scene's geometric start (`duration` > 0 overrides start.settling_time) and writes the state at t = 0.
-/// @throws as run_scene; SimulationError if settling ends in a fault
+/// Settling ended before t = 0.
+class SettlingFault : public SimulationError {
+public:
+    explicit SettlingFault(Fault why) : SimulationError("settling: " + why.message()), fault(why) {}
+    Fault fault;
+};
+
+/// Settles a scene's geometric start and writes the state at t = 0.
+/// @throws as run_scene; SettlingFault, and then writes nothing
 void settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options);
 
 }  // namespace cvtflow::tasks

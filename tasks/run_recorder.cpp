@@ -42,7 +42,9 @@ std::vector<engine::Attribute> attributes_of_run(const Scene& scene) {
 
 engine::RunContents contents_of(const Scene& scene, const model::ChainLayout& at, const std::vector<const Channel*>& channels) {
     engine::RunContents contents;
-    for (const Channel* channel : channels) contents.channels.push_back({channel->name, channel->unit, channel->description, channel->width(at), channel->axis});
+    for (const Channel* channel : channels) {
+        contents.channels.push_back({std::string(channel->name), std::string(channel->unit), std::string(channel->description), channel->width(at), std::string(channel->axis)});
+    }
     contents.state_size = static_cast<std::size_t>(at.size());
     contents.phase_count = static_cast<std::size_t>(model::tips_per_link * at.links);
     contents.state_description = fmt::format("{} links of [q | v], {} coordinates each (a.x, b.x, a.y, b.y, a.z, a.e, b.z, b.e; orders 0...{}), then pulleys [q | v], {} coordinates",
@@ -113,8 +115,8 @@ void RunRecorder::gather(const model::Observation& now) {
     add(sums_.clamping, now.clamping);
     add(sums_.radius, now.radius);
     add(sums_.axial_force, now.axial_force);
-    power_in_ += now.torque[0] * now.speed[0];
-    power_out_ -= now.torque[1] * now.speed[1];
+    power_in_ -= now.chain_torque[0] * now.speed[0];
+    power_out_ += now.chain_torque[1] * now.speed[1];
     ratios_.push_back(now.ratio);
 }
 

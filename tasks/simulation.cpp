@@ -37,7 +37,7 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
 
 std::vector<std::string> differences(const std::string& saved_scene, const Scene& scene) {
     std::vector<std::string> lines;
-    const Scene then = parse_scene(saved_scene, scene.path);
+    const Scene then = parse_scene(saved_scene, scene.path, StartState::ignored);
     for (const Parameter& parameter : parameter_table()) {
         if (!describes_machine(parameter)) continue;
         const std::string was = value_text(parameter, then);

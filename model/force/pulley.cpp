@@ -115,11 +115,15 @@ Inputs PulleyModel::inputs(double t, const double* block, double control) const 
     Inputs in;
     in.drive_torque = drive_torque(t, block);
     in.load_torque = -factor * load_.torque.at(now);
-    in.clamping = {factor * clamping_.driving.at(now), factor * clamping_.driven.at(now)};
+    double driving = clamping_.driving.at(now);
     if (control_.enabled) {
-        in.ratio_error = (shaft_speed(block, 0) - control_.ratio.at(now) * shaft_speed(block, 1)) / reference_speed_;
-        in.clamping[0] = std::max(0.0, in.clamping[0] + control_.proportional * in.ratio_error + control_.integral * control);
+        const double error = (shaft_speed(block, 0) - control_.ratio.at(now) * shaft_speed(block, 1)) / reference_speed_;
+        const double correction = control_.proportional * error + control_.integral * control;
+        const bool winds_up = std::abs(correction) > control_.authority && correction * error > 0.0;
+        in.control_rate = winds_up ? 0.0 : error;
+        driving = std::max(0.0, driving + std::clamp(correction, -control_.authority, control_.authority));
     }
+    in.clamping = {factor * driving, factor * clamping_.driven.at(now)};
     return in;
 }
 

@@ -18,7 +18,7 @@ struct Inputs {
     double drive_torque = 0.0;       ///< on shaft 1 [N·m]
     double load_torque = 0.0;        ///< on shaft 2, negative brakes [N·m]
     std::array<double, 2> clamping{};///< S_1, S_2 [N]
-    double ratio_error = 0.0;        ///< ε, zero without control
+    double control_rate = 0.0;       ///< I' of ratio control, zero without control
 };
 
 /// Powers of the inputs [W].

@@ -25,7 +25,8 @@ namespace {
 class Reading {
 public:
     /// Relative start.state paths count from `folder`.
-    Reading(Scene scene, std::filesystem::path folder) : scene_(std::move(scene)), folder_(std::move(folder)) {}
+    Reading(Scene scene, std::filesystem::path folder, StartState start = StartState::required)
+        : scene_(std::move(scene)), folder_(std::move(folder)), start_(start) {}
 
     void document(const Node::Table& sections);
     void value(const Parameter& parameter, const Node& node);
@@ -46,6 +47,7 @@ private:
 
     Scene scene_;
     std::filesystem::path folder_;
+    StartState start_;
     std::map<std::string_view, Position> given_;
     std::set<std::string_view> wrong_;
     std::vector<Problem> problems_;
@@ -80,6 +82,7 @@ void Reading::value(const Parameter& parameter, const Node& node) {
 }
 
 void Reading::resolve_state(const Node& node) {
+    if (start_ == StartState::ignored) scene_.state_file.clear();
     if (scene_.state_file.empty()) return;
     const auto file = std::filesystem::absolute(folder_ / scene_.state_file).lexically_normal();
     std::error_code unreadable;
@@ -144,21 +147,21 @@ void read_setting(Reading& reading, const std::string& setting, Position positio
 
 }  // namespace
 
-Scene read_scene(const std::filesystem::path& path) {
+Scene read_scene(const std::filesystem::path& path, StartState start) {
     std::error_code error;
     const bool is_folder = std::filesystem::is_directory(path, error);
     std::ifstream file(path, std::ios::binary);
     if (!file || is_folder) throw SceneError(fmt::format("{}: cannot be read", path.string()));
     std::ostringstream text;
     text << file.rdbuf();
-    return parse_scene(text.str(), path);
+    return parse_scene(text.str(), path, start);
 }
 
-Scene parse_scene(std::string text, std::filesystem::path name) {
+Scene parse_scene(std::string text, std::filesystem::path name, StartState start) {
     const auto place = [&](Position position) { return fmt::format("{}:{}:{}", name.string(), position.line, position.column); };
     const auto parsed = parse_toml(text);
     if (const auto* wrong = std::get_if<Problem>(&parsed)) throw SceneError(fmt::format("{}: {}", place(wrong->position), wrong->message));
-    Reading reading(Scene{}, name.parent_path());
+    Reading reading(Scene{}, name.parent_path(), start);
     reading.document(std::get<Node::Table>(std::get<Node>(parsed).value));
     Scene scene = reading.finish(place);
     if (scene.name.empty()) scene.name = name.stem().string();

@@ -49,13 +49,16 @@ public:
     using std::runtime_error::runtime_error;
 };
 
+/// What to do with start.state: `ignored` reads a scene whose state file is not there (yet), as one with a geometric start.
+enum class StartState { required, ignored };
+
 /// Reads and checks a scene file.
 /// @throws SceneError  unreadable file, or any problem in it
-[[nodiscard]] Scene read_scene(const std::filesystem::path& path);
+[[nodiscard]] Scene read_scene(const std::filesystem::path& path, StartState start = StartState::required);
 
 /// Checks a scene given as text. `name` stands for the file in messages, and start.state is relative to its folder.
 /// @throws SceneError
-[[nodiscard]] Scene parse_scene(std::string text, std::filesystem::path name);
+[[nodiscard]] Scene parse_scene(std::string text, std::filesystem::path name, StartState start = StartState::required);
 
 /// Applies settings "key=value" in their order, then checks the whole scene; so settings that are consistent only together can be given
 /// together. A value is written as in TOML; quotes around texts, choices and quantities may be left out (shells strip them). start.state is

@@ -31,7 +31,8 @@ std::vector<Real> input_forces(const model::Parameters& p, double t, const std::
     if (layout.control) {
         const Real error = (v(phi[0]) - p.control.ratio.at(t) * v(phi[1])) / p.drive.speed.largest_magnitude();
         const Real integral = state[layout.control_begin()];
-        clamping[0] = std::max(0.0L, clamping[0] + p.control.proportional * error + p.control.integral * integral);
+        const Real authority = p.control.authority;
+        clamping[0] = std::max(0.0L, clamping[0] + std::clamp(p.control.proportional * error + p.control.integral * integral, -authority, authority));
     }
     force[movable[0]] -= clamping[0];
     force[movable[1]] += clamping[1];

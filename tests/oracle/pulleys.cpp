@@ -89,15 +89,29 @@ Real ratio_error(const System& system) {
     return (system.body[0].phi_rate - target * system.body[1].phi_rate) / reference;
 }
 
+/// What the controller would add to S_1 [N].
+Real wanted_correction(const System& system) {
+    const auto& control = system.parameters.control;
+    return control.proportional * ratio_error(system) + control.integral * system.control_integral;
+}
+
+/// The controller's integral stops while it asks for more than it may have.
+Real control_rate(const System& system) {
+    const Real wanted = wanted_correction(system);
+    const Real error = ratio_error(system);
+    return std::abs(wanted) > system.parameters.control.authority && wanted * error > 0.0L ? 0.0L : error;
+}
+
 /// S_1 and S_2 [N].
 Real clamping_force(const System& system, int shaft) {
     const auto& p = system.parameters;
     const double from = std::max(system.t, 0.0);
     const Real ramp = model::ramp(p.start, system.t);
     if (shaft == 1) return ramp * p.clamping.driven.at(from);
-    const Real given = ramp * p.clamping.driving.at(from);
-    if (!system.layout.control) return given;
-    return std::max(0.0L, given + p.control.proportional * ratio_error(system) + p.control.integral * system.control_integral);
+    const Real given = p.clamping.driving.at(from);
+    if (!system.layout.control) return ramp * given;
+    const Real authority = p.control.authority;
+    return ramp * std::max(0.0L, given + std::clamp(wanted_correction(system), -authority, authority));
 }
 
 void add_clamping(const System& system, int shaft, Totals& totals) {
@@ -154,7 +168,7 @@ void add_inputs(const System& system, Totals& totals) {
     const Real load = Real{model::ramp(system.parameters.start, system.t)} * load_table.at(std::max(system.t, 0.0));
     totals.body[1].moment.z -= load;
     totals.work(model::Work::load) -= load * system.body[1].phi_rate;
-    totals.control_rate = ratio_error(system);
+    totals.control_rate = control_rate(system);
 }
 
 }  // namespace cvtflow::oracle

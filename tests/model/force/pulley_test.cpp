@@ -80,10 +80,12 @@ TEST(PulleyInputs, TheGovernorHoldsItsSpeedAndLagsByTorqueOverStiffness) {
     }
 }
 
-TEST(PulleyInputs, ControlClampsHarderIfTheDrivenSideIsTooSlowAndNeverPulls) {
+TEST(PulleyInputs, ControlClampsHarderIfTheDrivenSideIsTooSlowWithinItsAuthorityAndNeverPulls) {
     Parameters p;
     p.control.enabled = true;
     p.control.ratio = TimeTable(2.0);
+    p.control.proportional = 1e5;
+    p.control.integral = 2e7;
     const PulleyModel pulleys(p);
     auto block = at_rest(pulleys);
     const double nominal = 200.0 * pi / 3.0;   // 2000 rpm
@@ -93,10 +95,17 @@ TEST(PulleyInputs, ControlClampsHarderIfTheDrivenSideIsTooSlowAndNeverPulls) {
     EXPECT_NEAR(pulleys.inputs(0.0, block.data(), 0.0).clamping[0], 27.1e3, 1e-6);
     driven = 0.49 * nominal;   // ε = 0.02
     const Inputs slow = pulleys.inputs(0.0, block.data(), 3e-5);
-    EXPECT_NEAR(slow.ratio_error, 0.02, 1e-15);
+    EXPECT_NEAR(slow.control_rate, 0.02, 1e-15);
     EXPECT_NEAR(slow.clamping[0], 27.1e3 + 1e5 * 0.02 + 2e7 * 3e-5, 1e-6);
-    EXPECT_EQ(pulleys.inputs(0.0, block.data(), -1.0).clamping[0], 0.0);
     EXPECT_EQ(slow.clamping[1], 20e3);
+    const Inputs saturated = pulleys.inputs(0.0, block.data(), 1.0);
+    EXPECT_NEAR(saturated.clamping[0], 27.1e3 + 10e3, 1e-6);
+    EXPECT_EQ(saturated.control_rate, 0.0) << "it does not wind up";
+    const Inputs unwinding = pulleys.inputs(0.0, block.data(), -1.0);
+    EXPECT_NEAR(unwinding.clamping[0], 27.1e3 - 10e3, 1e-6);
+    EXPECT_GT(unwinding.control_rate, 0.0) << "the error leads back";
+    p.clamping.driving = TimeTable(5e3);
+    EXPECT_EQ(PulleyModel(p).inputs(0.0, block.data(), -1.0).clamping[0], 0.0) << "a cylinder cannot pull";
 }
 
 TEST(Pulleys, ClampingPushesBothMovableSheavesTowardTheChain) {

@@ -1,0 +1,64 @@
+#pragma once
+/// Difference between the axes of two pin halves: all that plates and joints depend on.
+
+#include "model/coefficients.hpp"
+#include "model/force/link_frame.hpp"
+
+namespace cvtflow::model {
+
+/// Coordinates (or velocities, or generalized forces) of one half minus those of another.
+template <int P>
+struct Difference {
+    double x[P + 1], y[P + 1], z, e;
+
+    Difference() noexcept : x{}, y{}, z(0.0), e(0.0) {}
+    /// Half `plus_end` of the link at `plus` minus half `minus_end` of the link at `minus`.
+    Difference(const double* plus, End plus_end, const double* minus, End minus_end) noexcept
+        : z(plus[at<P>.z(plus_end)] - minus[at<P>.z(minus_end)]), e(plus[at<P>.e(plus_end)] - minus[at<P>.e(minus_end)]) {
+        for (int m = 0; m <= P; ++m) {
+            x[m] = plus[at<P>.x(plus_end, m)] - minus[at<P>.x(minus_end, m)];
+            y[m] = plus[at<P>.y(plus_end, m)] - minus[at<P>.y(minus_end, m)];
+        }
+    }
+
+    /// Adds this generalized force, times sign, to that of one half of a link.
+    void apply(double sign, double* f, End end) const noexcept {
+        for (int m = 0; m <= P; ++m) {
+            f[at<P>.x(end, m)] += sign * x[m];
+            f[at<P>.y(end, m)] += sign * y[m];
+        }
+        f[at<P>.z(end)] += sign * z;
+        f[at<P>.e(end)] += sign * e;
+    }
+};
+
+/// Points along ξ, loaded for one chunk of lanes.
+template <int P, int W>
+struct AxisPoints {
+    Lanes<W> basis[P + 1];   ///< P_m(ξ), m ≥ 1
+    Lanes<W> xi;
+
+    template <int Most>
+    AxisPoints(const PointLanes<Most>& points, int first) noexcept : xi(load<W>(&points.position[static_cast<std::size_t>(first)])) {
+        for (int m = 1; m <= P; ++m) basis[m] = load<W>(&points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(first)]);
+    }
+    /// Σ c_m P_m(ξ)
+    [[nodiscard]] Lanes<W> along(const double* c) const noexcept {
+        Lanes<W> value(c[0]);
+        for (int m = 1; m <= P; ++m) value += c[m] * basis[m];
+        return value;
+    }
+    /// Brings point forces to coordinates.
+    void gather(const Lanes<W>& fx, const Lanes<W>& fy, const Lanes<W>& fz, Difference<P>& total) const noexcept {
+        total.x[0] += sum<W>(fx);
+        total.y[0] += sum<W>(fy);
+        for (int m = 1; m <= P; ++m) {
+            total.x[m] += sum<W>(fx * basis[m]);
+            total.y[m] += sum<W>(fy * basis[m]);
+        }
+        total.z += sum<W>(fz);
+        total.e += sum<W>(fz * xi);
+    }
+};
+
+}  // namespace cvtflow::model

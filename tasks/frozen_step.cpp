@@ -1,0 +1,116 @@
+#include "tasks/frozen_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/method/catalogue.hpp"
+#include "engine/method/combine.hpp"
+#include "model/observation.hpp"
+#include "tasks/step_controller.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+class Nobody final : public RunObserver {
+public:
+    void output(double, const Workspace&, const Counters&) override {}
+    void transition(const TransitionRecord&) override {}
+};
+
+/// What errors are measured of.
+struct Solution {
+    std::vector<double> positions, velocities, axial_force, tension;
+};
+
+Solution solution_of(const model::Variator& variator, double t, const std::vector<double>& state, const FrozenStart& start) {
+    const model::ChainLayout& at = variator.layout();
+    model::Observer observer(variator);
+    const model::Observation& seen = observer.observe(t, state.data(), start.phases.data());
+    Solution solution{{}, {}, seen.tip_axial, seen.tension};
+    for (int link = 0; link < at.links; ++link) {
+        const double* q = state.data() + at.link_begin(link);
+        solution.positions.insert(solution.positions.end(), q, q + at.link_size());
+        solution.velocities.insert(solution.velocities.end(), q + at.link_size(), q + at.link_block());
+    }
+    return solution;
+}
+
+double relative_error(const std::vector<double>& values, const std::vector<double>& reference) {
+    double error = 0.0, size = 0.0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        error += (values[i] - reference[i]) * (values[i] - reference[i]);
+        size += reference[i] * reference[i];
+    }
+    return size > 0.0 ? std::sqrt(error / size) : 0.0;
+}
+
+/// Pointers to `count` vectors of `size`.
+std::vector<double*> slots(std::vector<std::vector<double>>& memory, int count, int size) {
+    memory.assign(static_cast<std::size_t>(count), std::vector<double>(static_cast<std::size_t>(size)));
+    std::vector<double*> pointers;
+    for (auto& slot : memory) pointers.push_back(slot.data());
+    return pointers;
+}
+
+}  // namespace
+
+FrozenStart frozen_start(const Simulation& simulation) {
+    const Workspace& at = simulation.workspace();
+    const std::size_t size = static_cast<std::size_t>(at.layout().size());
+    Workspace probed(at.parameters, engine::methods().front(), Partition::equal(at.layout().links, 1));
+    std::copy_n(simulation.state(), size, probed.states[0]);
+    probed.phases = simulation.phases();
+    Nobody nobody;
+    const std::atomic<bool> never{false};
+    StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
+    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases};
+}
+
+FrozenStepper::FrozenStepper(const model::Variator& variator, const engine::StagePlan& plan, std::span<const model::Phase> phases)
+    : variator_(variator),
+      plan_(plan),
+      phases_(phases),
+      state_slots_(slots(states_, plan_.state_slots(), variator.layout().size())),
+      slope_slots_(slots(slopes_, plan_.slope_slots(), variator.layout().size())),
+      stage_(static_cast<std::size_t>(variator.layout().size())),
+      scratch_(variator.layout()) {}
+
+void FrozenStepper::step(double t, double h) {
+    const int size = variator_.layout().size();
+    const engine::SlotView view{state_slots_.data(), slope_slots_.data()};
+    for (int stage = 0; stage < plan_.stages(); ++stage) {
+        const engine::PlanStep row = plan_.stage(stage);
+        engine::combine(row, h, view, 0, size, stage_.data());
+        if (row.keep >= 0) std::copy(stage_.begin(), stage_.end(), state_slots_[static_cast<std::size_t>(row.keep)]);
+        model::right_hand_side(variator_, t + row.time * h, stage_.data(), phases_.data(),
+                               slope_slots_[static_cast<std::size_t>(row.slope)], scratch_);
+    }
+    engine::combine(plan_.result(), h, view, 0, size, stage_.data());
+    std::copy(stage_.begin(), stage_.end(), state_slots_[0]);
+}
+
+void FrozenStepper::advance(double t, double h, int steps, std::vector<double>& state) {
+    std::copy(state.begin(), state.end(), state_slots_[0]);
+    for (int number = 0; number < steps; ++number) step(t + number * h, h);
+    std::copy_n(state_slots_[0], state.size(), state.begin());
+}
+
+std::vector<LocalError> local_errors(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start,
+                                     std::span<const double> steps, int refinement) {
+    FrozenStepper method(variator, plan, start.phases);
+    FrozenStepper fine(variator, *engine::find_method("rk4"), start.phases);
+    std::vector<LocalError> errors;
+    for (const double h : steps) {
+        std::vector<double> state = start.state, reference = start.state;
+        method.advance(start.time, h, 1, state);
+        fine.advance(start.time, h / refinement, refinement, reference);
+        const Solution is = solution_of(variator, start.time + h, state, start);
+        const Solution should = solution_of(variator, start.time + h, reference, start);
+        errors.push_back({h, relative_error(is.positions, should.positions), relative_error(is.velocities, should.velocities),
+                          relative_error(is.axial_force, should.axial_force), relative_error(is.tension, should.tension)});
+    }
+    return errors;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,77 @@
+#include "tests/claims/operating_point_fixture.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace cvtflow::claims {
+
+namespace {
+
+const std::atomic<bool> never{false};
+
+/// Mean y of the rear halves in the middle of the upper strand: how it moves up and down.
+double height_of_strand(const tasks::Workspace& w) {
+    const model::ChainLayout& at = w.layout();
+    const double middle = 0.5 * w.parameters.pulley.centre_distance;
+    double sum = 0.0;
+    int count = 0;
+    for (int link = 0; link < at.links; ++link) {
+        const double* q = w.states[0] + at.link_begin(link);
+        const double x = q[at.x(model::End::rear, 0)];
+        const double y = q[at.y(model::End::rear, 0)];
+        if (y < 0.0 || std::abs(x - middle) > 0.3 * middle) continue;
+        sum += y;
+        ++count;
+    }
+    return count > 0 ? sum / count : 0.0;
+}
+
+}  // namespace
+
+tasks::Scene ready_scene(const std::string& name, const std::vector<std::string>& settings) {
+    tasks::Scene scene = tasks::read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml");
+    tasks::set_values(scene, settings);
+    return scene;
+}
+
+Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(simulation_.variator()) {
+    if (simulation_.needs_settling()) fault = simulation_.settle(*this, never);
+    if (fault) return;
+    recording_ = true;
+    fault = simulation_.run(scene.run.until, *this, never);
+    counters = simulation_.counters();
+}
+
+void Operation::output(double now, const tasks::Workspace& workspace, const tasks::Counters&) {
+    if (!recording_) return;
+    const model::Observation& o = observer_.observe(now, workspace.states[0], workspace.phases.data());
+    time.push_back(now);
+    ratio.push_back(o.ratio);
+    slip.push_back(o.slip);
+    tight.push_back(o.tight);
+    slack.push_back(o.slack);
+    driven_speed.push_back(o.speed[1]);
+    driven_torque.push_back(o.chain_torque[1]);
+    radius.push_back(o.radius[1]);
+    chain_speed.push_back(o.chain_speed);
+    thrust_ratio.push_back(o.clamping[1] > 0.0 ? o.clamping[0] / o.clamping[1] : 0.0);
+    strand_height.push_back(height_of_strand(workspace));
+    for (std::size_t sheave = 0; sheave < 4; ++sheave) axial_force[sheave].push_back(o.axial_force[sheave]);
+    tip_axial.push_back(o.tip_axial);
+}
+
+double Operation::mean(const std::vector<double>& samples, double from, double to) const {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        if (time[k] < from || time[k] >= to) continue;
+        sum += samples[k];
+        ++count;
+    }
+    return sum / std::max(1, count);
+}
+
+double Operation::mean(const std::vector<double>& samples) const { return mean(samples, -1e300, 1e300); }
+
+}  // namespace cvtflow::claims

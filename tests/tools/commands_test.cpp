@@ -1,0 +1,117 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/method/catalogue.hpp"
+#include "tasks/channels.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::vector<std::string> names{"run", "settle", "check", "info", "list", "explain", "schema", "local-error", "dot"};
+
+class Commands : public Program {};
+
+TEST_F(Commands, AreAllInTheHelp) {
+    const Outcome help = run({"--help"});
+    EXPECT_EQ(help.status, 0);
+    for (const std::string& name : names) {
+        EXPECT_THAT(help.out, HasSubstr("\n  " + name + " "));
+        const Outcome own = run({name, "--help"});
+        EXPECT_EQ(own.status, 0) << name;
+        EXPECT_THAT(own.out, HasSubstr("Usage: cvtflow " + name)) << name;
+    }
+}
+
+TEST_F(Commands, DocumentTheExitStatus) {
+    for (const std::string status : {"0 ", "1 ", "2 ", "3 ", "4 ", "130 "}) {
+        EXPECT_THAT(run({"--help"}).out, HasSubstr("\n  " + status));
+        EXPECT_THAT(run({"run", "--help"}).out, HasSubstr("\n  " + status));
+    }
+}
+
+TEST_F(Commands, VersionTellsProgramBuildAndMachine) {
+    const Outcome outcome = run({"--version"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, AllOf(StartsWith("cvtflow "), HasSubstr("\nbuilt with "), HasSubstr("\nrunning on ")));
+}
+
+TEST_F(Commands, ListEveryRowOfTheCatalogues) {
+    const std::string methods = run({"list", "methods"}).out, channels = run({"list", "channels"}).out, keys = run({"list", "keys"}).out;
+    for (const engine::StagePlan& plan : engine::methods()) EXPECT_THAT(methods, HasSubstr("\n" + plan.name + " "));
+    for (const tasks::Channel& channel : tasks::channels()) EXPECT_THAT(channels, HasSubstr("\n" + std::string(channel.name) + " "));
+    for (const tasks::Parameter& parameter : tasks::parameter_table())
+        EXPECT_THAT(keys, HasSubstr("\n" + std::string(parameter.key) + " "));
+    const std::string detail = run({"list", "detail"}).out;
+    for (const tasks::DetailPreset& preset : tasks::detail_presets()) EXPECT_THAT(detail, HasSubstr("\n" + std::string(preset.name) + " "));
+    EXPECT_THAT(run({"list", "scenes"}).out, AllOf(HasSubstr("\nbaseline "), HasSubstr("\ntiny ")));
+    EXPECT_THAT(run({"list", "executors", "units"}).out, AllOf(HasSubstr("\nserial "), HasSubstr("\na torque ")));
+}
+
+TEST_F(Commands, ListDerivedOrderAndStabilityOfMethods) {
+    // Of the classical method: order 4, real interval 2.785, imaginary interval 2 sqrt(2).
+    EXPECT_THAT(run({"list", "methods"}).out, testing::ContainsRegex("\nrk4 +4 +4 +2\\.785 +2\\.828 "));
+}
+
+TEST_F(Commands, ExplainKeysAndSections) {
+    const Outcome key = run({"explain", "tip.radius"});
+    EXPECT_THAT(key.out, StartsWith("tip.radius\n"));
+    EXPECT_THAT(run({"explain", "tip"}).out, AllOf(HasSubstr("tip.radius\n"), HasSubstr("tip.angle\n")));
+}
+
+TEST_F(Commands, SchemaIsJson) {
+    const auto schema = nlohmann::json::parse(run({"schema"}).out);
+    EXPECT_TRUE(schema["properties"].contains("chain"));
+}
+
+TEST_F(Commands, CheckSaysWhatASceneIs) {
+    const Outcome outcome = run({"check", "tiny"});
+    EXPECT_EQ(outcome.status, 0);
+    // Order 1: 4 (1 + 1) + 4 coordinates per link.
+    EXPECT_THAT(outcome.out, HasSubstr("324 coordinates (24 links x 12 + pulleys 36), 648 unknowns\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("geometric at ratio 1, settles for 10 ms\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("20 000 + 200 000 for settling\n"));  // (1 + 10) ms of 50 ns
+    EXPECT_THAT(outcome.out, HasSubstr("880 000, and some for transitions\n"));
+}
+
+TEST_F(Commands, InfoShowsRecords) {
+    ASSERT_EQ(run_briefly({"-q", "-o", "r.h5"}).status, 0);
+    const std::string text = run({"info", "r.h5"}).out;
+    EXPECT_THAT(text, AllOf(StartsWith("r.h5: record of a run, "), HasSubstr("\n  status              finished\n"),
+                            HasSubstr("\n  scene               tiny\n")));
+    EXPECT_THAT(text, AllOf(HasSubstr("\n  program             cvtflow "), HasSubstr("\n  rows                3, t = 0 s to 20 us\n")));
+    EXPECT_THAT(text, testing::ContainsRegex("\n  links/tension +N +3 x 24 +[0-9.e+-]+ \\.\\.\\. "));
+    EXPECT_THAT(text, testing::ContainsRegex("\n  transitions +[0-9]+ +time pin tip from to "));
+}
+
+TEST_F(Commands, InfoShowsStates) {
+    ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
+    const std::string text = run({"info", "s.h5"}).out;
+    EXPECT_THAT(text,
+                AllOf(StartsWith("s.h5: state, "), HasSubstr("\n  time                0 s\n"), HasSubstr("\n  unknowns            648\n")));
+    EXPECT_THAT(text, AllOf(HasSubstr("\n  state hash "), HasSubstr("\n  settled with        scene tiny, 24 pins\n"),
+                            HasSubstr(" 20 us of settling\n")));
+}
+
+TEST_F(Commands, LocalErrorShowsTheOrder) {
+    const Outcome outcome = run({"local-error", "tiny", "--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms",
+                                 "--friction", "both", "--steps", "80ns,160ns"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, StartsWith("tiny: error of one step of rk4 (order 4: slope 5 where the solution is smooth), phases held, "));
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("\npiecewise friction\n"), HasSubstr("\nsmoothed friction\n"), HasSubstr("\n  160 ns "),
+                                   HasSubstr("\n   80 ns ")));
+}
+
+TEST_F(Commands, DotDrawsATaskPerSegment) {
+    const std::string text = run({"dot", "tiny", "--segments", "3"}).out;
+    EXPECT_THAT(text, AllOf(StartsWith("digraph "), HasSubstr("force[2]"), testing::Not(HasSubstr("force[3]"))));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

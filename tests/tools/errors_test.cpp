@@ -1,0 +1,150 @@
+/// What users get wrong, and the one line that they are told.
+
+#include <gmock/gmock.h>
+#include <hdf5.h>
+
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using Words = std::vector<std::string>;
+
+struct Mistake {
+    Words arguments;
+    int status;
+    std::string message;  ///< all of stderr, without the last line break; FOLDER stands for the working directory
+};
+
+class Errors : public Program {
+protected:
+    /// Files to stumble over.
+    Errors() {
+        write("text.h5", "no HDF5 at all\n");
+        write("broken.toml", "[chain]\npich = 3\npins = \"x\"\n");
+        write("syntax.toml", "[chain\n");
+        write("no_state.toml", "[start]\nstate = \"gone.h5\"\n");
+        std::filesystem::create_directory(folder_ / "folder");
+        const hid_t other = H5Fcreate((folder_ / "other.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+        H5Fclose(other);
+    }
+
+    void make_records() const {
+        ASSERT_EQ(run_briefly({"-q", "-o", "record.h5"}).status, 0);
+        ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
+        cut("record.h5", "cut_record.h5", 2000);
+        cut("state.h5", "cut_state.h5", 2000);
+    }
+
+    void expect(const Mistake& mistake) const {
+        const Outcome outcome = run(mistake.arguments);
+        std::string message = "cvtflow: " + mistake.message + "\n";
+        for (std::size_t at; (at = message.find("FOLDER")) != std::string::npos;) message.replace(at, 6, folder_.string());
+        EXPECT_EQ(outcome.err, message) << testing::PrintToString(mistake.arguments);
+        EXPECT_EQ(outcome.status, mistake.status) << testing::PrintToString(mistake.arguments);
+        EXPECT_EQ(outcome.out, "") << testing::PrintToString(mistake.arguments);
+    }
+};
+
+TEST_F(Errors, OnTheCommandLineExitWithTwo) {
+    const std::vector<Mistake> mistakes{
+        {{}, 2, "A subcommand is required (cvtflow --help)"},
+        {{"rum"}, 2, "no command 'rum', did you mean 'run'? (cvtflow --help)"},
+        {{"gearbox"}, 2, "no command 'gearbox' (cvtflow --help)"},
+        {{"run"}, 2, "SCENE is required (cvtflow run --help)"},
+        {{"run", "tiny", "extra"}, 2, "The following argument was not expected: extra (cvtflow run --help)"},
+        {{"run", "tiny", "--frobnicate"}, 2, "The following argument was not expected: --frobnicate (cvtflow run --help)"},
+        {{"info"}, 2, "FILE is required (cvtflow info --help)"},
+        {{"explain"}, 2, "KEY is required (cvtflow explain --help)"},
+        {{"list", "method"}, 2, "WHAT: no list 'method', did you mean 'methods'? (cvtflow list --help)"},
+        {{"dot", "tiny", "--cycle", "x"}, 2, "--cycle: x not in {evaluate,detect,locate,truncate} (cvtflow dot --help)"},
+        {{"local-error", "tiny", "--friction", "x"}, 2, "--friction: x not in {piecewise,smoothed,both} (cvtflow local-error --help)"},
+    };
+    for (const Mistake& mistake : mistakes) expect(mistake);
+}
+
+TEST_F(Errors, InScenesSayWhereAndWhat) {
+    const std::vector<Mistake> mistakes{
+        {{"run", "basline"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
+        {{"run", "zzzzzzz"}, 1, "no scene 'zzzzzzz' (cvtflow list scenes)"},
+        {{"run", "missing.toml"}, 1, "missing.toml: cannot be read"},
+        {{"run", "./folder"}, 1, "./folder: cannot be read"},
+        {{"run", "broken.toml"},
+         1,
+         "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
+         "integer"},
+        {{"check", "broken.toml"},
+         1,
+         "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
+         "integer"},
+        {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: there is no file \"gone.h5\""},
+        {{"settle", "free_ring"}, 1, "free_ring: nothing to settle, start.layout and start.settling_time say so"},
+        {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
+        {{"local-error", "tiny"},
+         1,
+         "tiny: the start is not settled, its errors would mean nothing: give --settle, or a state file with --set start.state=FILE "
+         "(cvtflow settle)"},
+    };
+    for (const Mistake& mistake : mistakes) expect(mistake);
+    EXPECT_THAT(run({"check", "syntax.toml"}).err, testing::StartsWith("cvtflow: syntax.toml:1:"));
+}
+
+TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
+    const std::vector<Mistake> mistakes{
+        {{"run", "tiny", "--method", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
+        {{"run", "tiny", "--method", "zzzzzz"}, 1, "no method 'zzzzzz' (cvtflow list methods)"},
+        {{"run", "tiny", "--detail", "fein"}, 1, "--detail fein: not one of coarse, medium, fine, full (did you mean \"fine\"?)"},
+        {{"run", "tiny", "--set", "chain.pich=3"}, 1, "--set chain.pich=3: chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
+        {{"run", "tiny", "--set", "chain.pins=abc"}, 1, "--set chain.pins=abc: chain.pins: \"abc\" is not an integer"},
+        {{"run", "tiny", "--set", "nonsense"}, 1, "--set nonsense: not of the form key=value"},
+        {{"run", "tiny", "--until", "5 mm"}, 1, "--until 5 mm: 5 mm is a length, expected a time (s)"},
+        {{"run", "tiny", "--until=-1"}, 1, "--until -1: -1 s is outside [1e-9, 1e4] s"},
+        {{"run", "tiny", "--until", ""}, 1, "--until : \"\" does not begin with a number"},
+        {{"run", "tiny", "--step", "1"}, 1, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
+        {{"run", "tiny", "--threads", "0"}, 1, "--threads 0: 0 is outside [1, 1024]"},
+        {{"run", "tiny", "--segments", "30"}, 1, "--segments 30: 30 segments for chain.pins = 24"},
+        {{"settle", "tiny", "--time", "3ms"}, 1, "--time 3ms: start.ramp_time: 5e-3 s is longer than start.settling_time = 3e-3 s"},
+        {{"local-error", "tiny", "--settle", "--steps", "3mm"}, 1, "--steps 3mm: '3mm' is not a time above 0, such as 40ns"},
+    };
+    for (const Mistake& mistake : mistakes) expect(mistake);
+}
+
+TEST_F(Errors, InFilesSayWhatTheFileIs) {
+    make_records();
+    const std::string record = std::to_string(read("record.h5").size()), state = std::to_string(read("state.h5").size());
+    const std::vector<Mistake> mistakes{
+        {{"info", "missing.h5"}, 1, "missing.h5: No such file or directory"},
+        {{"info", "folder"}, 1, "folder: a folder, not a file"},
+        {{"info", "text.h5"}, 1, "text.h5: not an HDF5 file"},
+        {{"info", "other.h5"}, 1, "other.h5: an HDF5 file, but neither a record nor a state of cvtflow"},
+        {{"info", "cut_record.h5"}, 1, "cut_record.h5: truncated HDF5 file: 2000 bytes of " + record},
+        {{"info", "cut_state.h5"}, 1, "cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
+        {{"run", "tiny", "--set", "start.state=gone.h5"}, 1, "--set start.state=gone.h5: start.state: there is no file \"gone.h5\""},
+        {{"run", "tiny", "--set", "start.state=text.h5"}, 1, "FOLDER/text.h5: not an HDF5 file"},
+        {{"run", "tiny", "--set", "start.state=cut_state.h5"}, 1, "FOLDER/cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
+        {{"run", "tiny", "--set", "start.state=record.h5"},
+         1,
+         "FOLDER/record.h5: an HDF5 file, but not a cvtflow state (format: 'cvtflow run')"},
+        {{"run", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
+         1,
+         "start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled with 1"},
+        {{"check", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
+         1,
+         "start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled with 1"},
+    };
+    for (const Mistake& mistake : mistakes) expect(mistake);
+}
+
+TEST_F(Errors, OfPlacesComeBeforeTheWork) {
+    const std::vector<Mistake> mistakes{
+        {{"run", "tiny", "-o", "missing/x.h5"}, 1, "missing/x.h5: cannot create: the folder 'missing' does not exist"},
+        {{"run", "tiny", "-o", "folder"}, 1, "folder: cannot create: a folder, not a file"},
+        {{"run", "tiny", "-o", "/proc/x.h5"}, 1, "/proc/x.h5.part: cannot create: No such file or directory"},
+        {{"settle", "tiny", "-o", "missing/x.h5"}, 1, "missing/x.h5: cannot create: the folder 'missing' does not exist"},
+        {{"settle", "tiny", "-o", "folder"}, 1, "folder: cannot create: a folder, not a file"},
+    };
+    for (const Mistake& mistake : mistakes) expect(mistake);
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

@@ -1,0 +1,128 @@
+#include "tests/tools/program_fixture.hpp"
+
+#include <fcntl.h>
+#include <pty.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace cvtflow::tools {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string contents(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+/// Names that no other child of any test process has.
+std::string unique_name(const std::string& what) {
+    static std::atomic<int> number{0};
+    return "cvtflow_" + what + "_" + std::to_string(getpid()) + "_" + std::to_string(number++);
+}
+
+void redirect(const fs::path& file, int descriptor) {
+    const int target = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (target < 0 || dup2(target, descriptor) < 0) _exit(126);
+}
+
+}  // namespace
+
+Child::Child(std::vector<std::string> arguments, const fs::path& folder, const std::vector<std::string>& environment)
+    : out_(fs::temp_directory_path() / unique_name("out")), err_(fs::temp_directory_path() / unique_name("err")) {
+    arguments.insert(arguments.begin(), CVTFLOW_PROGRAM);
+    std::vector<char*> words;
+    for (std::string& argument : arguments) words.push_back(argument.data());
+    words.push_back(nullptr);
+    std::vector<std::string> settings = environment;
+    process_ = fork();
+    if (process_ < 0) throw std::runtime_error("fork");
+    if (process_ > 0) return;
+    for (std::string& setting : settings) putenv(setting.data());
+    redirect(out_, STDOUT_FILENO);
+    redirect(err_, STDERR_FILENO);
+    if (chdir(folder.c_str()) == 0) execv(words[0], words.data());
+    _exit(127);
+}
+
+Child::~Child() {
+    if (process_ > 0) {
+        kill(process_, SIGKILL);
+        waitpid(process_, nullptr, 0);
+    }
+    std::error_code ignored;
+    fs::remove(out_, ignored);
+    fs::remove(err_, ignored);
+}
+
+void Child::send(int signal) const { kill(process_, signal); }
+
+Outcome Child::wait() {
+    int status = 0;
+    waitpid(process_, &status, 0);
+    process_ = -1;
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out_), contents(err_)};
+}
+
+Program::Program() : folder_(fs::temp_directory_path() / unique_name("test")) { fs::create_directory(folder_); }
+
+Program::~Program() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+}
+
+Outcome Program::run(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) const {
+    return Child(arguments, folder_, environment).wait();
+}
+
+Outcome Program::run_briefly(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{
+        "run", "tiny", "--until", "20 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+}
+
+std::string Program::draw(const std::vector<std::string>& arguments, int columns) const {
+    std::vector<std::string> all = arguments;
+    all.insert(all.begin(), CVTFLOW_PROGRAM);
+    std::vector<char*> words;
+    for (std::string& argument : all) words.push_back(argument.data());
+    words.push_back(nullptr);
+    winsize size{};
+    size.ws_row = 24;
+    size.ws_col = static_cast<unsigned short>(columns);
+    int terminal = -1;
+    const pid_t process = forkpty(&terminal, nullptr, nullptr, &size);
+    if (process < 0) throw std::runtime_error("forkpty");
+    if (process == 0) {
+        setenv("TERM", "xterm", 1);
+        if (chdir(folder_.c_str()) == 0) execv(words[0], words.data());
+        _exit(127);
+    }
+    std::string text;
+    char buffer[4096];
+    for (ssize_t got; (got = ::read(terminal, buffer, sizeof buffer)) > 0;) text.append(buffer, static_cast<std::size_t>(got));
+    close(terminal);
+    waitpid(process, nullptr, 0);
+    return text;
+}
+
+void Program::write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name, std::ios::binary) << text; }
+
+std::string Program::read(const std::string& name) const { return contents(folder_ / name); }
+
+bool Program::exists(const std::string& name) const { return fs::exists(folder_ / name); }
+
+void Program::cut(const std::string& from, const std::string& to, std::size_t bytes) const { write(to, read(from).substr(0, bytes)); }
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,69 @@
+#pragma once
+/// Runs the program as a user does: as a child process, in a folder of its own.
+
+#include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace cvtflow::tools {
+
+struct Outcome {
+    int status = 0;   ///< exit status; 128 + signal if one ended it
+    std::string out;  ///< stdout
+    std::string err;  ///< stderr
+};
+
+/// A child process; killed when it goes out of scope.
+class Child {
+public:
+    /// @param environment "NAME=value", added to this process's
+    Child(std::vector<std::string> arguments, const std::filesystem::path& folder, const std::vector<std::string>& environment = {});
+    ~Child();
+    Child(const Child&) = delete;
+    Child& operator=(const Child&) = delete;
+
+    void send(int signal) const;
+    [[nodiscard]] Outcome wait();
+
+private:
+    std::filesystem::path out_, err_;
+    pid_t process_ = -1;
+};
+
+/// Each test has an empty working directory.
+class Program : public testing::Test {
+protected:
+    Program();
+    ~Program() override;
+
+    Outcome run(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {}) const;
+    /// run() with the scene tiny, settling and running for 20 us; a fraction of a second.
+    Outcome run_briefly(const std::vector<std::string>& more = {}) const;
+    /// What run() draws on a terminal of that width, stdout included.
+    [[nodiscard]] std::string draw(const std::vector<std::string>& arguments, int columns) const;
+    void write(const std::string& name, const std::string& text) const;
+    [[nodiscard]] std::string read(const std::string& name) const;
+    [[nodiscard]] bool exists(const std::string& name) const;
+    /// Copies the first `bytes` of a file.
+    void cut(const std::string& from, const std::string& to, std::size_t bytes) const;
+
+    std::filesystem::path folder_;
+};
+
+/// Waits until `condition` holds. @return whether it did within 20 s
+template <class Condition>
+bool eventually(const Condition& condition) {
+    using namespace std::chrono_literals;
+    for (int attempt = 0; attempt < 2000; ++attempt) {
+        if (condition()) return true;
+        std::this_thread::sleep_for(10ms);
+    }
+    return false;
+}
+
+}  // namespace cvtflow::tools

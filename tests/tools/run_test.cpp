@@ -1,0 +1,170 @@
+#include <gmock/gmock.h>
+
+#include <csignal>
+
+#include "engine/record/run_reader.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class Run : public Program {
+protected:
+    [[nodiscard]] engine::RunReader record(const std::string& name) const { return engine::RunReader((folder_ / name).string()); }
+    /// The scene with a state file that fits, settled for 20 us.
+    void write_settled_scene() const {
+        ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
+        std::string text = read_ready("tiny.toml");
+        text.replace(text.find("settling_time = \"10 ms\""), 23, "settling_time = \"20 us\"");
+        text.replace(text.find("ramp_time = \"5 ms\""), 18, "ramp_time = \"10 us\"\nstate = \"state.h5\"");
+        text.replace(text.find("until = \"1 ms\""), 14, "until = \"20 us\"");
+        write("settled.toml", text);
+    }
+    [[nodiscard]] std::string read_ready(const std::string& name) const {
+        return read(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name);
+    }
+    /// What comes of a run that would take minutes, if it gets a signal once it has recorded something.
+    [[nodiscard]] Outcome interrupted_by(int signal, const std::string& file) const {
+        Child child({"run", "tiny", "-o", file, "--until", "1 s", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"},
+                    folder_);
+        EXPECT_TRUE(eventually([&] { return rows_of(file + ".part") > 0; }));
+        child.send(signal);
+        return child.wait();
+    }
+    [[nodiscard]] std::size_t rows_of(const std::string& file) const {
+        try {
+            return exists(file) ? record(file).rows() : 0;
+        } catch (const engine::RecordError&) {
+            return 0;  // not yet
+        }
+    }
+};
+
+TEST_F(Run, RecordsInResultsAndSumsUp) {
+    const Outcome outcome = run_briefly();
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, StartsWith("tiny: finished at t = 2e-05 s\n"));
+    EXPECT_THAT(outcome.out,
+                AllOf(HasSubstr("\n  method "), HasSubstr("\n  state hash "), HasSubstr("\n  machine "), HasSubstr("\n  program ")));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  record              results/tiny.h5 ("));
+    EXPECT_EQ(record("results/tiny.h5").status(), "finished");
+    EXPECT_EQ(record("results/tiny.h5").rows(), 3u);  // 0, 10, 20 us
+}
+
+TEST_F(Run, TellsItsProgressInPlainLinesWhereThereIsNoTerminal) {
+    const Outcome outcome = run_briefly({"-o", "none"});
+    EXPECT_THAT(outcome.err, StartsWith("settling: 50 %, t = -10 us, "));
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("\nsettling: 100 %, t = 0 s, "), HasSubstr("\nrunning: 50 %, t = 10 us of 20 us, ")));
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr(" s per simulated second ("), HasSubstr(" x real time), 0:00 left\n")));
+    EXPECT_EQ(outcome.err.find_first_of("\r\x1b"), std::string::npos);
+}
+
+TEST_F(Run, DrawsABarOnATerminalThatFitsAndGoesAway) {
+    const std::vector<std::string> brief{
+        "run", "tiny", "-o", "none", "--until", "1 ms", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
+    for (const int columns : {40, 70, 120}) {
+        const std::string text = draw(brief, columns);
+        const std::string drawn = text.substr(0, text.find("tiny: finished"));
+        EXPECT_THAT(drawn, StartsWith("\rsettling "));
+        EXPECT_THAT(drawn, testing::EndsWith("\r\x1b[K"));
+        EXPECT_EQ(drawn.find('\n'), std::string::npos);
+        for (std::size_t begin = 0, end; (end = drawn.find('\r', begin)) != std::string::npos; begin = end + 1) {
+            EXPECT_LT(end - begin, static_cast<std::size_t>(columns) + 3) << "the code to clear the rest of the line takes 3";
+        }
+        EXPECT_TRUE(columns < 70 || drawn.find(" [>") != std::string::npos) << drawn;
+    }
+}
+
+TEST_F(Run, WithoutOutputRecordsNothing) {
+    EXPECT_THAT(run_briefly({"-o", "none"}).out, HasSubstr("\n  record              none\n"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+TEST_F(Run, QuietPrintsNothingButErrors) {
+    const Outcome good = run_briefly({"-q"});
+    EXPECT_EQ(good.out + good.err, "");
+    EXPECT_TRUE(exists("results/tiny.h5"));
+    const Outcome bad = run_briefly({"-q", "--set", "run.max_steps=10"});
+    EXPECT_EQ(bad.out, "");
+    EXPECT_THAT(bad.err, StartsWith("cvtflow: the budget of 10 steps (run.max_steps) is used up at t = "));
+}
+
+TEST_F(Run, ThatUsesUpItsBudgetExitsWithFour) {
+    const Outcome outcome = run_briefly({"--set", "run.max_steps=10", "-o", "r.h5"});
+    EXPECT_EQ(outcome.status, 4);
+    EXPECT_THAT(outcome.out, StartsWith("tiny: stopped: the budget of 10 steps"));
+    EXPECT_THAT(record("r.h5").status(), StartsWith("the budget of 10 steps"));
+    EXPECT_EQ(run({"settle", "tiny", "-q", "--set", "run.max_steps=10"}).status, 4);
+    EXPECT_FALSE(exists("tiny_state.h5"));
+}
+
+TEST_F(Run, ThatBreaksDownExitsWithThree) {
+    const Outcome outcome = run_briefly({"--step", "10 us", "--until", "5 ms", "-o", "r.h5"});
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_THAT(outcome.out, StartsWith("tiny: stopped: "));
+    EXPECT_NE(record("r.h5").status(), "finished");
+}
+
+TEST_F(Run, InterruptedEndsWithACompleteRecord) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const Outcome outcome = interrupted_by(signal, "r.h5");
+        EXPECT_EQ(outcome.status, 130);
+        EXPECT_THAT(outcome.out, StartsWith("tiny: stopped: cancelled at t = "));
+        EXPECT_THAT(record("r.h5").status(), StartsWith("cancelled at t = "));
+        EXPECT_GT(record("r.h5").rows(), 0u);
+        EXPECT_FALSE(exists("r.h5.part"));
+        EXPECT_EQ(run({"info", "r.h5"}).status, 0);
+        std::filesystem::remove(folder_ / "r.h5");
+    }
+}
+
+TEST_F(Run, KilledLeavesAReadablePart) {
+    EXPECT_EQ(interrupted_by(SIGKILL, "r.h5").status, 128 + SIGKILL);
+    EXPECT_FALSE(exists("r.h5"));
+    EXPECT_EQ(record("r.h5.part").status(), "running");
+    EXPECT_THAT(run({"info", "r.h5.part"}).out, HasSubstr("running (being written now, or left by a run that was killed)"));
+}
+
+TEST_F(Run, BeginsWithTheStateFileOfItsScene) {
+    write_settled_scene();
+    const Outcome outcome = run({"run", "settled.toml"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, testing::Not(HasSubstr("settling")));
+    EXPECT_THAT(run({"check", "settled.toml"}).out, HasSubstr("state file " + folder_.string() + "/state.h5"));
+}
+
+TEST_F(Run, OfAnotherDetailDropsTheStateFileAndSaysSo) {
+    write_settled_scene();
+    const Outcome outcome = run({"run", "settled.toml", "--detail", "coarse"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(
+        outcome.err,
+        StartsWith("cvtflow: detail.order = 0 (was 1), detail.joint_points = 1 (was 2), detail.pulleys = \"rigid\" (was \"elastic\"): "
+                   "the state in " +
+                   folder_.string() + "/state.h5 does not fit any more, the run settles anew\nsettling: "));
+}
+
+TEST_F(Run, ThatSettlesNeedsNoStateFile) {
+    write_settled_scene();
+    std::filesystem::remove(folder_ / "state.h5");
+    EXPECT_EQ(run({"run", "settled.toml"}).status, 1);
+    const Outcome outcome = run({"run", "settled.toml", "--settle"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.err, StartsWith("settling: "));
+}
+
+TEST_F(Run, FindsScenesByTheEnvironment) {
+    std::filesystem::create_directory(folder_ / "mine");
+    write("mine/special.toml", read_ready("tiny.toml"));
+    EXPECT_EQ(run({"check", "special"}).status, 1);
+    const Outcome outcome = run({"check", "special"}, {"CVTFLOW_SCENES=nowhere:mine"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("\n  file                mine/special.toml\n"));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

@@ -1,0 +1,38 @@
+#pragma once
+/// The subcommands: a file in tools/command and a row in commands.cpp each.
+
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include "tools/exit_status.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace cvtflow::tools {
+
+/// What a subcommand does once its arguments are read. May throw; what() is then printed as the error.
+using Action = std::function<ExitStatus()>;
+
+struct Command {
+    std::string_view name;
+    std::string_view description;      ///< one line
+    Action (*declare)(CLI::App& app);  ///< declares arguments; they live in the returned action
+};
+
+/// In the order of the help text.
+[[nodiscard]] std::span<const Command> commands() noexcept;
+
+Action declare_run(CLI::App& app);
+Action declare_settle(CLI::App& app);
+Action declare_check(CLI::App& app);
+Action declare_info(CLI::App& app);
+Action declare_list(CLI::App& app);
+Action declare_explain(CLI::App& app);
+Action declare_schema(CLI::App& app);
+Action declare_local_error(CLI::App& app);
+Action declare_dot(CLI::App& app);
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,84 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+
+#include "engine/method/catalogue.hpp"
+#include "tasks/simulation.hpp"
+#include "tools/command.hpp"
+#include "tools/scene_arguments.hpp"
+#include "tools/scene_text.hpp"
+#include "tools/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+/// Steps that cover a span without transitions, when the step divides the interval of outputs.
+long steps_over(double span, double interval, double step) {
+    const double per_interval = std::max(1.0, std::ceil(interval / step * (1.0 - 1e-12)));
+    return std::lround(std::ceil(span / interval * per_interval * (1.0 - 1e-12)));
+}
+
+std::string size_line(const model::ChainLayout& at) {
+    return fmt::format("{} ({} links x {}{}), {} unknowns", plural(at.coordinates(), "coordinate"), at.links, at.link_size(),
+                       at.pulley_size == 0 ? "" : fmt::format(" + pulleys {}", at.pulley_size), count_text(at.size()));
+}
+
+std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simulation) {
+    if (!scene.state_file.empty()) return "state file " + scene.state_file;
+    const model::Start& start = scene.parameters.start;
+    if (start.layout == model::StartLayout::ring) return fmt::format("geometric ring at {:.4g} rad/s", start.ring_speed);
+    const std::string geometric = fmt::format("geometric at ratio {:.4g}", start.ratio);
+    return simulation.needs_settling() ? fmt::format("{}, settles for {}", geometric, time_text(start.settling_time))
+                                       : geometric + ", no settling";
+}
+
+/// Evaluations of the right-hand side: every step takes its stages, every transition one or two steps more.
+std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation) {
+    const tasks::RunSettings& run = scene.run;
+    const long stages = static_cast<long>(engine::find_method(run.method)->stages.size());
+    const long running = steps_over(run.until, run.output_interval, run.step);
+    const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, run.step) : 0;
+    std::string text = field("run", fmt::format("until {}, {} with step {}, {}", time_text(run.until), run.method, time_text(run.step),
+                                                plural(run.segments, "segment")));
+    text += field("steps",
+                  settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
+    text += field("evaluations", fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));
+    const long outputs = std::lround(std::floor(run.until / run.output_interval * (1.0 + 1e-12))) + 1;
+    const long states = std::lround(std::floor(run.until / run.state_interval * (1.0 + 1e-12))) + 1;
+    text += field("record", fmt::format("{} every {}, {} every {}", plural(outputs, "row"), time_text(run.output_interval),
+                                        plural(states, "state"), time_text(run.state_interval)));
+    return text;
+}
+
+ExitStatus check(const SceneArguments& arguments) {
+    const LoadedScene loaded = load_scene(arguments);
+    const tasks::Scene& scene = loaded.scene;
+    const tasks::Simulation simulation(scene);
+    if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    std::string text = fmt::format("{}: {}\n", scene.name, scene.description.empty() ? "no description" : scene.description);
+    text += field("file", scene.path.string());
+    text += field("detail", detail_text(scene));
+    text += field("size", size_line(simulation.variator().layout()));
+    text += field("start", start_line(scene, simulation));
+    for (const std::string& difference : simulation.start_differences()) text += field("", difference);
+    fmt::print("{}{}", text, cost_lines(scene, simulation));
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_check(CLI::App& app) {
+    const auto arguments = std::make_shared<SceneArguments>();
+    declare_scene(app, *arguments);
+    declare_shortcut(app, *arguments, "--method", "run.method", "NAME");
+    declare_shortcut(app, *arguments, "--step", "run.step", "TIME");
+    declare_shortcut(app, *arguments, "--until", "run.until", "TIME");
+    declare_fresh_start(app, *arguments);
+    app.footer("Exit status: 0 the scene is good, 1 it is not (all problems are printed).");
+    return [arguments] { return check(*arguments); };
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "engine/base/provenance.hpp"
+#include "tasks/run.hpp"
+#include "tools/command.hpp"
+#include "tools/interrupt.hpp"
+#include "tools/progress.hpp"
+#include "tools/scene_arguments.hpp"
+#include "tools/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+struct RunArguments {
+    SceneArguments scene;
+    std::string output;
+    bool quiet = false;
+};
+
+/// Where the record goes; empty: nowhere. Makes the folder only if the place was not chosen by the user.
+std::string record_path(const RunArguments& arguments, const tasks::Scene& scene) {
+    if (arguments.output == "none") return {};
+    if (!arguments.output.empty()) return arguments.output;
+    std::error_code reported_later;  // by the record, which needs the folder
+    std::filesystem::create_directories("results", reported_later);
+    return "results/" + scene.path.stem().string() + ".h5";
+}
+
+std::string record_text(const std::string& path) {
+    if (path.empty()) return "none";
+    std::error_code unknown;
+    const auto bytes = std::filesystem::file_size(path, unknown);
+    return unknown ? path : fmt::format("{} ({})", path, size_text(static_cast<double>(bytes)));
+}
+
+std::string machine_text() {
+    const engine::Provenance here = engine::current_provenance();
+    return field("machine", fmt::format("{}, {} cores", here.cpu, here.cores)) +
+           field("program", fmt::format("cvtflow {} ({}), {} {}, {}", here.version, here.commit, here.compiler, here.build_type,
+                                        here.instruction_set));
+}
+
+tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+    ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
+    tasks::RunOptions options;
+    options.file = file;
+    options.cancel = &catch_interrupts();
+    if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
+    return tasks::run_scene(scene, options);
+}
+
+ExitStatus run(const RunArguments& arguments) {
+    const LoadedScene loaded = load_scene(arguments.scene);
+    if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    const std::string file = record_path(arguments, loaded.scene);
+    const tasks::RunReport report = simulate(arguments, loaded.scene, file);
+    if (!arguments.quiet) {
+        fmt::print("{}: {}{}{}", loaded.scene.name, tasks::summary(report), machine_text(), field("record", record_text(file)));
+    } else if (report.fault) {
+        fmt::print(stderr, "cvtflow: {}\n", report.fault.message());
+    }
+    return exit_status(report.fault.kind);
+}
+
+}  // namespace
+
+Action declare_run(CLI::App& app) {
+    const auto arguments = std::make_shared<RunArguments>();
+    SceneArguments& scene = arguments->scene;
+    declare_scene(app, scene);
+    app.add_option("-o,--output", arguments->output, "Record to write (default: results/SCENE.h5); none: no record")->type_name("FILE");
+    declare_shortcut(app, scene, "--method", "run.method", "NAME");
+    declare_shortcut(app, scene, "--step", "run.step", "TIME");
+    declare_shortcut(app, scene, "--until", "run.until", "TIME");
+    declare_shortcut(app, scene, "--threads", "run.threads", "N");
+    declare_shortcut(app, scene, "--segments", "run.segments", "N");
+    declare_shortcut(app, scene, "--seed", "run.seed", "N");
+    declare_fresh_start(app, scene);
+    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.footer(
+        "Times take units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; twice ends it at once.\n"
+        "While the run goes on, its record is FILE.part, readable at any time (cvtflow info FILE.part).\n\n" +
+        std::string(exit_status_help));
+    return [arguments] { return run(*arguments); };
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,79 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "engine/record/schema.hpp"
+#include "tasks/run.hpp"
+#include "tools/command.hpp"
+#include "tools/interrupt.hpp"
+#include "tools/progress.hpp"
+#include "tools/scene_arguments.hpp"
+#include "tools/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+struct SettleArguments {
+    SceneArguments scene;
+    std::string output;
+    bool quiet = false;
+};
+
+/// Notices before the settling what would fail after it.
+void require_place(const std::filesystem::path& file) {
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    std::error_code unknown;
+    if (std::filesystem::is_directory(file, unknown)) throw engine::RecordError(file.string() + ": cannot create: a folder, not a file");
+    if (!std::filesystem::is_directory(folder, unknown)) {
+        throw engine::RecordError(fmt::format("{}: cannot create: the folder '{}' does not exist", file.string(), folder.string()));
+    }
+    if (access(folder.c_str(), W_OK) != 0)
+        throw engine::RecordError(fmt::format("{}: cannot create: {}", file.string(), std::strerror(errno)));
+}
+
+void simulate(const SettleArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+    ProgressDisplay display(progress_style(arguments.quiet), 0.0);
+    tasks::RunOptions options;
+    options.cancel = &catch_interrupts();
+    options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
+    tasks::settle_scene(scene, file, options);
+}
+
+ExitStatus settle(SettleArguments& arguments) {
+    arguments.scene.settle = true;
+    const tasks::Scene scene = load_scene(arguments.scene).scene;
+    const std::string file = arguments.output.empty() ? scene.path.stem().string() + "_state.h5" : arguments.output;
+    const model::Start& start = scene.parameters.start;
+    if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) {
+        throw tasks::SceneError(fmt::format("{}: nothing to settle, start.layout and start.settling_time say so", scene.name));
+    }
+    require_place(file);
+    simulate(arguments, scene, file);
+    if (arguments.quiet) return ExitStatus::finished;
+    fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
+    fmt::print("{}", field("to use it", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}",
+                                                    std::filesystem::path(file).filename().string(), file)));
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_settle(CLI::App& app) {
+    const auto arguments = std::make_shared<SettleArguments>();
+    declare_scene(app, arguments->scene);
+    app.add_option("-o,--output", arguments->output, "State file to write (default: SCENE_state.h5)")->type_name("STATE.h5");
+    declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.footer(
+        "A scene's start.state counts from the folder of the scene file, --set start.state from the working directory.\n"
+        "Exit status as for run.");
+    return [arguments] { return settle(*arguments); };
+}
+
+}  // namespace cvtflow::tools

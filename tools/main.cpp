@@ -1,0 +1,93 @@
+/// cvtflow: the command line.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "engine/base/provenance.hpp"
+#include "tasks/run.hpp"
+#include "tasks/scene/spelling.hpp"
+#include "tools/command.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+void print_error(std::string_view message) {
+    for (std::size_t begin = 0; begin <= message.size();) {
+        const std::size_t end = std::min(message.find('\n', begin), message.size());
+        const bool continued = message.substr(begin).starts_with("  ");
+        fmt::print(stderr, "{}{}\n", continued ? "" : "cvtflow: ", message.substr(begin, end - begin));
+        begin = end + 1;
+    }
+}
+
+std::string version_text() {
+    const engine::Provenance here = engine::current_provenance();
+    return fmt::format("cvtflow {} ({})\nbuilt with {} as {} for {}\nrunning on {}, {} core{}, {}", here.version, here.commit,
+                       here.compiler, here.build_type, here.instruction_set, here.cpu, here.cores, here.cores == 1 ? "" : "s", here.os);
+}
+
+/// A misspelt command would be reported by CLI11 as an argument that was not expected.
+bool is_command(const std::string& word) {
+    std::vector<std::string> names;
+    for (const Command& command : commands()) names.emplace_back(command.name);
+    if (std::find(names.begin(), names.end(), word) != names.end()) return true;
+    const std::string near = tasks::closest(word, names);
+    print_error(fmt::format("no command '{}'{} (cvtflow --help)", word, near.empty() ? "" : fmt::format(", did you mean '{}'?", near)));
+    return false;
+}
+
+/// --help and --version come as errors with code 0.
+int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    const auto chosen = app.get_subcommands();
+    print_error(fmt::format("{} (cvtflow {}--help)", error.what(), chosen.empty() ? "" : chosen.front()->get_name() + " "));
+    return static_cast<int>(ExitStatus::usage);
+}
+
+int execute(int argc, char** argv) {
+    CLI::App app("Dynamics of chain-driven continuously variable transmissions.", "cvtflow");
+    app.set_version_flag("--version", version_text, "Print version, build and machine");
+    app.require_subcommand(1);
+    app.get_formatter()->column_width(32);
+    std::vector<Action> actions;
+    for (const Command& command : commands()) {
+        CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.description) + ".");
+        actions.push_back(command.declare(*sub));
+    }
+    app.footer(
+        "cvtflow COMMAND --help tells more. First steps:\n"
+        "  cvtflow list scenes\n"
+        "  cvtflow run tiny\n"
+        "  cvtflow info results/tiny.h5\n\n" +
+        std::string(exit_status_help));
+    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return static_cast<int>(ExitStatus::usage);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return report_parse_error(app, error);
+    }
+    for (std::size_t i = 0; i < actions.size(); ++i) {
+        if (app.got_subcommand(std::string(commands()[i].name))) return static_cast<int>(actions[i]());
+    }
+    return static_cast<int>(ExitStatus::usage);
+}
+
+}  // namespace
+}  // namespace cvtflow::tools
+
+int main(int argc, char** argv) {
+    try {
+        return cvtflow::tools::execute(argc, argv);
+    } catch (const cvtflow::tasks::SettlingFault& end) {
+        cvtflow::tools::print_error(end.what());
+        return static_cast<int>(cvtflow::tools::exit_status(end.fault.kind));
+    } catch (const std::exception& error) {
+        cvtflow::tools::print_error(error.what());
+        return static_cast<int>(cvtflow::tools::ExitStatus::error);
+    }
+}

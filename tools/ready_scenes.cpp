@@ -1,0 +1,59 @@
+#include "tools/ready_scenes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+
+#include "tasks/scene/scene.hpp"
+#include "tasks/scene/spelling.hpp"
+
+namespace cvtflow::tools {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> scene_folders() {
+    std::vector<fs::path> folders{"scenes"};
+    if (const char* given = std::getenv("CVTFLOW_SCENES")) {
+        std::istringstream list(given);
+        for (std::string folder; std::getline(list, folder, ':');) {
+            if (!folder.empty()) folders.emplace_back(folder);
+        }
+    }
+    std::error_code unknown;
+    const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
+    if (!unknown) folders.push_back(program.parent_path().parent_path() / "share/cvtflow/scenes");
+    folders.emplace_back(CVTFLOW_SCENES_DIR);
+    return folders;
+}
+
+std::vector<ReadyScene> ready_scenes() {
+    std::vector<ReadyScene> found;
+    for (const fs::path& folder : scene_folders()) {
+        std::error_code unreadable;
+        for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
+            if (entry.path().extension() == ".toml") found.push_back({entry.path().stem().string(), entry.path()});
+        }
+    }
+    std::stable_sort(found.begin(), found.end(), [](const ReadyScene& a, const ReadyScene& b) { return a.name < b.name; });
+    const auto same = [](const ReadyScene& a, const ReadyScene& b) { return a.name == b.name; };
+    found.erase(std::unique(found.begin(), found.end(), same), found.end());
+    return found;
+}
+
+fs::path find_scene(const std::string& argument) {
+    std::error_code unreadable;
+    if (argument.find('/') != std::string::npos || argument.ends_with(".toml") || fs::is_regular_file(argument, unreadable))
+        return argument;
+    std::vector<std::string> names;
+    for (const ReadyScene& scene : ready_scenes()) {
+        if (scene.name == argument) return scene.path;
+        names.push_back(scene.name);
+    }
+    const std::string near = tasks::closest(argument, names);
+    const std::string hint = near.empty() ? "cvtflow list scenes" : fmt::format("did you mean '{}'?", near);
+    throw tasks::SceneError(fmt::format("no scene '{}' ({})", argument, hint));
+}
+
+}  // namespace cvtflow::tools

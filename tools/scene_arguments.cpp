@@ -1,0 +1,125 @@
+#include "tools/scene_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <sstream>
+
+#include "engine/method/catalogue.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/spelling.hpp"
+#include "tools/ready_scenes.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+/// Keys that decide what the state vector is made of, or what the same numbers mean.
+constexpr std::string_view state_keys[] = {"detail.order", "detail.plates", "detail.joint_points", "detail.pulleys", "chain.pins"};
+
+std::vector<std::string> state_values(const tasks::Scene& scene) {
+    std::vector<std::string> values;
+    for (const std::string_view key : state_keys) values.push_back(tasks::value_text(*tasks::find_parameter(key), scene));
+    return values;
+}
+
+/// "detail.order = 0 (was 3), …"; empty if nothing changed.
+std::string changes(const std::vector<std::string>& before, const std::vector<std::string>& now) {
+    std::vector<std::string> texts;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        if (before[i] != now[i]) texts.push_back(fmt::format("{} = {} (was {})", state_keys[i], now[i], before[i]));
+    }
+    return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+/// Says a problem in the words of the command line: shortcuts were turned into settings.
+std::string in_words_given(const std::string& message, const SceneArguments& arguments) {
+    std::istringstream lines(message);
+    std::vector<std::string> rewritten;
+    for (std::string line; std::getline(lines, line);) {
+        for (const Shortcut& shortcut : arguments.shortcuts) {
+            if (!shortcut.value) continue;
+            const std::string as_setting = fmt::format("--set {}={}: ", shortcut.key, *shortcut.value);
+            if (!line.starts_with(as_setting)) continue;
+            std::string problem = line.substr(as_setting.size());
+            if (problem.starts_with(shortcut.key + ": ")) problem.erase(0, shortcut.key.size() + 2);
+            line = fmt::format("{} {}: {}", shortcut.option, *shortcut.value, problem);
+        }
+        rewritten.push_back(line);
+    }
+    return fmt::format("{}", fmt::join(rewritten, "\n"));
+}
+
+void apply_settings(tasks::Scene& scene, const SceneArguments& arguments) {
+    std::vector<std::string> settings = arguments.settings;
+    for (const Shortcut& shortcut : arguments.shortcuts) {
+        if (shortcut.value) settings.push_back(shortcut.key + "=" + *shortcut.value);
+    }
+    if (arguments.settle) settings.emplace_back("start.state=");
+    try {
+        tasks::set_values(scene, settings);
+    } catch (const tasks::SceneError& error) {
+        throw tasks::SceneError(in_words_given(error.what(), arguments));
+    }
+}
+
+void apply_preset(tasks::Scene& scene, const std::string& preset) {
+    try {
+        tasks::apply_detail(scene, preset);
+    } catch (const tasks::SceneError& error) {
+        throw tasks::SceneError(fmt::format("--{}", error.what()));
+    }
+}
+
+void require_method(const tasks::Scene& scene) {
+    if (engine::find_method(scene.run.method) != nullptr) return;
+    std::vector<std::string> names;
+    for (const engine::StagePlan& plan : engine::methods()) names.push_back(plan.name);
+    const std::string near = tasks::closest(scene.run.method, names);
+    const std::string hint = near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near);
+    throw tasks::SceneError(fmt::format("no method '{}' ({})", scene.run.method, hint));
+}
+
+}  // namespace
+
+void declare_scene(CLI::App& app, SceneArguments& arguments) {
+    app.add_option("SCENE", arguments.scene, "Scene file, or name of a ready scene (cvtflow list scenes)")->required()->type_name("");
+    app.add_option("--set", arguments.settings, "Change a key of the scene; may be repeated (cvtflow list keys)")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--detail", arguments.detail, "Level of detail (cvtflow list detail)")->type_name("PRESET");
+}
+
+void declare_fresh_start(CLI::App& app, SceneArguments& arguments) {
+    app.add_flag("--settle", arguments.settle, "Begin with the geometric start and settle it, even if the scene names a state file");
+}
+
+void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string option, std::string key, const std::string& type) {
+    Shortcut& shortcut = arguments.shortcuts.emplace_back(Shortcut{std::move(option), std::move(key), {}});
+    const std::string meaning(tasks::find_parameter(shortcut.key)->meaning);
+    app.add_option(shortcut.option, shortcut.value, fmt::format("{} ({})", meaning, shortcut.key))
+        ->type_name(type)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+LoadedScene load_scene(const SceneArguments& arguments) {
+    const auto start = arguments.settle ? tasks::StartState::ignored : tasks::StartState::required;
+    LoadedScene loaded{tasks::read_scene(find_scene(arguments.scene), start), {}};
+    tasks::Scene& scene = loaded.scene;
+    const std::string own_state = scene.state_file;
+    const std::vector<std::string> before = state_values(scene);
+    if (!arguments.detail.empty()) apply_preset(scene, arguments.detail);
+    apply_settings(scene, arguments);
+    const std::string changed = changes(before, state_values(scene));
+    if (!changed.empty() && !own_state.empty() && scene.state_file == own_state) {
+        tasks::set_value(scene, "start.state=");
+        loaded.notice = fmt::format("{}: the state in {} does not fit any more, the run settles anew", changed, own_state);
+    }
+    require_method(scene);
+    return loaded;
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,48 @@
+#pragma once
+/// The arguments that name a scene and change it, shared by all commands that take one.
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tasks/scene/scene.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace cvtflow::tools {
+
+/// An option that is short for a setting: `--until "1 ms"` for `--set run.until="1 ms"`.
+struct Shortcut {
+    std::string option;                ///< "--until"
+    std::string key;                   ///< "run.until"
+    std::optional<std::string> value;  ///< if given
+};
+
+struct SceneArguments {
+    std::string scene;                  ///< path or name of a ready scene
+    std::vector<std::string> settings;  ///< key=value
+    std::string detail;                 ///< preset, empty: as the scene says
+    std::deque<Shortcut> shortcuts;     ///< applied after `settings`; a deque: options point into it
+    bool settle = false;                ///< ignore the scene's state file
+};
+
+/// Declares SCENE, --set and --detail. The arguments must outlive the parsing.
+void declare_scene(CLI::App& app, SceneArguments& arguments);
+/// Declares --settle.
+void declare_fresh_start(CLI::App& app, SceneArguments& arguments);
+void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string option, std::string key, const std::string& type);
+
+struct LoadedScene {
+    tasks::Scene scene;
+    std::string notice;  ///< what the user should know, empty: nothing
+};
+
+/// The scene with all changes applied at once. If they change what the state vector is made of, the scene's own state file
+/// no longer fits and is dropped (notice); one given with --set start.state stays, and the simulation will say that it does not fit.
+/// @throws tasks::SceneError
+[[nodiscard]] LoadedScene load_scene(const SceneArguments& arguments);
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,43 @@
+#pragma once
+/// Numbers and tables for people.
+
+#include <string>
+#include <vector>
+
+namespace cvtflow::tools {
+
+/// "2.25 ms", "-10 us", "0 s": four digits.
+[[nodiscard]] std::string time_text(double seconds);
+/// Wall time: "0:07", "12:30", "3:05:00".
+[[nodiscard]] std::string clock_text(double seconds);
+/// "512 B", "1.2 MB".
+[[nodiscard]] std::string size_text(double bytes);
+/// "1 234 567".
+[[nodiscard]] std::string count_text(long count);
+/// "12 steps", "1 step".
+[[nodiscard]] std::string plural(long count, const std::string& noun);
+
+enum class Align { left, right };
+
+/// Rows of cells under a heading, as wide as their longest cell.
+class Table {
+public:
+    struct Column {
+        std::string heading;
+        Align align = Align::left;
+    };
+
+    explicit Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+    void add(std::vector<std::string> cells);
+    /// Lines with a line break each. @param indent spaces before each line
+    [[nodiscard]] std::string text(int indent = 0) const;
+
+private:
+    std::vector<Column> columns_;
+    std::vector<std::vector<std::string>> rows_;
+};
+
+/// "  label               value\n", as in the summary of a run.
+[[nodiscard]] std::string field(const std::string& label, const std::string& value);
+
+}  // namespace cvtflow::tools
