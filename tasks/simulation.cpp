@@ -65,18 +65,38 @@ Simulation::Simulation(const Scene& scene)
 
 Simulation::~Simulation() = default;
 
-/// Links and pulleys must fit; control and ledger, which a saved state may have or lack, begin at zero where they are new.
+namespace {
+
+constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
+
+/// The phase in the words of the scene at hand: without stick and slip a tip just touches; with them, a start finds which of both.
+[[nodiscard]] model::Phase adopted(std::uint8_t saved, bool stick_slip) {
+    const auto phase = static_cast<model::Phase>(saved);
+    if (phase == model::Phase::free || (phase == model::Phase::touching) == !stick_slip) return phase;
+    return stick_slip ? model::Phase::free : model::Phase::touching;
+}
+
+}  // namespace
+
+/// Links and pulleys must fit; control and ledger, which a saved state may have or lack, go on or begin at zero where they are new.
 void Simulation::take_state(const engine::SavedState& saved) {
     const model::ChainLayout& at = workspace_->layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
     if (const std::string* text = text_attribute(saved, "scene")) start_differences_ = differences(*text, scene_);
-    if (saved.state.size() < mechanical || saved.state.size() > mechanical + 1 + model::loss_kinds + model::work_kinds || saved.phases.size() != workspace_->phases.size()) {
+    const std::size_t beyond = saved.state.size() < mechanical ? 2 : saved.state.size() - mechanical;   // control: 1, ledger: 12, both: 13
+    if ((beyond > 1 && beyond != ledger_size && beyond != ledger_size + 1) || saved.phases.size() != workspace_->phases.size()) {
         std::string message = fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());
         for (const std::string& line : start_differences_) message += "\n  " + line;
         throw SimulationError(message);
     }
-    std::copy_n(saved.state.begin(), mechanical, workspace_->states[0]);
-    std::transform(saved.phases.begin(), saved.phases.end(), workspace_->phases.begin(), [](std::uint8_t phase) { return static_cast<model::Phase>(phase); });
+    const bool had_control = beyond % ledger_size == 1;
+    const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
+    std::copy(saved.state.begin(), behind, workspace_->states[0]);
+    if (at.control && had_control) workspace_->states[0][at.control_begin()] = *behind;
+    if (at.ledger && beyond >= ledger_size) std::copy(behind + had_control, saved.state.end(), workspace_->states[0] + at.ledger_begin());
+    const bool stick_slip = scene_.parameters.detail.stick_slip;
+    std::transform(saved.phases.begin(), saved.phases.end(), workspace_->phases.begin(), [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
+    time_ = saved.time;   // inputs and the governor's angle go on from there
 }
 
 Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {

@@ -1,0 +1,108 @@
+/// Runs that cannot go on say what, when and where.
+
+#include "tasks/fault.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tasks/scene/scene.hpp"
+#include "tests/claims/rig_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+using claims::Rig;
+
+model::Parameters tiny() { return read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml").parameters; }
+constexpr double begin = -10e-3;
+
+void expect_state_before(const Rig& rig, const Fault& fault) {
+    for (int k = 0; k < rig.variator().layout().size(); ++k) ASSERT_TRUE(std::isfinite(rig.state()[k])) << "the last accepted state stays";
+    EXPECT_GT(fault.time, rig.time());   // found at the end of the step that was not accepted
+}
+
+TEST(Faults, AStepFarTooLongForTheChainIsReportedAtItsPin) {
+    Rig rig(tiny());
+    const Fault fault = rig.run({begin, 0.0, 5e-6, 5e-6});   // a hundred times the stable step
+    EXPECT_TRUE(fault.kind == FaultKind::non_finite || fault.kind == FaultKind::left_sheave || fault.kind == FaultKind::penetration) << fault.message();
+    EXPECT_GE(fault.pin, 0) << fault.message();
+    EXPECT_LT(fault.time, 0.0);
+    expect_state_before(rig, fault);
+}
+
+TEST(Faults, ALinkThatIsNotFiniteIsNamed) {
+    model::Parameters p = tiny();
+    Rig rig(p);
+    const model::ChainLayout& at = rig.variator().layout();
+    // So fast that the first step carries it out of the range of numbers.
+    rig.mutable_state()[at.link_begin(7) + at.link_size() + at.z(model::End::rear)] = 1e300;
+    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-5});
+    EXPECT_EQ(fault.kind, FaultKind::non_finite) << fault.message();
+    EXPECT_GE(fault.pin, 5);
+    EXPECT_LE(fault.pin, 9);
+    EXPECT_DOUBLE_EQ(fault.time, begin + 5e-8);
+    EXPECT_EQ(fault.name(), "non_finite");
+}
+
+TEST(Faults, PulleysThatAreNotFiniteAreNamed) {
+    model::Parameters p = tiny();
+    p.detail.pulleys = model::PulleyDetail::rigid;
+    Rig rig(p);
+    rig.mutable_state()[rig.variator().layout().pulley_begin() + 4] = std::numeric_limits<double>::infinity();   // speed of shaft 1
+    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-5});
+    EXPECT_EQ(fault.kind, FaultKind::non_finite);
+    EXPECT_EQ(fault.pin, -1) << fault.message();
+    EXPECT_NE(fault.message().find("pulleys"), std::string::npos);
+}
+
+TEST(Faults, APenetrationBeyondTheLimitIsReportedWithDepthAndPin) {
+    model::Parameters p = tiny();
+    p.tip.deepest = 2e-6;   // the settled variator needs about 9 µm
+    Rig rig(p);
+    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-4});
+    ASSERT_EQ(fault.kind, FaultKind::penetration) << fault.message();
+    EXPECT_GT(fault.value, 2e-6);
+    EXPECT_LT(fault.value, 2.1e-6) << "found in the step in which it happens";
+    EXPECT_EQ(fault.limit, 2e-6);
+    EXPECT_GE(fault.pin, 0);
+    EXPECT_LT(fault.pin, p.chain.pins);
+    expect_state_before(rig, fault);
+}
+
+TEST(Faults, APinInsideTheSheaveIsReportedWithItsRadius) {
+    model::Parameters p = tiny();
+    p.pulley.innermost = 15.9e-3;   // the arcs lie on 16 mm, links' middles a little inside
+    Rig rig(p);
+    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-4});
+    ASSERT_EQ(fault.kind, FaultKind::left_sheave) << fault.message();
+    EXPECT_LT(fault.value, 15.9e-3);
+    EXPECT_GT(fault.value, 14e-3);
+    EXPECT_EQ(fault.limit, 15.9e-3);
+    EXPECT_GE(fault.pin, 0);
+}
+
+TEST(Faults, ATouchingPinOutsideTheSheaveIsReportedWithItsRadius) {
+    model::Parameters p = tiny();
+    p.pulley.outermost = 15e-3;
+    Rig rig(p);
+    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-4});
+    ASSERT_EQ(fault.kind, FaultKind::left_sheave) << fault.message();
+    EXPECT_GT(fault.value, 15e-3);
+    EXPECT_LT(fault.value, 17e-3);
+    EXPECT_EQ(fault.limit, 15e-3);
+}
+
+TEST(Faults, EachHasANameAndAMessage) {
+    for (const FaultKind kind : {FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::max_steps, FaultKind::max_wall, FaultKind::cancelled}) {
+        const Fault fault{kind, 1.5e-3, 12, 1e-3, 2e-3};
+        EXPECT_TRUE(static_cast<bool>(fault));
+        EXPECT_NE(fault.name(), "unknown");
+        EXPECT_NE(fault.message().find("0.0015 s"), std::string::npos) << fault.message();
+    }
+    EXPECT_FALSE(static_cast<bool>(Fault{}));
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

@@ -1,0 +1,70 @@
+/// The step loop takes all its memory before it begins.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tasks/simulation.hpp"
+#include "tests/engine/allocation_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+std::vector<std::string> scene_files() {
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(std::string(CVTFLOW_SOURCE_DIR) + "/scenes")) {
+        if (entry.path().extension() == ".toml") files.push_back(entry.path().string());
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+/// Counts allocations from one output to the next; makes none itself.
+class AllocationCounter final : public RunObserver {
+public:
+    void output(double, const Workspace&, const Counters& counters) override {
+        const long now = engine::test::allocation_count();
+        if (outputs_ > 0) between_ += now - before_;
+        if (outputs_ == 0) first_steps_ = counters.steps;
+        last_steps_ = counters.steps;
+        ++outputs_;
+        before_ = engine::test::allocation_count();
+    }
+    void transition(const TransitionRecord&) override { ++transitions_; }
+
+    long between_ = 0, before_ = 0, outputs_ = 0, transitions_ = 0, first_steps_ = 0, last_steps_ = 0;
+};
+
+class EveryScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    Scene scene = read_scene(GetParam());
+    scene.run.output_interval = 20.0 * scene.run.step;
+    scene.run.segments = std::min(5, scene.parameters.chain.pins);
+    scene.run.max_steps = 150;   // ends a settling run early
+    Simulation simulation(scene);
+    AllocationCounter counter;
+    const std::atomic<bool> never{false};
+    const Fault fault = simulation.needs_settling() ? simulation.settle(counter, never) : simulation.run(1.0, counter, never);
+    EXPECT_EQ(fault.kind, FaultKind::max_steps) << fault.message();
+    EXPECT_GE(counter.last_steps_ - counter.first_steps_, 60);
+    if (simulation.needs_settling()) { EXPECT_GT(counter.transitions_, 0) << "tips just touch at the start, so some come and go"; }
+    EXPECT_EQ(counter.between_, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(NoAllocation, EveryScene, testing::ValuesIn(scene_files()),
+                         [](const auto& instance) { return std::filesystem::path(instance.param).stem().string(); });
+
+TEST(NoAllocation, TheCounterCounts) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    const long before = engine::test::allocation_count();
+    const std::vector<double> some(1000, 1.0);
+    EXPECT_GT(engine::test::allocation_count() + static_cast<long>(some[0]) - 1, before);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
