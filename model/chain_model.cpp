@@ -1,32 +1,12 @@
 #include "model/chain_model.hpp"
 
 #include <cmath>
-#include <cstring>
 
-#include "model/force/inner.hpp"
-#include "model/force/joint.hpp"
-#include "model/force/plates.hpp"
-#include "model/force/tips.hpp"
+#include "model/chain_parts.hpp"
 
 namespace cvtflow::model {
 
 namespace {
-
-/// Calls body with the smallest compiled lane count that holds `width`.
-template <class Body>
-void with_lanes(int width, const Body& body) noexcept {
-    if (width == 1) return body.template operator()<1>();
-    if (width == 2) return body.template operator()<2>();
-    if (width <= 4) return body.template operator()<4>();
-    if (width <= 8) return body.template operator()<8>();
-    return body.template operator()<16>();
-}
-
-[[nodiscard]] bool any_touching(const Phase* phases) noexcept {
-    std::uint32_t word;
-    std::memcpy(&word, phases, sizeof word);
-    return word != 0;
-}
 
 /// One pass over a range of links, keeping the frame and the joint of the link before.
 template <int P, bool Observe>
@@ -57,34 +37,20 @@ private:
 
     /// Joint of the pin between link - 1 and link.
     void joint_between(int link, const LinkFrame& before, const LinkFrame& after, JointForce<P>& out, Account* account) const noexcept {
-        const double* q_before = state(link - 1);
-        const double* q_after = state(link);
-        with_lanes(c_.joint_points.width, [&]<int W>() {
-            joint<P, W, Observe>(c_, before, after, q_before, q_before + at<P>.link_size(), q_after, q_after + at<P>.link_size(), out, account);
-        });
+        joint_part<P, Observe>(c_, before, after, state(link - 1), state(link), out, account);
     }
 
     void link_slope(int link, const LinkFrame& frame, const JointForce<P>& rear, const JointForce<P>& front, double* slope, LinkLoad& load,
                     Account* account) const noexcept {
         constexpr int size = at<P>.link_size();
-        const double* q = state(link);
-        const double* v = q + size;
         double* f = slope + size;
-        std::memcpy(slope, v, size * sizeof(double));
-        std::memset(f, 0, size * sizeof(double));
-        const int number = link >= c_.layout.links ? link - c_.layout.links : link;
-        const LinkKind& kind = c_.kind(number);
-        double moment = inner_elasticity<P, Observe>(c_, kind, frame, q, v, f, account);
-        with_lanes(c_.plates.width, [&]<int W>() { plates<P, W, Observe>(c_, kind, q, v, f, account); });
-        rear.on_front.apply(-1.0, f, End::rear);
-        front.on_front.apply(1.0, f, End::front);
-        moment += rear.after + front.before;
-        const Phase* phases = range_.phases + tips_per_link * number;
-        if (any_touching(phases)) {
-            load.shaft = model_.shaft_of(q);
-            moment += tips<P, Observe>(c_, frame, q, v, range_.sheaves + 2 * load.shaft, phases, f, load.load, account);
-        }
-        add_moment<P>(frame, moment, f);
+        std::memcpy(slope, state(link) + size, size * sizeof(double));
+        const double moment = link_part<P, Observe>(c_, link, frame, state(link), f, account);
+        const Phase* phases = range_.phases + tips_per_link * link;
+        TipShare<P> share;
+        const bool touching = any_touching(phases);
+        if (touching) tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, account);
+        assemble<P>(frame, moment, rear, front, touching ? &share : nullptr, f);
         accelerate<P>(model_.inertia(), f);
     }
 

@@ -1,0 +1,83 @@
+#pragma once
+/// What one link, one joint and the tips of one link contribute: the same pieces whether a segment computes them in one pass (fused) or
+/// stage by stage (staged), and therefore the same bits.
+
+#include <cstdint>
+#include <cstring>
+
+#include "model/chain_model.hpp"
+#include "model/force/inner.hpp"
+#include "model/force/joint.hpp"
+#include "model/force/plates.hpp"
+#include "model/force/tips.hpp"
+
+namespace cvtflow::model {
+
+/// Calls body with the smallest compiled lane count that holds `width`.
+template <class Body>
+inline void with_lanes(int width, const Body& body) noexcept {
+    if (width == 1) return body.template operator()<1>();
+    if (width == 2) return body.template operator()<2>();
+    if (width <= 4) return body.template operator()<4>();
+    if (width <= 8) return body.template operator()<8>();
+    return body.template operator()<16>();
+}
+
+[[nodiscard]] inline bool any_touching(const Phase* phases) noexcept {
+    std::uint32_t word;
+    std::memcpy(&word, phases, sizeof word);
+    return word != 0;
+}
+
+/// Elasticity and plates of a link. Clears and fills its generalized forces f; returns the moment about z on it.
+template <int P, bool Observe>
+[[nodiscard]] inline double link_part(const Coefficients& c, int link, const LinkFrame& frame, const double* state, double* f, Account* account) noexcept {
+    const double* v = state + at<P>.link_size();
+    std::memset(f, 0, static_cast<std::size_t>(at<P>.link_size()) * sizeof(double));
+    const LinkKind& kind = c.kind(link);
+    const double moment = inner_elasticity<P, Observe>(c, kind, frame, state, v, f, account);
+    with_lanes(c.plates.width, [&]<int W>() { plates<P, W, Observe>(c, kind, state, v, f, account); });
+    return moment;
+}
+
+/// Joint between two links with their states and frames.
+template <int P, bool Observe>
+inline void joint_part(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* state_before, const double* state_after,
+                       JointForce<P>& out, Account* account) noexcept {
+    constexpr int size = at<P>.link_size();
+    out = {};
+    with_lanes(c.joint_points.width, [&]<int W>() {
+        joint<P, W, Observe>(c, before, after, state_before, state_before + size, state_after, state_after + size, out, account);
+    });
+}
+
+/// Forces of the tips of one link, kept apart until they are added.
+template <int P>
+struct TipShare {
+    double force[4 * (P + 1) + 4];
+    double moment;
+};
+
+/// Tips of a link that touches somewhere; reactions on its sheaves to `load`.
+template <int P, bool Observe>
+inline void tip_part(const ChainModel& model, const LinkFrame& frame, const double* state, const SheaveMotion* sheaves, const Phase* phases,
+                     TipShare<P>& share, LinkLoad& load, Account* account) noexcept {
+    std::memset(share.force, 0, sizeof share.force);
+    load.shaft = model.shaft_of(state);
+    share.moment = tips<P, Observe>(model.coefficients(), frame, state, state + at<P>.link_size(), sheaves + 2 * load.shaft, phases, share.force, load.load, account);
+}
+
+/// Adds joints and tips (none: nullptr) to what link_part left in f. The order of the sums is part of the promise of equal bits.
+template <int P>
+inline void assemble(const LinkFrame& frame, double moment, const JointForce<P>& rear, const JointForce<P>& front, const TipShare<P>* tips, double* f) noexcept {
+    rear.on_front.apply(-1.0, f, End::rear);
+    front.on_front.apply(1.0, f, End::front);
+    moment += rear.after + front.before;
+    if (tips != nullptr) {
+        for (int k = 0; k < at<P>.link_size(); ++k) f[k] += tips->force[k];
+        moment += tips->moment;
+    }
+    add_moment<P>(frame, moment, f);
+}
+
+}  // namespace cvtflow::model
