@@ -85,19 +85,27 @@ void Observer::observe_strands(const double* state, const Phase* phases) noexcep
 
 void Observer::observe_radii(const double* state, const Phase* phases) noexcept {
     const ChainLayout& at = variator_.layout();
-    double sum[2] = {0.0, 0.0};
+    const auto middle = [&](const double* rear, const double* front, int offset_rear, int offset_front) { return 0.5 * (rear[offset_rear] + front[offset_front]); };
+    double radius[2] = {0.0, 0.0};
+    double turning[2] = {0.0, 0.0};
     int count[2] = {0, 0};
     for (int pin = 0; pin < at.links; ++pin) {
         if (loose(phases, pin) || loose(phases, at.previous(pin))) continue;
         const double* rear = state + at.link_begin(pin);
         const double* front = state + at.link_begin(at.previous(pin));
         const int shaft = variator_.chain().shaft_of(rear);
-        const double x = 0.5 * (rear[at.x(End::rear, 0)] + front[at.x(End::front, 0)]) - shaft * variator_.chain().coefficients().centre_distance;
-        const double y = 0.5 * (rear[at.y(End::rear, 0)] + front[at.y(End::front, 0)]);
-        sum[shaft] += std::hypot(x, y);
+        const double x = middle(rear, front, at.x(End::rear, 0), at.x(End::front, 0)) - shaft * variator_.chain().coefficients().centre_distance;
+        const double y = middle(rear, front, at.y(End::rear, 0), at.y(End::front, 0));
+        const double vx = middle(rear, front, at.link_size() + at.x(End::rear, 0), at.link_size() + at.x(End::front, 0));
+        const double vy = middle(rear, front, at.link_size() + at.y(End::rear, 0), at.link_size() + at.y(End::front, 0));
+        radius[shaft] += std::hypot(x, y);
+        turning[shaft] += (x * vy - y * vx) / (x * x + y * y);
         ++count[shaft];
     }
-    for (std::size_t shaft = 0; shaft < 2; ++shaft) observation_.radius[shaft] = count[shaft] > 0 ? sum[shaft] / count[shaft] : 0.0;
+    for (std::size_t shaft = 0; shaft < 2; ++shaft) {
+        observation_.radius[shaft] = count[shaft] > 0 ? radius[shaft] / count[shaft] : 0.0;
+        observation_.pin_speed[shaft] = count[shaft] > 0 ? turning[shaft] / count[shaft] : 0.0;
+    }
 }
 
 void Observer::observe_pulleys(double t, const double* state, const Phase* phases) noexcept {
@@ -120,7 +128,8 @@ void Observer::observe_pulleys(double t, const double* state, const Phase* phase
         o.chain_torque[k] = forces[2 * k][5] + forces[2 * k + 1][5];
     }
     o.ratio = o.speed[0] / o.speed[1];
-    o.slip = o.radius[0] > 0.0 && o.speed[0] != 0.0 ? 1.0 - o.speed[1] * o.radius[1] / (o.speed[0] * o.radius[0]) : 0.0;
+    const double grip = o.speed[0] * o.pin_speed[1];
+    o.slip = grip != 0.0 ? 1.0 - o.pin_speed[0] * o.speed[1] / grip : 0.0;
 }
 
 double Observer::kinetic(const double* state) const noexcept {

@@ -20,7 +20,8 @@ struct Observation {
     std::array<double, 2> sheave_position{}; ///< w of the movable sheaves against their shafts [m]
     std::array<double, 4> axial_force{};     ///< of all tips on sheaves 1-, 1+, 2-, 2+ [N]
     double ratio = 0.0;                      ///< ω_1/ω_2
-    double slip = 0.0;                       ///< 1 - ω_2 r_2/(ω_1 r_1)
+    std::array<double, 2> pin_speed{};       ///< mean angular speed about the shaft's axis of the pins that touch [rad/s]
+    double slip = 0.0;                       ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together
     double chain_speed = 0.0;                ///< mean of |velocity| of the rear halves [m/s]
     double tight = 0.0, slack = 0.0;         ///< mean tension of the strand at y > 0, at y < 0 (a ring: mean of all in both) [N]
     int touching = 0;                        ///< tips that are not free

@@ -157,9 +157,9 @@ struct Control {
 /// Where the run begins.
 struct Start {
     StartLayout layout = StartLayout::belt;
-    double ratio = 1.0;              ///< i = ω_1/ω_2 = r_2/r_1 of the geometric start [1]
+    double ratio = 1.0;              ///< r_2/r_1 of the geometric start; speeds follow within 1.5 % (a bent chain is shorter) [1]
     double ring_speed = 200.0;       ///< Ω of the free ring [rad/s]
-    double settling_time = 20e-3;    ///< t_settle: a geometric start runs from t = -t_settle [s]
+    double settling_time = 60e-3;    ///< t_settle: a geometric start runs from t = -t_settle [s]
     double ramp_time = 5e-3;         ///< t_ramp ≤ t_settle [s]
     bool operator==(const Start&) const = default;
 };

@@ -97,7 +97,23 @@ private:
     double shift_[2] = {0.0, 0.0};
 };
 
-void spin_shafts(const Parameters& p, const ChainLayout& at, const BeltRadii& radii, double speed, std::vector<double>& state) {
+/// Mean angular speed, per path speed, of the pins on the driving (along = 0) or the driven arc (along = 1) [1/m]. A bent chain is shorter
+/// than its path, so pins turn a little slower than path speed over radius.
+[[nodiscard]] double turning_of_arc(const PlacedChain& before, const PlacedChain& now, const PlacedChain& after, double step, double along, Point axis) {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t pin = 0; pin < now.along.size(); ++pin) {
+        if (before.along[pin] != along || after.along[pin] != along) continue;
+        const auto middle = [pin](const PlacedChain& chain) { return 0.5 * (chain.front[pin] + chain.rear[pin]); };
+        const Point arm = middle(now) - axis;
+        const Point moved = middle(after) - middle(before);
+        sum += (arm.x * moved.y - arm.y * moved.x) / (2.0 * step * (arm.x * arm.x + arm.y * arm.y));
+        ++count;
+    }
+    return sum / std::max(1, count);
+}
+
+void spin_shafts(const Parameters& p, const ChainLayout& at, const double* turning, std::vector<double>& state) {
     const PulleyModel pulleys(p);
     double* q = state.data() + at.pulley_begin();
     const auto turn = [&](int coordinate, double rate) {
@@ -105,7 +121,7 @@ void spin_shafts(const Parameters& p, const ChainLayout& at, const BeltRadii& ra
         q[coordinate] = -rate * p.start.settling_time;   // angles count from t = 0
     };
     for (int shaft = 0; shaft < 2; ++shaft) {
-        const double rate = speed / (shaft == 0 ? radii.driving : radii.driven);
+        const double rate = turning[shaft];
         turn(pulleys.rotation(shaft), rate);
         if (at.pulley_size != 36) continue;
         for (int side = 0; side < 2; ++side) turn(body_freedom(sheave_body(shaft, side), 5), rate);
@@ -170,9 +186,14 @@ StartState start_state(const Parameters& p) {
         fill_positions(at, now, start.state);
     }
     start.radii = {now.radius, p.start.layout == StartLayout::ring ? now.radius : p.start.ratio * now.radius};
-    start.speed = plan.turning * now.radius;
-    fill_velocities(at, placer.place(phase - step, rise), placer.place(phase + step, rise), start.speed / (2.0 * step), rise, start.state);
-    if (at.pulley_size != 0) spin_shafts(p, at, start.radii, start.speed, start.state);
+    const PlacedChain before = placer.place(phase - step, rise);
+    const PlacedChain after = placer.place(phase + step, rise);
+    const double driving = turning_of_arc(before, now, after, step, 0.0, {0.0, 0.0});
+    start.speed = plan.turning / driving;
+    fill_velocities(at, before, after, start.speed / (2.0 * step), rise, start.state);
+    if (at.pulley_size == 0) return start;
+    const double turning[] = {plan.turning, start.speed * turning_of_arc(before, now, after, step, 1.0, {p.pulley.centre_distance, 0.0})};
+    spin_shafts(p, at, turning, start.state);
     return start;
 }
 

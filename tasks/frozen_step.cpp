@@ -62,7 +62,7 @@ FrozenStart frozen_start(const Simulation& simulation) {
     std::copy_n(simulation.state(), size, probed.states[0]);
     probed.phases = simulation.phases();
     Nobody nobody;
-    const std::atomic<bool> never{false};
+    const engine::Cancellation never;
     StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
     return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases};
 }

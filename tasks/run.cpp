@@ -13,14 +13,14 @@ namespace cvtflow::tasks {
 
 namespace {
 
-const std::atomic<bool> never{false};
+const engine::Cancellation never;
 
 [[nodiscard]] double since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 /// Settles if the start needs it; the fault, if any, is in the report.
-void settle(Simulation& simulation, const Scene& scene, RunRecorder& recorder, const std::atomic<bool>& cancel, RunReport& report) {
+void settle(Simulation& simulation, const Scene& scene, RunRecorder& recorder, const engine::Cancellation& cancel, RunReport& report) {
     if (!simulation.needs_settling()) return;
     const auto started = std::chrono::steady_clock::now();
     report.settled = true;
@@ -33,7 +33,7 @@ void settle(Simulation& simulation, const Scene& scene, RunRecorder& recorder, c
 }  // namespace
 
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
-    const std::atomic<bool>& cancel = options.cancel != nullptr ? *options.cancel : never;
+    const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
     Simulation simulation(scene);
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
@@ -58,7 +58,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
 void settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options) {
     Scene unsettled = scene;
     unsettled.state_file.clear();
-    const std::atomic<bool>& cancel = options.cancel != nullptr ? *options.cancel : never;
+    const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
     Simulation simulation(unsettled);
     RunOptions quiet = options;
     quiet.file.clear();
@@ -86,7 +86,8 @@ std::string operating_point(const RunReport& r) {
          r.clamping[1] != 0.0 ? r.clamping[0] / r.clamping[1] : 0.0);
     line("axial tip forces    1-{:9.1f}  1+{:9.1f}  2-{:9.1f}  2+{:9.1f} N", r.axial_force[0], r.axial_force[1], r.axial_force[2], r.axial_force[3]);
     line("speed ratio         {:.5f}   (first fifth {:.5f}, last fifth {:.5f})", r.ratio, r.ratio_begin, r.ratio_end);
-    line("slip                {:.3f} %      efficiency {:.2f} %", 100.0 * r.slip, 100.0 * r.efficiency);
+    const bool steady = r.efficiency > 0.0 && r.efficiency < 1.02;   // else shafts are still speeding up or braking
+    line("slip                {:.3f} %      efficiency {}", 100.0 * r.slip, steady ? fmt::format("{:.2f} %", 100.0 * r.efficiency) : "- (not steady)");
     return text;
 }
 

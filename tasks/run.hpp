@@ -1,7 +1,6 @@
 #pragma once
 /// A whole run of a scene: settle if needed, integrate, record, sum up. What `cvtflow run` does, as a function.
 
-#include <atomic>
 #include <functional>
 #include <optional>
 #include <string>
@@ -22,7 +21,7 @@ struct Progress {
 struct RunOptions {
     std::string file;                                   ///< record to write; empty: none
     std::function<void(const Progress&)> progress;      ///< called at every output time, serially
-    const std::atomic<bool>* cancel = nullptr;
+    const engine::Cancellation* cancel = nullptr;
 };
 
 /// Mean values over the outputs with t ≥ 0, and what the run took.

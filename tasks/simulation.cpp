@@ -99,7 +99,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
     time_ = saved.time;   // inputs and the governor's angle go on from there
 }
 
-Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const std::atomic<bool>& cancel) {
+Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
     StepController controller(*workspace_, settings, observer, cancel);
     engine::Serial executor;
     executor.run(graph_, workspace_.get(), controller);
@@ -110,7 +110,7 @@ Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer,
     return controller.fault();
 }
 
-Fault Simulation::settle(RunObserver& observer, const std::atomic<bool>& cancel) {
+Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& cancel) {
     const double duration = scene_.parameters.start.settling_time;
     const double intervals = std::max(1.0, std::ceil(duration / scene_.run.output_interval * (1.0 - 1e-12)));
     const Fault fault = integrate({-duration, 0.0, scene_.run.step, duration / intervals, scene_.run.max_steps, scene_.run.max_wall}, observer, cancel);
@@ -120,7 +120,7 @@ Fault Simulation::settle(RunObserver& observer, const std::atomic<bool>& cancel)
     return fault;
 }
 
-Fault Simulation::run(double until, RunObserver& observer, const std::atomic<bool>& cancel) {
+Fault Simulation::run(double until, RunObserver& observer, const engine::Cancellation& cancel) {
     return integrate({time_, until, scene_.run.step, scene_.run.output_interval, scene_.run.max_steps, scene_.run.max_wall}, observer, cancel);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 /// One simulation of one scene: its start state, its step loop, its counters. No global state; any number may live side by side.
 
-#include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
@@ -31,9 +30,9 @@ public:
     /// Whether the start is geometric and has to settle before t = 0.
     [[nodiscard]] bool needs_settling() const noexcept { return needs_settling_; }
     /// Runs from t = -start.settling_time to t = 0 with clamping and load ramped up. Outputs are delivered with negative times.
-    [[nodiscard]] Fault settle(RunObserver& observer, const std::atomic<bool>& cancel);
+    [[nodiscard]] Fault settle(RunObserver& observer, const engine::Cancellation& cancel);
     /// Runs from the present time to `until` with the scene's run settings; ends at the first step at or after it.
-    [[nodiscard]] Fault run(double until, RunObserver& observer, const std::atomic<bool>& cancel);
+    [[nodiscard]] Fault run(double until, RunObserver& observer, const engine::Cancellation& cancel);
 
     [[nodiscard]] double time() const noexcept { return time_; }
     [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
@@ -53,7 +52,7 @@ public:
     [[nodiscard]] engine::SavedState saved_state() const;
 
 private:
-    [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const std::atomic<bool>& cancel);
+    [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
     void take_state(const engine::SavedState& saved);
 
     Scene scene_;

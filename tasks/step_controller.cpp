@@ -13,7 +13,7 @@ constexpr double dwell_steps = 1.5;
 
 }  // namespace
 
-StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const std::atomic<bool>& cancel)
+StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel)
     : w_(workspace), settings_(settings), observer_(observer), cancel_(cancel),
       steps_per_output_(std::max(1L, static_cast<long>(std::ceil(settings.output_interval / settings.step * (1.0 - 1e-12))))),
       grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)), phases_before_(workspace.phases) {
@@ -72,7 +72,7 @@ int StepController::end(Fault fault) {
 }
 
 Fault StepController::budget() const {
-    if (cancel_.load(std::memory_order_relaxed)) return {FaultKind::cancelled, w_.time, -1, 0.0, 0.0};
+    if (cancel_.requested()) return {FaultKind::cancelled, w_.time, -1, 0.0, 0.0};
     if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
         return {FaultKind::max_steps, w_.time, -1, 0.0, static_cast<double>(settings_.max_steps)};
     }

@@ -5,10 +5,10 @@
 ///     evaluate (stages) ─► detect ─► accept ──────────────────────────────► next step
 ///                             └─► evaluate (end) ─► locate ─► truncate ─► next step from the cut
 
-#include <atomic>
 #include <chrono>
 #include <exception>
 
+#include "engine/executor/cancellation.hpp"
 #include "engine/executor/executor.hpp"
 #include "tasks/step_graph.hpp"
 #include "tasks/workspace.hpp"
@@ -60,7 +60,7 @@ struct StepSettings {
 class StepController final : public engine::Controller {
 public:
     /// The workspace's slot 0 and phases hold the start state. `cancel` may be set from anywhere, also from a signal handler.
-    StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const std::atomic<bool>& cancel);
+    StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
 
     [[nodiscard]] int next() noexcept override;
 
@@ -94,7 +94,7 @@ private:
     Workspace& w_;
     StepSettings settings_;
     RunObserver& observer_;
-    const std::atomic<bool>& cancel_;
+    const engine::Cancellation& cancel_;
     State state_ = State::begin_step;
     int stage_ = 0;
     long outputs_ = 0;          ///< outputs delivered

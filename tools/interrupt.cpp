@@ -7,19 +7,17 @@ namespace cvtflow::tools {
 namespace {
 
 // A signal handler can reach nothing but a global.
-std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free, "only lock-free atomics may be touched in a signal handler");
+engine::Cancellation interrupted;
 
 extern "C" void on_interrupt(int signal) {
-    if (interrupted.exchange(true)) {
-        std::signal(signal, SIG_DFL);
-        std::raise(signal);  // delivered when the handler returns
-    }
+    if (!interrupted.requested()) return interrupted.request();
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);  // delivered when the handler returns
 }
 
 }  // namespace
 
-const std::atomic<bool>& catch_interrupts() {
+const engine::Cancellation& catch_interrupts() {
     struct sigaction action {};
     action.sa_handler = on_interrupt;
     sigemptyset(&action.sa_mask);

@@ -1,11 +1,11 @@
 #pragma once
 /// Ctrl-C.
 
-#include <atomic>
+#include "engine/executor/cancellation.hpp"
 
 namespace cvtflow::tools {
 
 /// From now on SIGINT and SIGTERM set the returned flag; a second one ends the program at once, as they do by default.
-[[nodiscard]] const std::atomic<bool>& catch_interrupts();
+[[nodiscard]] const engine::Cancellation& catch_interrupts();
 
 }  // namespace cvtflow::tools

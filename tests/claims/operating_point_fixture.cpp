@@ -1,14 +1,13 @@
 #include "tests/claims/operating_point_fixture.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 namespace cvtflow::claims {
 
 namespace {
 
-const std::atomic<bool> never{false};
+const engine::Cancellation never;
 
 /// Mean y of the rear halves in the middle of the upper strand: how it moves up and down.
 double height_of_strand(const tasks::Workspace& w) {

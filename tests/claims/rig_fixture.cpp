@@ -35,7 +35,7 @@ Rig::Rig(const model::Parameters& parameters, int segments, std::string_view met
     : Rig(parameters, model::start_state(parameters).state, std::vector<model::Phase>(static_cast<std::size_t>(4 * parameters.chain.pins)), segments, method) {}
 
 tasks::Fault Rig::run(const tasks::StepSettings& settings, const Output& output) {
-    const std::atomic<bool> never{false};
+    const engine::Cancellation never;
     transitions_.clear();
     Listener listener(output, transitions_);
     tasks::StepController controller(*workspace_, settings, listener, never);

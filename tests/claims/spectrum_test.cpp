@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "tests/claims/operating_point_fixture.hpp"
@@ -28,7 +27,7 @@ class Running {
 public:
     explicit Running(const tasks::Scene& scene) : parameters_(scene.parameters), simulation_(scene) {
         Quiet quiet;
-        const std::atomic<bool> never{false};
+        const engine::Cancellation never;
         if (simulation_.needs_settling()) {
             EXPECT_FALSE(simulation_.settle(quiet, never));
         }

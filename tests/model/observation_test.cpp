@@ -121,10 +121,10 @@ TEST(Observation, SpeedsRatioSlipAndRadiusAreTheStarts) {
         std::fill_n(start.phases.begin() + tips_per_link * link, tips_per_link, on_arc ? Phase::touching : Phase::free);
     }
     const Observation& now = observer.observe(-p.start.settling_time, start.state.data(), start.phases.data());
-    EXPECT_NEAR(now.ratio, 1.6, 1e-12);
+    EXPECT_NEAR(now.ratio, 1.6, 0.01 * 1.6);   // radii are in that ratio; a chain bent more strongly is a little shorter
     EXPECT_NEAR(now.radius[0], start.radii.driving, 1e-12);
     EXPECT_NEAR(now.radius[1], start.radii.driven, 1e-12);
-    EXPECT_NEAR(now.slip, 0.0, 1e-12);
+    EXPECT_NEAR(now.slip, 0.0, 1e-4);   // the polygon of pins: their mean speed depends on which lie on the arc
     EXPECT_NEAR(now.speed[0], p.drive.speed.at(0.0), 1e-10);
     EXPECT_NEAR(now.torque[0], 0.0, 1e-6);   // the start runs at the governor's speed and angle
 }

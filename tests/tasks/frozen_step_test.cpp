@@ -30,7 +30,7 @@ protected:
         static const FrozenStart settled = [] {
             Simulation simulation(scene());
             Nobody nobody;
-            const std::atomic<bool> never{false};
+            const engine::Cancellation never;
             EXPECT_FALSE(simulation.settle(nobody, never));
             return frozen_start(simulation);
         }();
