@@ -59,7 +59,7 @@ TEST(Channels, AllAreFiniteAndOfTheirWidthOnAFreeRing) {
 TEST(Channels, HaveNamesOfTheirOwnUnitsAndDescriptions) {
     std::set<std::string> names;
     for (const Channel& channel : channels()) {
-        EXPECT_TRUE(names.insert(channel.name).second) << channel.name;
+        EXPECT_TRUE(names.emplace(channel.name).second) << channel.name;
         EXPECT_FALSE(channel.unit.empty()) << channel.name;
         EXPECT_FALSE(channel.description.empty()) << channel.name;
         EXPECT_EQ(channel.width(model::layout_of(tiny())) > 1, !channel.axis.empty()) << channel.name;
@@ -68,7 +68,7 @@ TEST(Channels, HaveNamesOfTheirOwnUnitsAndDescriptions) {
 
 TEST(Channels, ThereIsOneForEveryLossEnergyAndWork) {
     std::set<std::string> names;
-    for (const Channel& channel : channels()) names.insert(channel.name);
+    for (const Channel& channel : channels()) names.emplace(channel.name);
     for (int kind = 0; kind < model::loss_kinds; ++kind) EXPECT_TRUE(names.contains("loss/" + std::string(loss_name(kind))));
     for (int kind = 0; kind < model::energy_kinds; ++kind) EXPECT_TRUE(names.contains("energy/" + std::string(energy_name(kind))));
     for (int kind = 0; kind < model::work_kinds; ++kind) EXPECT_TRUE(names.contains("power/" + std::string(work_name(kind))));

@@ -48,7 +48,7 @@ TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
     scene.run.max_steps = 150;   // ends a settling run early
     Simulation simulation(scene);
     AllocationCounter counter;
-    const std::atomic<bool> never{false};
+    const engine::Cancellation never;
     const Fault fault = simulation.needs_settling() ? simulation.settle(counter, never) : simulation.run(1.0, counter, never);
     EXPECT_EQ(fault.kind, FaultKind::max_steps) << fault.message();
     EXPECT_GE(counter.last_steps_ - counter.first_steps_, 60);

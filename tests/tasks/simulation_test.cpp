@@ -19,7 +19,7 @@ public:
     void transition(const TransitionRecord&) override {}
 };
 Silent silent;
-const std::atomic<bool> never{false};
+const engine::Cancellation never;
 
 Scene tiny() {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");

@@ -84,7 +84,7 @@ TEST(StepControllerTransitions, CutTheStepWhereTheTipReachesItsThreshold) {
         p.detail.stick_slip = stick_slip;
         Rig rig(p);
         CutWatcher watcher(rig.workspace());
-        const std::atomic<bool> never{false};
+        const engine::Cancellation never;
         StepController controller(rig.workspace(), {begin, begin + 2e-3, 5e-8, 1e-4}, watcher, never);
         engine::Serial().run(fused_graph(rig.workspace()), &rig.workspace(), controller);
         ASSERT_FALSE(controller.fault());
@@ -133,7 +133,7 @@ TEST(StepControllerTransitions, AChatteringChainMakesProgress) {
 }
 
 /// Runs with settings that a Rig does not offer.
-Fault run_with(Rig& rig, const StepSettings& settings, RunObserver& observer, const std::atomic<bool>& cancel, Counters* counters = nullptr) {
+Fault run_with(Rig& rig, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel, Counters* counters = nullptr) {
     StepController controller(rig.workspace(), settings, observer, cancel);
     engine::Serial().run(fused_graph(rig.workspace()), &rig.workspace(), controller);
     if (counters != nullptr) *counters = controller.counters();
@@ -157,7 +157,7 @@ void expect_good_state(Rig& rig) {
 TEST(StepControllerBudgets, StepsAreCountedAndTheStateIsLeftGood) {
     Rig rig(tiny());
     Silent silent;
-    const std::atomic<bool> never{false};
+    const engine::Cancellation never;
     Counters counters;
     const Fault fault = run_with(rig, {begin, 0.0, 5e-8, 1e-5, 137}, silent, never, &counters);
     EXPECT_EQ(fault.kind, FaultKind::max_steps);
@@ -170,7 +170,7 @@ TEST(StepControllerBudgets, StepsAreCountedAndTheStateIsLeftGood) {
 TEST(StepControllerBudgets, WallTimeEndsTheRunAndTheStateIsLeftGood) {
     Rig rig(tiny());
     Silent silent;
-    const std::atomic<bool> never{false};
+    const engine::Cancellation never;
     const Fault fault = run_with(rig, {begin, 10.0, 5e-8, 1e-5, 0, 0.02}, silent, never);
     EXPECT_EQ(fault.kind, FaultKind::max_wall);
     EXPECT_GE(fault.value, 0.02);
@@ -180,19 +180,19 @@ TEST(StepControllerBudgets, WallTimeEndsTheRunAndTheStateIsLeftGood) {
 
 class Canceller final : public RunObserver {
 public:
-    explicit Canceller(std::atomic<bool>& cancel) : cancel_(cancel) {}
+    explicit Canceller(engine::Cancellation& cancel) : cancel_(cancel) {}
     void output(double time, const Workspace&, const Counters&) override {
-        if (time >= begin + 3e-6) cancel_ = true;
+        if (time >= begin + 3e-6) cancel_.request();
     }
     void transition(const TransitionRecord&) override {}
 
 private:
-    std::atomic<bool>& cancel_;
+    engine::Cancellation& cancel_;
 };
 
 TEST(StepControllerBudgets, CancellingEndsTheRunBeforeTheNextStep) {
     Rig rig(tiny());
-    std::atomic<bool> cancel{false};
+    engine::Cancellation cancel;
     Canceller canceller(cancel);
     const Fault fault = run_with(rig, {begin, 0.0, 5e-8, 1e-6}, canceller, cancel);
     EXPECT_EQ(fault.kind, FaultKind::cancelled);
@@ -218,7 +218,7 @@ TEST(StepControllerObserver, WhatItThrowsEndsTheRunAndComesOut) {
     for (const bool at_transition : {false, true}) {
         Rig rig(tiny());
         Thrower thrower(at_transition);
-        const std::atomic<bool> never{false};
+        const engine::Cancellation never;
         try {
             static_cast<void>(run_with(rig, {begin, 0.0, 5e-8, 1e-5}, thrower, never));
             FAIL() << "nothing came out";
