@@ -89,7 +89,7 @@ TEST(NightlySpectrum, OfTheBaselineIsThePublishedOneAndItsBandsBelongToJointsThe
     EXPECT_NEAR(now.fastest_oscillation, 1e6, 0.3e6);
     parameters.joint.friction.saturation_speed *= 10.0;
     const double without_joints = baseline.extent(parameters).fastest_decay;
-    EXPECT_LT(without_joints, 0.5 * now.fastest_decay);   // what is left of the band are plates and tips
+    EXPECT_LT(without_joints, 0.6 * now.fastest_decay);   // what is left of the band are plates (about half as fast) and tips
     parameters.plate.friction.saturation_speed *= 10.0;
     const double without_plates = baseline.extent(parameters).fastest_decay;
     EXPECT_LT(without_plates, 0.95 * without_joints);
