@@ -12,6 +12,10 @@ namespace cvtflow::model {
 enum class Energy { kinetic, inner, pack, plates, joints, tips, supports };
 inline constexpr int energy_kinds = 7;
 
+/// What of a link an account belongs to. Each link has one account per part, so that sums do not depend on who computed which part when.
+enum class AccountPart { joint, link, tips };
+inline constexpr int account_parts = 3;
+
 struct Account {
     std::array<double, loss_kinds> loss{};      ///< [W], each ≥ 0
     std::array<double, energy_kinds> energy{};  ///< [J]

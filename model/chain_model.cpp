@@ -19,13 +19,13 @@ public:
         Account neighbour;   // the joint behind the last link is booked by the next range
         LinkFrame here = frame_of(range_.first);
         JointForce<P> rear;
-        joint_between(range_.first, frame_, here, rear, Observe ? accounts : nullptr);
+        joint_between(range_.first, frame_, here, rear, accounts);
         for (int link = range_.first; link < range_.last; ++link) {
             const int own = link - range_.first;
             const LinkFrame ahead = frame_of(link + 1);
             JointForce<P> front;
-            joint_between(link + 1, here, ahead, front, Observe ? (link + 1 < range_.last ? accounts + own + 1 : &neighbour) : nullptr);
-            link_slope(link, here, rear, front, slope + own * at<P>.link_block(), loads[own], Observe ? accounts + own : nullptr);
+            joint_between(link + 1, here, ahead, front, link + 1 < range_.last ? part_of(accounts, own + 1, AccountPart::joint) : &neighbour);
+            link_slope(link, here, rear, front, slope + own * at<P>.link_block(), loads[own], part_of(accounts, own, AccountPart::joint));
             here = ahead;
             rear = front;
         }
@@ -40,16 +40,21 @@ private:
         joint_part<P, Observe>(c_, before, after, state(link - 1), state(link), out, account);
     }
 
+    [[nodiscard]] static Account* part_of(Account* accounts, int own, AccountPart part) noexcept {
+        return Observe ? accounts + account_parts * own + static_cast<int>(part) : nullptr;
+    }
+
+    /// @param accounts those of this link
     void link_slope(int link, const LinkFrame& frame, const JointForce<P>& rear, const JointForce<P>& front, double* slope, LinkLoad& load,
-                    Account* account) const noexcept {
+                    Account* accounts) const noexcept {
         constexpr int size = at<P>.link_size();
         double* f = slope + size;
         std::memcpy(slope, state(link) + size, size * sizeof(double));
-        const double moment = link_part<P, Observe>(c_, link, frame, state(link), f, account);
+        const double moment = link_part<P, Observe>(c_, link, frame, state(link), f, part_of(accounts, 0, AccountPart::link));
         const Phase* phases = range_.phases + tips_per_link * link;
         TipShare<P> share;
         const bool touching = any_touching(phases);
-        if (touching) tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, account);
+        if (touching) tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, part_of(accounts, 0, AccountPart::tips));
         assemble<P>(frame, moment, rear, front, touching ? &share : nullptr, f);
         accelerate<P>(model_.inertia(), f);
     }

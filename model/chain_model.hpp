@@ -52,7 +52,8 @@ public:
     /// Slopes [v | acceleration] of the links of a range, link_block() numbers each, to slope + (link - first) link_block();
     /// reactions on the sheaves to loads[link - first] where a tip touches.
     void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept { slopes_(*this, range, slope, loads, nullptr); }
-    /// The same, with losses and stored energies of each link (joint of pin i booked on link i) to accounts[link - first].
+    /// The same, with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) + part].
+    /// Accounts must be cleared before.
     void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) const noexcept {
         observed_slopes_(*this, range, slope, loads, accounts);
     }

@@ -46,8 +46,8 @@ void Variator::close(double t, const double* tail, const Phase* phases, const Li
         works = pulleys_.works(tail, inputs);
     }
     if (!at.ledger) return;
-    for (int link = 0; link < at.links; ++link) {
-        for (std::size_t kind = 0; kind < loss_kinds; ++kind) total.loss[kind] += accounts[link].loss[kind];
+    for (int part = 0; part < account_parts * at.links; ++part) {
+        for (std::size_t kind = 0; kind < loss_kinds; ++kind) total.loss[kind] += accounts[part].loss[kind];
     }
     double* ledger = tail_slope + at.ledger_begin() - at.pulley_begin();
     std::memcpy(ledger, total.loss.data(), sizeof total.loss);
@@ -56,7 +56,7 @@ void Variator::close(double t, const double* tail, const Phase* phases, const Li
 
 EvaluationScratch::EvaluationScratch(const ChainLayout& layout)
     : window(static_cast<std::size_t>((layout.links + 2) * layout.link_block())), loads(static_cast<std::size_t>(layout.links)),
-      accounts(static_cast<std::size_t>(layout.links)) {}
+      accounts(static_cast<std::size_t>(account_parts * layout.links)) {}
 
 void fill_window(const Variator& variator, const double* state, EvaluationScratch& scratch) noexcept {
     const ChainLayout& at = variator.layout();

@@ -20,7 +20,7 @@ public:
     [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept;
 
     /// Slope of everything behind the links (pulleys, control, ledger). `tail` and `tail_slope` begin at pulley_begin().
-    /// `accounts` ([links], from observed_slopes) is read only with a ledger.
+    /// `accounts` ([links * account_parts], from observed_slopes) is read only with a ledger.
     void close(double t, const double* tail, const Phase* phases, const LinkLoad* loads, const Account* accounts, double* tail_slope) const noexcept;
 
 private:

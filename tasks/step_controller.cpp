@@ -40,6 +40,7 @@ void StepController::probe_start() {
             w_.phases[tip] = w_.rule.next(w_.phases[tip], w_.before[tip]);
         }
     }
+    w_.list_touching();
 }
 
 int StepController::next() noexcept {
@@ -177,6 +178,7 @@ int StepController::finish_truncate() {
     w_.time += w_.theta * w_.h;
     ++counters_.truncated;
     ++counters_.steps;
+    w_.list_touching();
     record_transitions();
     return begin_step();
 }

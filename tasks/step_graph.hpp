@@ -15,10 +15,31 @@ enum Cycle : int {
 };
 
 /// Fields of the workspace, for the race check. A unit of range is one link, except for `verdict`: one segment.
-enum class Field { states_read, slopes_read, slope_written, state_kept, end_state, cut_state, window, load, account, phase, before, after, verdict };
+enum class Field {
+    states_read, slopes_read, slope_written, state_kept, end_state, cut_state, window, load, account, phase, before, after, verdict,
+    stage_state, moment, joint, tips, joint_account, link_account, tip_account
+};
+
+/// How a step is cut into tasks.
+enum class Assembly {
+    fused,    ///< one task per segment and evaluation, joints at segment borders computed by both neighbours: a single synchronisation
+    staged,   ///< the published schedule: every stage its own tasks
+};
+
+struct AssemblyOptions {
+    Assembly kind = Assembly::fused;
+    bool parallel_cholesky = true;      ///< staged only: forward and reverse pass by segments, else one task each
+    bool parallel_transitions = true;   ///< staged only: detection by segments, else one task
+};
+
+[[nodiscard]] engine::TaskGraph step_graph(const Workspace& workspace, const AssemblyOptions& options);
 
 /// Graph of the fused assembly: one task per segment and cycle, joints at segment borders computed by both neighbours,
 /// a single synchronisation per evaluation. The context of its tasks is the workspace.
 [[nodiscard]] engine::TaskGraph fused_graph(const Workspace& workspace);
+
+/// Graph of the staged assembly. Evaluate: combine the stage state by segments; contact forces in uniform batches of touching links beside chain forces
+/// by segments; the boundary pins; forward pass; reverse pass.
+[[nodiscard]] engine::TaskGraph staged_graph(const Workspace& workspace, const AssemblyOptions& options);
 
 }  // namespace cvtflow::tasks

@@ -16,10 +16,11 @@ model::PhaseRule rule_of(const model::Parameters& p) {
 }  // namespace
 
 Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
-    : parameters(p), variator(p), plan(stage_plan), partition(std::move(parts)), rule(rule_of(p)) {
+    : parameters(p), variator(p), plan(stage_plan), partition(std::move(parts)), rule(rule_of(p)), stages(model::staged_functions(p.detail.order, p.ledger)),
+      staged(variator.layout()) {
     const std::size_t size = static_cast<std::size_t>(layout().size());
     const std::size_t stride = (size + 7) / 8 * 8;   // every slot begins on a cache line of its own
-    const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 3;
+    const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 4;
     memory_.assign(arrays * stride + 8, 0.0);
     double* next = memory_.data();
     while (reinterpret_cast<std::uintptr_t>(next) % 64 != 0) ++next;
@@ -29,10 +30,12 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     end_state = take();
     end_slope = take();
     cut_state = take();
+    stage_state = take();
 
     const std::size_t links = static_cast<std::size_t>(layout().links);
+    touching.resize(links);
     loads.resize(links);
-    if (layout().ledger) accounts.resize(links);
+    if (layout().ledger) accounts.resize(model::account_parts * links);
     phases.assign(model::tips_per_link * links, model::Phase::free);
     before.assign(phases.size(), {});
     after.assign(phases.size(), {});
@@ -42,6 +45,19 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     }
     verdicts.resize(static_cast<std::size_t>(partition.size()));
     tail.resize(static_cast<std::size_t>(tail_size()));
+}
+
+void Workspace::list_touching() noexcept {
+    touching_count = 0;
+    for (int link = 0; link < layout().links; ++link) {
+        const model::Phase* tips = phases.data() + model::tips_per_link * link;
+        const bool any = tips[0] != model::Phase::free || tips[1] != model::Phase::free || tips[2] != model::Phase::free || tips[3] != model::Phase::free;
+        if (any) touching[static_cast<std::size_t>(touching_count++)] = link;
+    }
+}
+
+model::StagedChain Workspace::staged_chain() noexcept {
+    return {stage_state, sheaves, phases.data(), slope_out, loads.data(), &staged, layout().ledger ? accounts.data() : nullptr};
 }
 
 }  // namespace cvtflow::tasks

@@ -6,6 +6,7 @@
 #include "engine/event/interpolant.hpp"
 #include "engine/method/combine.hpp"
 #include "engine/method/compiled_plan.hpp"
+#include "model/staged_chain.hpp"
 #include "model/transition/phase_rule.hpp"
 #include "model/variator.hpp"
 #include "tasks/fault.hpp"
@@ -39,6 +40,7 @@ public:
     const engine::CompiledPlan plan;
     const Partition partition;
     const model::PhaseRule rule;
+    const model::StagedFunctions stages;
 
     // The step at hand; written by the controller between cycles.
     double time = 0.0;                ///< t at the step's start [s]
@@ -59,11 +61,17 @@ public:
 
     // Fields over links and tips.
     std::vector<model::LinkLoad> loads;        ///< [links]
-    std::vector<model::Account> accounts;      ///< [links], only with a ledger
+    std::vector<model::Account> accounts;      ///< [links * account_parts], only with a ledger
     std::vector<model::Phase> phases;          ///< [4 links]
     std::vector<model::TipIndicator> before;   ///< [4 links] at the step's start
     std::vector<model::TipIndicator> after;    ///< [4 links] at its end
     std::vector<double> changed;               ///< [4 links] time of the last change of phase [s]
+
+    // Staged assembly only; empty otherwise.
+    double* stage_state = nullptr;             ///< stage state of all links, where later stages read it
+    model::StagedBuffers staged;
+    std::vector<int> touching;                 ///< links with a touching tip, ascending: [0, touching_count)
+    int touching_count = 0;
 
     // Per segment.
     std::vector<std::vector<double>> windows;  ///< stage states of the segment's links and their two neighbours
@@ -75,6 +83,10 @@ public:
     model::SheaveMotion end_sheaves[4]{};      ///< at the step's end
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
+    /// Brings the list of touching links up to date; after every change of phases.
+    void list_touching() noexcept;
+    /// The staged evaluation's view of this workspace.
+    [[nodiscard]] model::StagedChain staged_chain() noexcept;
     [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }
     [[nodiscard]] engine::SlotView slots() const noexcept { return {states.data(), slopes.data()}; }
     [[nodiscard]] engine::Interpolant interpolant() const noexcept { return {states[0], slopes[0], end_state, end_slope, h}; }

@@ -194,8 +194,9 @@ void evaluate_segment(void* workspace, int segment) noexcept {
     const model::ChainRange range{own.first, own.last, window, w.sheaves, w.phases.data()};
     double* slope = w.slope_out + layout.link_begin(own.first);
     if (layout.ledger) {
-        std::fill(w.accounts.begin() + own.first, w.accounts.begin() + own.last, model::Account{});
-        w.variator.chain().observed_slopes(range, slope, w.loads.data() + own.first, w.accounts.data() + own.first);
+        model::Account* accounts = w.accounts.data() + model::account_parts * own.first;
+        std::fill(accounts, accounts + model::account_parts * own.size(), model::Account{});
+        w.variator.chain().observed_slopes(range, slope, w.loads.data() + own.first, accounts);
     } else {
         w.variator.chain().slopes(range, slope, w.loads.data() + own.first);
     }
