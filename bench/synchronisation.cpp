@@ -1,5 +1,5 @@
 /// What the synchronisation of one cycle costs: every executor on empty tasks, and on two tasks of 2.6 µs, the cost above the ideal.
-/// Beside them a hand-made barrier of two spinning threads, the least that is possible. A plain program, because executors must
+/// Beside them a hand-made barrier of two spinning threads, the least that is possible; and what time stamps cost on a task of 5 µs. A plain program, because executors must
 /// alternate within one process and medians be taken over repetitions: on a machine with neighbours nothing else can be compared.
 ///
 ///     bench_synchronisation [--repetitions N] [--threads N] [--wait spin|balanced|passive] [--csv FILE]
@@ -126,8 +126,8 @@ Contender contender(const ExecutorRow& row, int tasks, double task_time, long le
             }};
 }
 
-std::vector<Contender> contenders(const Settings& settings) {
-    constexpr double long_task = 2.6;
+std::vector<Contender> contenders(const Settings& settings, StampRecorder& recorder) {
+    constexpr double long_task = 2.6, recorded_task = 5.0;
     std::vector<Contender> result;
     for (const auto& [time, length] : {std::pair{0.0, 0L}, std::pair{long_task, length_of(long_task)}}) {
         for (const int tasks : {1, 2, 4, 7, 14, 28}) {
@@ -141,6 +141,11 @@ std::vector<Contender> contenders(const Settings& settings) {
             result.push_back({"bare spin barrier", tasks, time, [=](long cycles) { return bare_barrier(*data, cycles); }});
         }
     }
+    const ExecutorRow& serial = *find_executor("serial");
+    const long length = length_of(recorded_task);
+    result.push_back(contender(serial, 1, recorded_task, length, {}));
+    result.push_back(contender(serial, 1, recorded_task, length, {.recorder = &recorder}));
+    result.back().name = "serial, recorded";
     return result;
 }
 
@@ -169,7 +174,7 @@ void print(const std::vector<Contender>& contenders, const Settings& settings) {
                "above the ideal");
     for (const Contender& each : contenders) {
         const Cell c = cell(each.per_cycle);
-        const double ideal = each.name == "serial" ? each.tasks * each.task_time : each.task_time;
+        const double ideal = each.name.starts_with("serial") ? each.tasks * each.task_time : each.task_time;
         fmt::print("{:<18} {:>5} {:>9} {:>8.2f} {:>8.2f} ({:.2f} … {:.2f}) {:>10.2f}\n", each.name, each.tasks, each.task_time, c.least,
                    c.median, c.lower_quartile, c.upper_quartile, c.median - ideal);
     }
@@ -207,7 +212,8 @@ Settings parse(int count, char** words) {
 
 int main(int count, char** words) {
     const Settings settings = parse(count, words);
-    std::vector<Contender> all = contenders(settings);
+    StampRecorder recorder(1, 100000);
+    std::vector<Contender> all = contenders(settings, recorder);
     measure(all, settings.repetitions);
     print(all, settings);
     if (!settings.csv.empty()) write_csv(all, settings);

@@ -127,6 +127,12 @@ std::vector<Case> pairs() {
     return cases;
 }
 
+std::vector<Case> parallel_pairs() {
+    std::vector<Case> cases = pairs();
+    std::erase_if(cases, [](const Case& each) { return !each.row->parallel; });
+    return cases;
+}
+
 std::string case_name(const testing::TestParamInfo<Case>& info) {
     return std::string(info.param.row->name) + "_" + std::to_string(info.param.threads);
 }

@@ -77,6 +77,8 @@ struct Case {
 [[nodiscard]] std::vector<Case> all_cases();
 /// The catalogue with 2 threads.
 [[nodiscard]] std::vector<Case> pairs();
+/// The same without serial.
+[[nodiscard]] std::vector<Case> parallel_pairs();
 [[nodiscard]] std::string case_name(const testing::TestParamInfo<Case>& info);
 void PrintTo(const Case& which, std::ostream* stream);
 
