@@ -13,6 +13,19 @@
 
 namespace cvtflow::engine::test {
 
+/// ThreadSanitizer sees into neither oneTBB nor OpenMP and takes their synchronisation for races.
+#if defined(__SANITIZE_THREAD__)
+inline constexpr bool thread_sanitizer = true;
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+inline constexpr bool thread_sanitizer = true;
+#else
+inline constexpr bool thread_sanitizer = false;
+#endif
+#else
+inline constexpr bool thread_sanitizer = false;
+#endif
+
 /// Tasks whose numbers depend on those of their predecessors, and a controller whose decisions depend on the numbers of all tasks.
 /// All data are plain, as in the step: a task that runs twice, too early, side by side with another that it must see, or in another
 /// cycle's time changes numbers or is counted, and is a race for ThreadSanitizer.
@@ -73,9 +86,9 @@ struct Case {
     int threads;
     [[nodiscard]] std::unique_ptr<Executor> make() const { return row->make({.threads = threads}); }
 };
-/// The catalogue times 1, 2, 4 and 8 threads.
+/// The catalogue times 1, 2, 4 and 8 threads. Under ThreadSanitizer only what it understands.
 [[nodiscard]] std::vector<Case> all_cases();
-/// The catalogue with 2 threads.
+/// The catalogue, the parallel ones with 2 threads.
 [[nodiscard]] std::vector<Case> pairs();
 /// The same without serial.
 [[nodiscard]] std::vector<Case> parallel_pairs();
