@@ -9,10 +9,11 @@ namespace cvtflow::engine {
 
 namespace {
 
-/// Called by the whole team. The loop's barrier ends the level.
-void run_level(const Run& run, std::span<const int> tasks, int thread) noexcept {
-#pragma omp for schedule(static)
-    for (std::size_t i = 0; i < tasks.size(); ++i) run.task(tasks[i], thread);
+/// Called by the whole team; all tasks have finished on return. Shares are those of schedule(static), without the loop construct,
+/// in which LLVM's runtime allocates memory.
+void run_level(const Run& run, std::span<const int> tasks, int thread, int team) noexcept {
+    run.tasks(share(tasks, thread, team), thread);
+#pragma omp barrier
 }
 
 }  // namespace
@@ -25,12 +26,12 @@ void OmpRegion::execute(Run& run, int first) {
     int cycle = first;
 #pragma omp parallel num_threads(options().threads)
     {
-        const int thread = omp_get_thread_num();
+        const int thread = omp_get_thread_num(), team = omp_get_num_threads();
         const Pin pin(options().pin, processors, thread);
         const FloatingScope scope(mode);
         while (cycle != Controller::stop) {
             for (int level = 0, levels = run.graph().levels(cycle); level < levels; ++level) {
-                run_level(run, run.graph().level(cycle, level), thread);
+                run_level(run, run.graph().level(cycle, level), thread, team);
             }
 #pragma omp master
             cycle = run.decide(thread);
