@@ -3,15 +3,35 @@
 #include <algorithm>
 #include <array>
 
+#include "engine/executor/barrier.hpp"
+#include "engine/executor/flow.hpp"
+#include "engine/executor/flow_messages.hpp"
+#include "engine/executor/flow_per_cycle.hpp"
+#include "engine/executor/omp_fork.hpp"
+#include "engine/executor/omp_region.hpp"
 #include "engine/executor/serial.hpp"
+#include "engine/executor/tbb_loop.hpp"
 
 namespace cvtflow::engine {
 
 namespace {
 
+template <class Kind>
+std::unique_ptr<Executor> make(const ExecutorOptions& options) {
+    return std::make_unique<Kind>(options);
+}
+
 constexpr std::array all{
-    ExecutorRow{"serial", "one task after the other, on the calling thread", false,
-                [](int) -> std::unique_ptr<Executor> { return std::make_unique<Serial>(); }},
+    ExecutorRow{"serial", "one task after the other, on the calling thread", false, make<Serial>},
+    ExecutorRow{"flow", "resident workers in a oneTBB flow graph; shares the machine well", true, make<Flow>},
+    ExecutorRow{"flow_messages", "oneTBB flow graph for the whole run, messages from cycle to cycle", true, make<FlowMessages>},
+    ExecutorRow{"flow_per_cycle", "oneTBB flow graph, started and waited for in every cycle", true, make<FlowPerCycle>},
+    ExecutorRow{"tbb_loop", "oneTBB parallel_for at every level", true, make<TbbLoop>},
+#ifdef _OPENMP
+    ExecutorRow{"omp_fork", "OpenMP parallel for at every level", true, make<OmpFork>},
+    ExecutorRow{"omp_region", "one OpenMP region for the whole run, barriers inside", true, make<OmpRegion>},
+#endif
+    ExecutorRow{"barrier", "own threads that meet at a barrier after every level", true, make<Barrier>},
 };
 
 }  // namespace

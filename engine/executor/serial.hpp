@@ -1,15 +1,18 @@
 #pragma once
 /// The reference executor: one task after the other.
 
-#include "engine/executor/executor.hpp"
+#include "engine/executor/run.hpp"
 
 namespace cvtflow::engine {
 
 /// Runs every cycle in its topological order, on the calling thread.
-class Serial final : public Executor {
+class Serial final : public RunningExecutor {
 public:
-    void run(const TaskGraph& graph, void* context, Controller& controller) override;
+    explicit Serial(const ExecutorOptions& options = {}) : RunningExecutor(options) {}
     [[nodiscard]] std::string_view name() const noexcept override { return "serial"; }
+
+private:
+    void execute(Run& run, int first) override;
 };
 
 }  // namespace cvtflow::engine

@@ -10,7 +10,7 @@ namespace {
 
 TEST(ExecutorCatalogue, EveryRowMakesAnExecutorOfItsName) {
     for (const ExecutorRow& row : executors()) {
-        EXPECT_EQ(row.make(2)->name(), row.name);
+        EXPECT_EQ(row.make({.threads = 2})->name(), row.name);
         EXPECT_FALSE(row.description.empty()) << row.name;
     }
 }

@@ -1,0 +1,19 @@
+#pragma once
+/// OpenMP as it is published for this model: forked and joined at every level.
+
+#include "engine/executor/run.hpp"
+
+namespace cvtflow::engine {
+
+/// One `parallel for` with static schedule per level. Its threads belong to the OpenMP runtime and outlive the run. LLVM's runtime allocates memory
+/// in every loop, GNU's does not.
+class OmpFork final : public RunningExecutor {
+public:
+    explicit OmpFork(const ExecutorOptions& options) : RunningExecutor(options) {}
+    [[nodiscard]] std::string_view name() const noexcept override { return "omp_fork"; }
+
+private:
+    void execute(Run& run, int first) override;
+};
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,19 @@
+#pragma once
+/// OpenMP with one parallel region for the whole run.
+
+#include "engine/executor/run.hpp"
+
+namespace cvtflow::engine {
+
+/// Levels end at OpenMP's barriers; the calling thread meets the controller between two of them. The threads belong to the OpenMP
+/// runtime and outlive the run.
+class OmpRegion final : public RunningExecutor {
+public:
+    explicit OmpRegion(const ExecutorOptions& options) : RunningExecutor(options) {}
+    [[nodiscard]] std::string_view name() const noexcept override { return "omp_region"; }
+
+private:
+    void execute(Run& run, int first) override;
+};
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,41 @@
+#include "engine/executor/patience.hpp"
+
+#include <cstdint>
+#include <thread>
+
+#include "engine/executor/pinning.hpp"
+
+namespace cvtflow::engine {
+
+namespace {
+
+using std::chrono::nanoseconds;
+
+nanoseconds pauses(const ExecutorOptions& options) {
+    if (options.threads > Processors().count()) return nanoseconds(0);
+    if (options.spin >= 0.0) return nanoseconds(static_cast<std::int64_t>(1e3 * options.spin));
+    switch (options.wait) {
+        case Wait::spin: return std::chrono::milliseconds(2);
+        case Wait::balanced: return std::chrono::microseconds(20);
+        case Wait::passive: return std::chrono::microseconds(5);
+    }
+    return nanoseconds(0);
+}
+
+}  // namespace
+
+Patience::Patience(const ExecutorOptions& options)
+    : pause_until_(pauses(options)),
+      yield_until_(options.wait == Wait::passive ? pause_until_ + std::chrono::microseconds(100) : nanoseconds::max()) {}
+
+void Patience::rest(nanoseconds waited) const noexcept {
+    if (waited < pause_until_) {
+        for (int i = 0; i < 4; ++i) pause();
+    } else if (waited < yield_until_) {
+        std::this_thread::yield();
+    } else {
+        std::this_thread::sleep_for(std::chrono::microseconds(50));
+    }
+}
+
+}  // namespace cvtflow::engine

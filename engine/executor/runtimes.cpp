@@ -1,0 +1,21 @@
+#include "engine/executor/runtimes.hpp"
+
+#include <oneapi/tbb/version.h>
+
+#include "engine/executor/pinning.hpp"
+
+namespace cvtflow::engine {
+
+std::string tbb_version() { return std::string(TBB_runtime_version()) + ", interface " + std::to_string(TBB_runtime_interface_version()); }
+
+std::string openmp_version() {
+#ifdef _OPENMP
+    return std::to_string(_OPENMP);
+#else
+    return "none";
+#endif
+}
+
+int usable_processors() { return Processors().count(); }
+
+}  // namespace cvtflow::engine

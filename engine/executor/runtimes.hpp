@@ -1,0 +1,15 @@
+#pragma once
+/// Which thread libraries are at work here: part of what a time measurement has to tell.
+
+#include <string>
+
+namespace cvtflow::engine {
+
+/// "2021.8, interface 12080" of the library in use, which may be newer than the one compiled against.
+[[nodiscard]] std::string tbb_version();
+/// "201511" (the standard's date, as the compiler knows it), or "none".
+[[nodiscard]] std::string openmp_version();
+/// Processors that the calling thread may use.
+[[nodiscard]] int usable_processors();
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,61 @@
+#pragma once
+/// The part of a process' oneTBB that belongs to one run. Private to this folder.
+
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
+#include <oneapi/tbb/task_scheduler_observer.h>
+
+#include <memory>
+
+#include "engine/executor/executor_options.hpp"
+#include "engine/executor/pinning.hpp"
+
+namespace cvtflow::engine {
+
+/// Pins threads while they are in an arena: thread in slot i to the i-th processor.
+class ArenaPins final : public oneapi::tbb::task_scheduler_observer {
+public:
+    ArenaPins(oneapi::tbb::task_arena& arena, int slots);
+    /// Restores the masks of all threads, also of those that have not left yet and would now leave unobserved.
+    ~ArenaPins() override;
+    ArenaPins(const ArenaPins&) = delete;
+    ArenaPins& operator=(const ArenaPins&) = delete;
+
+    void on_scheduler_entry(bool worker) override;
+    void on_scheduler_exit(bool worker) override;
+
+private:
+    struct Guest;  // a thread in a slot
+    Processors processors_;
+    int slots_;
+    std::unique_ptr<Guest[]> guests_;
+};
+
+/// An own arena and an own context: neither do our threads run the host's tasks while they wait, nor the host's threads ours, nor does
+/// a host that cancels its tasks cancel the step. (A default flow::graph of oneTBB 2021.8 is bound to the host's context.)
+/// The context carries the caller's floating point mode to all threads. A graph is built inside execute(), for it belongs to the arena
+/// in which it is built.
+class TbbSection {
+public:
+    /// @param pin whether threads are pinned by their slot
+    TbbSection(int threads, bool pin) : arena_(threads, 1) {
+        if (pin) pins_ = std::make_unique<ArenaPins>(arena_, threads);
+    }
+
+    /// Calls action(context) in the arena; the calling thread has the slot reserved for it.
+    template <class Action>
+    void execute(Action&& action) {
+        arena_.execute([&] { action(context_); });
+    }
+
+private:
+    oneapi::tbb::task_arena arena_;
+    oneapi::tbb::task_group_context context_{oneapi::tbb::task_group_context::isolated, oneapi::tbb::task_group_context::default_traits |
+                                                                                            oneapi::tbb::task_group_context::fp_settings};
+    std::unique_ptr<ArenaPins> pins_;
+};
+
+/// The calling thread's track: its slot in the arena, 0 … threads - 1.
+[[nodiscard]] inline int slot() noexcept { return oneapi::tbb::this_task_arena::current_thread_index(); }
+
+}  // namespace cvtflow::engine

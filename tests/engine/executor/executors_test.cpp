@@ -1,0 +1,160 @@
+/// What every executor promises, for every number of threads. (No source file of its own: the promise is executor.hpp.)
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "../allocation_fixture.hpp"
+#include "engine/executor/stamp_recorder.hpp"
+#include "executor_fixture.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+using test::Case;
+using test::mixed_cycles;
+using test::World;
+
+class Executors : public testing::TestWithParam<Case> {};
+INSTANTIATE_TEST_SUITE_P(Catalogue, Executors, testing::ValuesIn(test::all_cases()), test::case_name);
+
+TEST_P(Executors, DoWhatSerialDoes) {
+    constexpr long cycles = 3000;
+    const auto executor = GetParam().make();
+    World world(mixed_cycles());
+    world.run(*executor, cycles);
+    EXPECT_EQ(world.faults(), 0);
+    EXPECT_EQ(world.cycles(), cycles);
+    EXPECT_EQ(world.hash(), test::serial_hash(mixed_cycles(), cycles));
+}
+
+TEST_P(Executors, RespectEdgesOfRandomGraphsOfThreeLevels) {
+    for (unsigned seed = 1; seed <= 10; ++seed) {
+        const int a = 1 + static_cast<int>(seed * 5 % 13), b = 1 + static_cast<int>(seed * 7 % 11), c = 1 + static_cast<int>(seed * 3 % 7);
+        const std::vector<std::vector<int>> cycles{{a, b, c}, {c, a, b}};
+        World world(cycles, seed);
+        world.run(*GetParam().make(), 200);
+        EXPECT_EQ(world.faults(), 0) << seed;
+        EXPECT_EQ(world.hash(), test::serial_hash(cycles, 200, seed)) << seed;
+    }
+}
+
+TEST_P(Executors, FinishTasksThatTakeTime) {
+    World world({{7}, {2, 1, 2}});
+    world.task_time(3000);
+    world.run(*GetParam().make(), 300);
+    EXPECT_EQ(world.faults(), 0);
+    EXPECT_EQ(world.hash(), test::serial_hash({{7}, {2, 1, 2}}, 300));
+}
+
+TEST_P(Executors, StopAtOnceIfAsked) {
+    World world(mixed_cycles());
+    world.run(*GetParam().make(), 0);
+    EXPECT_EQ(world.cycles(), 0);
+    EXPECT_EQ(world.hash(), World(mixed_cycles()).hash());
+}
+
+TEST_P(Executors, RunAgainAndAgain) {
+    const auto executor = GetParam().make();
+    World world(mixed_cycles());
+    const std::uint64_t expected = test::serial_hash(mixed_cycles(), 20);
+    for (int repetition = 0; repetition < 100; ++repetition) {
+        world.run(*executor, 20);
+        ASSERT_EQ(world.hash(), expected) << repetition;
+        ASSERT_EQ(world.faults(), 0) << repetition;
+    }
+}
+
+TEST_P(Executors, RejectUnknownCyclesAtTheStartAndLater) {
+    const auto executor = GetParam().make();
+    World world(mixed_cycles());
+    for (const long after : {0L, 1L, 50L}) {
+        for (const int cycle : {-2, static_cast<int>(mixed_cycles().size())}) {
+            world.name_after(after, cycle);
+            EXPECT_THROW(world.run(*executor, 100), std::out_of_range);
+            EXPECT_EQ(world.cycles(), after);
+        }
+    }
+    world.name_after(-1, 0);
+    world.run(*executor, 100);
+    EXPECT_EQ(world.hash(), test::serial_hash(mixed_cycles(), 100)) << "usable afterwards";
+}
+
+TEST_P(Executors, RejectGraphsThatAreNotFrozen) {
+    World world(mixed_cycles());
+    EXPECT_THROW(GetParam().make()->run(TaskGraph(), &world, world), std::logic_error);
+    EXPECT_EQ(world.cycles(), 0);
+}
+
+void nothing(void* /*context*/, int /*item*/) noexcept {}
+
+TEST_P(Executors, AskAgainAfterCyclesWithoutTasks) {
+    struct Once final : Controller {
+        int next() noexcept override { return asked < 3 ? cycles[asked++] : stop; }
+        int cycles[3] = {0, 1, 0};  // NOLINT: cycle 0 has no tasks
+        int asked = 0;
+    } once;
+    TaskGraph graph;
+    graph.add({"only", 1, nothing, 0, {}});
+    graph.freeze();
+    GetParam().make()->run(graph, nullptr, once);
+    EXPECT_EQ(once.asked, 3);
+}
+
+/// Runtimes that may allocate now and then while a run lasts, with what we grant them; all else allocates when a run begins and never
+/// while it lasts. Messages of flow graphs come from oneTBB's pool, which grows when memory is freed by another thread than the one that
+/// took it. LLVM's OpenMP allocates in every parallel loop.
+long granted(const ExecutorRow& row, long cycles) {
+    if (row.name == "flow_messages" || row.name == "flow_per_cycle") return cycles / 10;
+#ifdef __clang__
+    if (row.name == "omp_fork") return 100 * cycles;
+#endif
+    return 0;
+}
+
+TEST_P(Executors, AllocateNothingPerCycle) {
+    if (test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    const auto executor = GetParam().make();
+    World world(mixed_cycles());
+    const auto allocations = [&](long cycles) {
+        const long before = test::allocation_count();
+        world.run(*executor, cycles);
+        return test::allocation_count() - before;
+    };
+    allocations(2000);  // pools of the runtimes
+    long beginning = 0, fewest = std::numeric_limits<long>::max();
+    for (int repetition = 0; repetition < 5; ++repetition) {
+        beginning = std::max(beginning, allocations(10));
+        fewest = std::min(fewest, allocations(2000));
+    }
+    EXPECT_LE(fewest, beginning + granted(*GetParam().row, 2000));
+}
+
+TEST(ExecutorOptions, AreChecked) {
+    StampRecorder recorder(1, 10);
+    for (const ExecutorRow& row : executors()) {
+        EXPECT_THROW(row.make({.threads = 0}), std::invalid_argument) << row.name;
+        EXPECT_THROW(row.make({.threads = 2, .recorder = &recorder}), std::invalid_argument) << row.name;
+    }
+}
+
+TEST(World, SeesWhenAnExecutorDoesWrong) {
+    struct Backwards final : Executor {
+        void run(const TaskGraph& graph, void* context, Controller& controller) override {
+            for (int cycle = controller.next(); cycle != Controller::stop; cycle = controller.next()) {
+                const auto order = graph.topological(cycle);
+                for (std::size_t i = order.size(); i-- > 0;) graph.call(order[i]).body(context, graph.call(order[i]).item);
+            }
+        }
+        [[nodiscard]] std::string_view name() const noexcept override { return "backwards"; }
+    } backwards;
+    World world({{1, 2, 1}});
+    world.run(backwards, 10);
+    EXPECT_GT(world.faults(), 0);
+    EXPECT_NE(world.hash(), test::serial_hash({{1, 2, 1}}, 10));
+}
+
+}  // namespace
+}  // namespace cvtflow::engine
