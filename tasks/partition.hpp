@@ -18,6 +18,9 @@ public:
     /// `segments` runs of equal length, up to one link. Throws std::invalid_argument unless 1 ≤ segments ≤ links.
     static Partition equal(int links, int segments);
 
+    /// Segments between the given cuts: 0 = cuts[0] < cuts[1] < … = number of links. Throws std::invalid_argument otherwise.
+    static Partition at(const std::vector<int>& cuts);
+
     [[nodiscard]] std::span<const Segment> segments() const noexcept { return segments_; }
     [[nodiscard]] const Segment& operator[](int segment) const noexcept { return segments_[static_cast<std::size_t>(segment)]; }
     [[nodiscard]] int size() const noexcept { return static_cast<int>(segments_.size()); }

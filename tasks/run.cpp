@@ -7,6 +7,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/state_file.hpp"
+#include "tasks/auto_schedule.hpp"
 #include "tasks/run_recorder.hpp"
 
 namespace cvtflow::tasks {
@@ -34,10 +35,12 @@ void settle(Simulation& simulation, const Scene& scene, RunRecorder& recorder, c
 
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
     const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
-    Simulation simulation(scene);
+    const Choice choice = scene.run.schedule == "auto" ? choose_schedule(scene) : Choice{schedule_of(scene.run, scene.parameters.chain.pins), {}, ""};
+    Simulation simulation(scene, choice.schedule);
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
     report.method = scene.run.method;
+    report.schedule = choice.reason.empty() ? choice.schedule.text() : fmt::format("{} ({})", choice.schedule.text(), choice.reason);
     report.start_differences = simulation.start_differences();
     settle(simulation, scene, recorder, cancel, report);
     if (!report.fault) {
@@ -100,6 +103,7 @@ std::string summary(const RunReport& r) {
     if (r.settled) text += fmt::format("  settled             {} steps, {} evaluations, {:.2f} s of wall time\n", r.settling.steps, r.settling.evaluations, r.settling_wall);
     if (r.outputs > 0) text += operating_point(r);
     text += fmt::format("  method              {}, step {:.4g} s: {} steps, {} evaluations\n", r.method, r.step, r.counters.steps, r.counters.evaluations);
+    text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated, r.counters.suppressed);
     if (simulated > 0.0) text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second\n", r.wall, r.wall / simulated);
     text += fmt::format("  state hash          {}\n", engine::hex(r.hash));

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "engine/base/hash.hpp"
-#include "engine/executor/serial.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/record/state_file.hpp"
 #include "model/start_state.hpp"
+#include "tasks/auto_schedule.hpp"
 #include "tasks/scene/parameter_table.hpp"
 
 namespace cvtflow::tasks {
@@ -49,9 +49,12 @@ std::vector<std::string> differences(const std::string& saved_scene, const Scene
 
 }  // namespace
 
-Simulation::Simulation(const Scene& scene)
-    : scene_(scene), workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene), Partition::equal(scene.parameters.chain.pins, scene.run.segments))),
-      graph_(fused_graph(*workspace_)) {
+Simulation::Simulation(const Scene& scene) : Simulation(scene, schedule_for(scene)) {}
+
+Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder)
+    : scene_(scene), schedule_(schedule),
+      workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene), Partition::equal(scene.parameters.chain.pins, schedule.segments))),
+      graph_(step_graph(*workspace_, schedule.assembly)), executor_(make_executor(schedule, recorder)) {
     if (!scene_.state_file.empty()) {
         take_state(engine::read_state(scene_.state_file));
         return;
@@ -61,6 +64,13 @@ Simulation::Simulation(const Scene& scene)
     workspace_->phases = start.phases;
     needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
     time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
+}
+
+/// Moves the borders of segments to where the cost of links is now; the graph's declared accesses move with them.
+void Simulation::balance() {
+    if (!schedule_.balanced || schedule_.segments == 1) return;
+    workspace_->repartition(balanced_partition(workspace_->phases, workspace_->layout().links, schedule_.segments));
+    graph_ = step_graph(*workspace_, schedule_.assembly);
 }
 
 Simulation::~Simulation() = default;
@@ -101,8 +111,8 @@ void Simulation::take_state(const engine::SavedState& saved) {
 
 Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
     StepController controller(*workspace_, settings, observer, cancel);
-    engine::Serial executor;
-    executor.run(graph_, workspace_.get(), controller);
+    balance();
+    executor_->run(graph_, workspace_.get(), controller);
     counters_ = controller.counters();
     step_ = controller.step();
     time_ = controller.time();
@@ -122,6 +132,10 @@ Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& canc
 
 Fault Simulation::run(double until, RunObserver& observer, const engine::Cancellation& cancel) {
     return integrate({time_, until, scene_.run.step, scene_.run.output_interval, scene_.run.max_steps, scene_.run.max_wall}, observer, cancel);
+}
+
+Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel) {
+    return integrate({time_, time_ + 1e6, scene_.run.step, scene_.run.output_interval, steps, 0.0}, observer, cancel);
 }
 
 std::uint64_t Simulation::hash() const noexcept {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tasks/scene/scene.hpp"
+#include "tasks/schedule.hpp"
 #include "tasks/step_controller.hpp"
 
 namespace cvtflow::engine {
@@ -25,6 +26,8 @@ public:
     /// Prepares the start state: from the scene's state file, else geometric. Nothing runs yet.
     /// @throws SimulationError, engine::RecordError (state file), std::invalid_argument (the chain does not close)
     explicit Simulation(const Scene& scene);
+    /// The same with a schedule of one's own and, if wanted, time stamps of its tasks.
+    Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
     ~Simulation();
 
     /// Whether the start is geometric and has to settle before t = 0.
@@ -34,6 +37,11 @@ public:
     /// Runs from the present time to `until` with the scene's run settings; ends at the first step at or after it.
     [[nodiscard]] Fault run(double until, RunObserver& observer, const engine::Cancellation& cancel);
 
+    /// Runs so many steps with the scene's run settings, for measurements; ends with a Fault of kind max_steps.
+    [[nodiscard]] Fault run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel);
+
+    [[nodiscard]] const Schedule& schedule() const noexcept { return schedule_; }
+    [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return graph_; }
     [[nodiscard]] double time() const noexcept { return time_; }
     [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
     [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
@@ -53,11 +61,14 @@ public:
 
 private:
     [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
+    void balance();
     void take_state(const engine::SavedState& saved);
 
     Scene scene_;
+    Schedule schedule_;
     std::unique_ptr<Workspace> workspace_;
     engine::TaskGraph graph_;
+    std::unique_ptr<engine::Executor> executor_;
     bool needs_settling_ = false;
     double time_ = 0.0;
     double step_ = 0.0;

@@ -2,6 +2,7 @@
 /// The step as a task graph over segments. (ARCHITECTURE.md draws it.)
 
 #include "engine/graph/task_graph.hpp"
+#include "tasks/assembly_kind.hpp"
 #include "tasks/workspace.hpp"
 
 namespace cvtflow::tasks {
@@ -18,12 +19,6 @@ enum Cycle : int {
 enum class Field {
     states_read, slopes_read, slope_written, state_kept, end_state, cut_state, window, load, account, phase, before, after, verdict,
     stage_state, moment, joint, tips, joint_account, link_account, tip_account
-};
-
-/// How a step is cut into tasks.
-enum class Assembly {
-    fused,    ///< one task per segment and evaluation, joints at segment borders computed by both neighbours: a single synchronisation
-    staged,   ///< the published schedule: every stage its own tasks
 };
 
 struct AssemblyOptions {

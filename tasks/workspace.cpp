@@ -16,7 +16,7 @@ model::PhaseRule rule_of(const model::Parameters& p) {
 }  // namespace
 
 Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
-    : parameters(p), variator(p), plan(stage_plan), partition(std::move(parts)), rule(rule_of(p)), stages(model::staged_functions(p.detail.order, p.ledger)),
+    : parameters(p), variator(p), plan(stage_plan), rule(rule_of(p)), stages(model::staged_functions(p.detail.order, p.ledger)),
       staged(variator.layout()) {
     const std::size_t size = static_cast<std::size_t>(layout().size());
     const std::size_t stride = (size + 7) / 8 * 8;   // every slot begins on a cache line of its own
@@ -40,11 +40,15 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     before.assign(phases.size(), {});
     after.assign(phases.size(), {});
     changed.assign(phases.size(), -1e300);
-    for (const Segment& segment : partition.segments()) {
-        windows.emplace_back(static_cast<std::size_t>((segment.size() + 2) * layout().link_block()));
-    }
+    repartition(std::move(parts));
     verdicts.resize(static_cast<std::size_t>(partition.size()));
     tail.resize(static_cast<std::size_t>(tail_size()));
+}
+
+void Workspace::repartition(Partition parts) {
+    partition = std::move(parts);
+    windows.resize(static_cast<std::size_t>(partition.size()));
+    for (int s = 0; s < partition.size(); ++s) windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
 }
 
 void Workspace::list_touching() noexcept {

@@ -38,9 +38,10 @@ public:
     const model::Parameters parameters;
     const model::Variator variator;
     const engine::CompiledPlan plan;
-    const Partition partition;
     const model::PhaseRule rule;
     const model::StagedFunctions stages;
+
+    Partition partition;              ///< changed by repartition() only
 
     // The step at hand; written by the controller between cycles.
     double time = 0.0;                ///< t at the step's start [s]
@@ -83,6 +84,8 @@ public:
     model::SheaveMotion end_sheaves[4]{};      ///< at the step's end
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
+    /// New borders of the same number of segments; between runs only.
+    void repartition(Partition parts);
     /// Brings the list of touching links up to date; after every change of phases.
     void list_touching() noexcept;
     /// The staged evaluation's view of this workspace.

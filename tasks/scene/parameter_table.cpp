@@ -300,11 +300,20 @@ const std::vector<Parameter>& rows() {
     {"run.followed_pin", "1", 0, 9999, {},
      "Pin whose own channels are recorded, counted from 0.",
      "model choice", [](Scene& s) -> Slot { return &s.run.followed_pin; }},
-    {"run.segments", "1", 1, 10000, {},
-     "Parts into which the chain is cut for parallel work; does not change results.",
+    {"run.schedule", "", 0, 0, {},
+     "Executor of the step's task graph, a name from the catalogue, or auto: the fastest of a short measurement; does not change results.",
+     "model choice", [](Scene& s) -> Slot { return &s.run.schedule; }},
+    {"run.assembly", "", 0, 0, {"fused", "staged"},
+     "How a step is cut into tasks: one per segment, or one per stage and segment as published; does not change results.",
+     "model choice", [](Scene& s) -> Slot { return &s.run.assembly; }},
+    {"run.partition", "", 0, 0, {"equal", "balanced"},
+     "Where segments end: equal numbers of links, or about equal cost; does not change results.",
+     "model choice", [](Scene& s) -> Slot { return &s.run.partition; }},
+    {"run.segments", "1", 0, 10000, {},
+     "Parts into which the chain is cut for parallel work, 0: as many as threads; does not change results.",
      "model choice", [](Scene& s) -> Slot { return &s.run.segments; }},
-    {"run.threads", "1", 1, 1024, {},
-     "Threads; does not change results.",
+    {"run.threads", "1", 0, 1024, {},
+     "Threads, 0: as many as this process may use; does not change results.",
      "model choice", [](Scene& s) -> Slot { return &s.run.threads; }},
     {"run.seed", "1", 0, 9007199254740992, {},
      "Seed of whatever is drawn by chance.",
@@ -321,9 +330,9 @@ const std::vector<Parameter>& rows() {
 }  // namespace
 
 Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number,  Kind::integer, Kind::integer,     Kind::integer,    Kind::boolean,
-                                      Kind::text,    Kind::number_list, Kind::time_table, Kind::choice,  Kind::choice,
-                                      Kind::choice,  Kind::choice,  Kind::choice,      Kind::choice};
+    static constexpr std::array kinds{Kind::number, Kind::integer,     Kind::integer,    Kind::integer, Kind::boolean, Kind::text,
+                                      Kind::number_list, Kind::time_table, Kind::choice, Kind::choice, Kind::choice, Kind::choice,
+                                      Kind::choice, Kind::choice, Kind::choice, Kind::choice};
     static_assert(kinds.size() == std::variant_size_v<Slot>);
     Scene scene;
     return kinds[member(scene).index()];

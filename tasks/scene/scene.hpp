@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "model/parameters.hpp"
+#include "tasks/assembly_kind.hpp"
 
 namespace cvtflow::tasks {
 
@@ -27,8 +28,11 @@ struct RunSettings {
     long max_steps = 0;               ///< 0: no limit
     double max_wall = 0.0;            ///< wall-clock limit, 0: none [s]
     int followed_pin = 0;             ///< pin whose own channels are recorded
-    int segments = 1;                 ///< parts of the chain that are tasks of their own
-    int threads = 1;
+    std::string schedule = "auto";    ///< executor by name in the catalogue, or auto: measured at the start
+    Assembly assembly = Assembly::fused;
+    PartitionKind partition = PartitionKind::equal;
+    int segments = 0;                 ///< parts of the chain that are tasks of their own; 0: as many as threads
+    int threads = 0;                  ///< 0: as many as this process may use
     std::uint64_t seed = 0;           ///< of whatever is drawn by chance
     bool operator==(const RunSettings&) const = default;
 };

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -25,9 +26,9 @@ struct DotArguments {
 ExitStatus dot(const DotArguments& arguments) {
     const tasks::Scene scene = load_scene(arguments.scene).scene;
     const tasks::Workspace workspace(scene.parameters, *engine::find_method(scene.run.method),
-                                     tasks::Partition::equal(scene.parameters.chain.pins, scene.run.segments));
+                                     tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
     const auto cycle = std::find(cycles.begin(), cycles.end(), arguments.cycle) - cycles.begin();
-    fmt::print("{}", engine::to_dot(tasks::fused_graph(workspace), static_cast<int>(cycle)));
+    fmt::print("{}", engine::to_dot(tasks::step_graph(workspace, {.kind = scene.run.assembly}), static_cast<int>(cycle)));
     return ExitStatus::finished;
 }
 

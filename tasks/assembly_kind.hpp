@@ -1,0 +1,16 @@
+#pragma once
+/// Choices of how a step is cut into tasks. None of them changes a result.
+
+namespace cvtflow::tasks {
+
+enum class Assembly {
+    fused,    ///< one task per segment and evaluation, joints at segment borders computed by both neighbours: a single synchronisation
+    staged,   ///< the published schedule: every stage its own tasks
+};
+
+enum class PartitionKind {
+    equal,      ///< segments of equal numbers of links
+    balanced,   ///< segments of about equal cost: links that touch a sheave cost more
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,48 @@
+#pragma once
+/// How a step is cut into tasks and who runs them: partition x assembly x executor. Results do not depend on it.
+
+#include <memory>
+#include <string>
+
+#include "engine/executor/executor.hpp"
+#include "engine/executor/executor_options.hpp"
+#include "tasks/partition.hpp"
+#include "tasks/scene/scene.hpp"
+#include "tasks/step_graph.hpp"
+
+namespace cvtflow::tasks {
+
+/// Processors that this process may use: affinity, CPU quota of its cgroup, SLURM_CPUS_PER_TASK.
+[[nodiscard]] int usable_threads();
+
+struct Schedule {
+    std::string executor = "serial";    ///< name in the catalogue of executors
+    AssemblyOptions assembly;
+    int segments = 1;
+    int threads = 1;
+    bool balanced = false;              ///< partition by cost of links instead of equal numbers
+    engine::Wait wait = engine::Wait::balanced;
+    bool pin = false;
+
+    /// "flow, fused, 2 segments, 2 threads"
+    [[nodiscard]] std::string text() const;
+};
+
+/// What a scene's run settings ask for. Serial with one segment if run.schedule is "auto" (see auto_schedule.hpp).
+/// Zero segments: as many as threads.
+/// @throws SceneError for an unknown executor, with the one that was probably meant
+[[nodiscard]] Schedule schedule_of(const RunSettings& run, int links);
+
+/// Executor of a schedule. @throws std::invalid_argument as the catalogue's make
+[[nodiscard]] std::unique_ptr<engine::Executor> make_executor(const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
+
+/// Cost of a link relative to a free one, from the cost of a touching link: used by the balanced partition.
+struct LinkCosts {
+    double free = 1.0;
+    double touching = 1.35;   ///< measured at full detail: tips are a third of what else a link costs (bench rhs)
+};
+
+/// Contiguous segments of about equal cost, judged by which links touch now.
+[[nodiscard]] Partition balanced_partition(const std::vector<model::Phase>& phases, int links, int segments, const LinkCosts& costs = {});
+
+}  // namespace cvtflow::tasks
