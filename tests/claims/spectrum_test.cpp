@@ -15,6 +15,7 @@ namespace {
 struct Extent {
     double fastest_decay;        ///< max -Re λ [1/s]
     double fastest_oscillation;  ///< max |Im λ| [1/s]
+    int fast;                    ///< eigenvalues with Re λ < -1e6 1/s
 };
 
 class Quiet final : public tasks::RunObserver {
@@ -37,10 +38,11 @@ public:
     [[nodiscard]] model::Parameters parameters() const { return parameters_; }
     [[nodiscard]] Extent extent(const model::Parameters& parameters) const {
         const model::Variator variator(parameters);
-        Extent extent{0.0, 0.0};
+        Extent extent{0.0, 0.0, 0};
         for (const auto& value : tasks::spectrum(variator, simulation_.time(), state_, simulation_.phases())) {
             extent.fastest_decay = std::max(extent.fastest_decay, -value.real());
             extent.fastest_oscillation = std::max(extent.fastest_oscillation, std::abs(value.imag()));
+            extent.fast += value.real() < -1e6 ? 1 : 0;
         }
         return extent;
     }
@@ -80,25 +82,26 @@ TEST(Spectrum, ItsImaginaryPartIsElasticAndDoesNotKnowTheFriction) {
     EXPECT_NEAR(tiny.extent(frictionless).fastest_oscillation, now.fastest_oscillation, 0.1 * now.fastest_oscillation);
 }
 
-TEST(NightlySpectrum, OfTheBaselineIsThePublishedOneAndItsBandsBelongToJointsThenPlatesThenTips) {
+TEST(NightlySpectrum, OfTheBaselineIsThePublishedOneAndItsBandsBelongToJointsPlatesAndTips) {
     const Running baseline(ready_scene("baseline"));
     model::Parameters parameters = baseline.parameters();
-    const Extent now = baseline.extent(parameters);
-    EXPECT_GT(now.fastest_decay, 0.5e8);
-    EXPECT_LT(now.fastest_decay, 1.0e8);
-    EXPECT_NEAR(now.fastest_oscillation, 1e6, 0.3e6);
-    parameters.joint.friction.saturation_speed *= 10.0;
-    const double without_joints = baseline.extent(parameters).fastest_decay;
-    EXPECT_LT(without_joints, 0.6 * now.fastest_decay);   // what is left of the band are plates (about half as fast) and tips
-    parameters.plate.friction.saturation_speed *= 10.0;
-    const double without_plates = baseline.extent(parameters).fastest_decay;
-    EXPECT_LT(without_plates, 0.95 * without_joints);
-    parameters.tip.friction.saturation_speed *= 10.0;
-    const double without_tips = baseline.extent(parameters).fastest_decay;
-    EXPECT_LT(without_tips, 0.5 * without_plates);
-    for (const auto& [name, value] : {std::pair{"all", now.fastest_decay}, {"joints", without_joints}, {"plates", without_plates}, {"tips", without_tips}}) {
-        RecordProperty(name, std::to_string(value));
+    std::vector<Extent> extents{baseline.extent(parameters)};
+    for (model::Friction* friction : {&parameters.joint.friction, &parameters.plate.friction, &parameters.tip.friction}) {
+        friction->saturation_speed *= 10.0;
+        extents.push_back(baseline.extent(parameters));
     }
+    for (std::size_t k = 0; k < extents.size(); ++k) {
+        RecordProperty("decay_" + std::to_string(k), std::to_string(extents[k].fastest_decay));
+        RecordProperty("fast_" + std::to_string(k), extents[k].fast);
+    }
+    EXPECT_GT(extents[0].fastest_decay, 0.5e8);
+    EXPECT_LT(extents[0].fastest_decay, 1.0e8);
+    EXPECT_NEAR(extents[0].fastest_oscillation, 1e6, 0.3e6);
+    // Joints are the fastest; behind them come tips (an end of a pin of order 3 weighs a sixteenth of it), and more slowly plates.
+    // Each kind slowed tenfold takes a good part of the fast eigenvalues away; all three divide the largest by about ten.
+    EXPECT_LT(extents[1].fastest_decay, 0.6 * extents[0].fastest_decay);
+    for (std::size_t k = 1; k < extents.size(); ++k) EXPECT_LT(extents[k].fast, extents[k - 1].fast - 20) << k;
+    EXPECT_NEAR(extents[0].fastest_decay / extents[3].fastest_decay, 10.0, 3.0);
 }
 
 }  // namespace

@@ -1,0 +1,171 @@
+#include "tasks/schedule.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "engine/executor/catalogue.hpp"
+#include "engine/graph/race_check.hpp"
+#include "engine/method/catalogue.hpp"
+#include "tasks/auto_schedule.hpp"
+#include "tasks/simulation.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+class Quiet final : public RunObserver {
+    void output(double, const Workspace&, const Counters&) override {}
+    void transition(const TransitionRecord&) override {}
+};
+
+Scene scene_of(const std::string& name, const std::vector<std::string>& settings) {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml");
+    set_values(scene, settings);
+    return scene;
+}
+
+struct Outcome {
+    std::uint64_t hash;
+    long transitions;
+};
+
+Outcome outcome(const Scene& scene, const Schedule& schedule) {
+    Quiet quiet;
+    const engine::Cancellation never;
+    Simulation simulation(scene, schedule);
+    EXPECT_FALSE(simulation.run(scene.run.until, quiet, never));
+    return {simulation.hash(), simulation.counters().detected};
+}
+
+/// From the settled baseline at medium detail, long enough for transitions.
+Scene settled(const std::string& until) { return scene_of("shift", {"run.until=" + until, "run.output_interval=20 us", "run.state_interval=20 us", "clamping.driving=27.1 kN"}); }
+
+TEST(Schedule, EveryAssemblyExecutorSegmentsAndThreadsGiveTheSameBits) {
+    const Scene scene = settled("60 us");
+    const Outcome serial = outcome(scene, {});
+    EXPECT_GT(serial.transitions, 0) << "the run should cross transitions";
+    for (const engine::ExecutorRow& row : engine::executors()) {
+        if (row.name.starts_with("omp")) continue;   // a contended OpenMP team takes minutes: nightly
+        for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+            for (const auto& [segments, threads] : {std::pair{1, 1}, {2, 2}, {3, 2}, {7, 4}, {28, 2}, {84, 2}}) {
+                Schedule schedule{std::string(row.name), {assembly}, segments, row.parallel ? threads : 1};
+                EXPECT_EQ(outcome(scene, schedule).hash, serial.hash) << schedule.text();
+            }
+        }
+    }
+}
+
+TEST(NightlySchedule, EveryAssemblyExecutorSegmentsAndThreadsGiveTheSameBitsOverALongerRun) {
+    const Scene scene = settled("200 us");
+    const Outcome serial = outcome(scene, {});
+    EXPECT_GT(serial.transitions, 3);
+    for (const engine::ExecutorRow& row : engine::executors()) {
+        for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+            for (const int segments : {1, 2, 3, 5, 7, 14, 28, 84}) {
+                for (const int threads : {1, 2, 4, 8}) {
+                    if (!row.parallel && threads > 1) continue;
+                    if (row.name.starts_with("omp") && threads > 2) continue;   // more threads than processors: hours
+                    Schedule schedule{std::string(row.name), {assembly}, segments, threads};
+                    EXPECT_EQ(outcome(scene, schedule).hash, serial.hash) << schedule.text();
+                }
+            }
+        }
+    }
+}
+
+TEST(Schedule, PartitionLedgerAndSerialPartsDoNotChangeTheBits) {
+    Scene scene = settled("60 us");
+    scene.parameters.ledger = true;
+    const Outcome serial = outcome(scene, {});
+    Schedule balanced{"flow", {Assembly::fused}, 5, 2, true};
+    EXPECT_EQ(outcome(scene, balanced).hash, serial.hash);
+    balanced.assembly = {Assembly::staged, false, false};
+    EXPECT_EQ(outcome(scene, balanced).hash, serial.hash);
+}
+
+TEST(StepGraph, NeitherAssemblyRacesAndEveryEdgeBetweenStagesThatShareDataIsNeeded) {
+    const Scene scene = settled("60 us");
+    for (const int segments : {1, 2, 3, 7, 84}) {
+        const Workspace workspace(scene.parameters, *engine::find_method("rk4"), Partition::equal(84, segments));
+        EXPECT_TRUE(engine::race_check(step_graph(workspace, {Assembly::fused})).empty());
+        const auto conflicts = engine::race_check(step_graph(workspace, {Assembly::staged}));
+        EXPECT_TRUE(conflicts.empty()) << conflicts.size() << " conflicts";
+        EXPECT_TRUE(engine::race_check(step_graph(workspace, {Assembly::staged, false, true})).empty());
+    }
+}
+
+/// The staged graph without one edge.
+engine::TaskGraph without_edge(const engine::TaskGraph& whole, int before, int after) {
+    engine::TaskGraph graph;
+    for (int task = 0; task < whole.size(); ++task) graph.add(whole.task(task));
+    for (int task = 0; task < whole.size(); ++task) {
+        for (const int successor : whole.successors(task)) {
+            if (task != before || successor != after) graph.order(task, successor);
+        }
+    }
+    graph.freeze();
+    return graph;
+}
+
+TEST(StepGraph, RemovingAnEdgeOnWhichDataFlowIsFoundByTheRaceCheck) {
+    const Scene scene = settled("60 us");
+    const Workspace workspace(scene.parameters, *engine::find_method("rk4"), Partition::equal(84, 3));
+    const engine::TaskGraph graph = step_graph(workspace, {Assembly::staged});
+    const auto numbered = [&](const std::string& name) {
+        for (int task = 0; task < graph.size(); ++task) {
+            if (graph.task(task).name == name) return task;
+        }
+        return -1;
+    };
+    // Own data and neighbours' data; no other path leads from one to the other.
+    for (const auto& [before, after] : {std::pair{"combine[1]", "chain[1]"}, {"combine[0]", "contact[2]"}, {"boundary[1]", "forward[0]"}, {"boundary[1]", "forward[1]"},
+                                        {"forward[2]", "reverse[2]"}}) {
+        ASSERT_FALSE(engine::race_check(without_edge(graph, numbered(before), numbered(after))).empty()) << before << " -> " << after;
+    }
+}
+
+TEST(Schedule, BalancedSegmentsCostAboutTheSame) {
+    const int links = 84;
+    std::vector<model::Phase> phases(4 * links, model::Phase::free);
+    for (int link = 10; link < 31; ++link) phases[static_cast<std::size_t>(4 * link)] = model::Phase::touching;
+    const LinkCosts costs{1.0, 3.0};
+    for (const int segments : {1, 2, 3, 7, 28, 84}) {
+        const Partition partition = balanced_partition(phases, links, segments, costs);
+        ASSERT_EQ(partition.size(), segments);
+        EXPECT_EQ(partition[segments - 1].last, links);
+        double least = 1e9;
+        double most = 0.0;
+        for (const Segment& segment : partition.segments()) {
+            double cost = 0.0;
+            for (int link = segment.first; link < segment.last; ++link) cost += link >= 10 && link < 31 ? 3.0 : 1.0;
+            least = std::min(least, cost);
+            most = std::max(most, cost);
+        }
+        EXPECT_LE(most - least, 2.0 * 3.0);   // borders fall on whole links
+    }
+}
+
+TEST(Schedule, AutoRespectsWhatIsFixedAndSaysWhy) {
+    Scene scene = settled("60 us");
+    scene.run.threads = 1;
+    EXPECT_EQ(choose_schedule(scene).schedule.executor, "serial");
+    scene.run.threads = 2;
+    scene.run.segments = 6;
+    const Choice choice = choose_schedule(scene);
+    ASSERT_EQ(choice.candidates.size(), 2u);
+    EXPECT_EQ(choice.candidates[1].schedule.segments, 6);
+    EXPECT_NE(choice.reason.find("measured"), std::string::npos);
+    const auto serial = choice.candidates[0].seconds_per_step;
+    const bool parallel = choice.schedule.executor != "serial";
+    EXPECT_TRUE(!parallel || serial > 1.04 * choice.candidates[1].seconds_per_step) << "only what is worth it";
+}
+
+TEST(Schedule, AnUnknownExecutorIsRefused) {
+    RunSettings run;
+    run.schedule = "flaw";
+    EXPECT_THROW((void)schedule_of(run, 84), SceneError);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
