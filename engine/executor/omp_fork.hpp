@@ -5,8 +5,8 @@
 
 namespace cvtflow::engine {
 
-/// One `parallel for` with static schedule per level. Its threads belong to the OpenMP runtime and outlive the run. LLVM's runtime allocates memory
-/// in every loop, GNU's does not.
+/// One `parallel for` with static schedule per level. Its threads belong to the OpenMP runtime and outlive the run.
+/// LLVM's runtime allocates memory in every loop, GNU's does not.
 class OmpFork final : public RunningExecutor {
 public:
     explicit OmpFork(const ExecutorOptions& options) : RunningExecutor(options) {}
