@@ -1,8 +1,12 @@
 /// What the synchronisation of one cycle costs: every executor on empty tasks, and on two tasks of 2.6 µs, the cost above the ideal.
-/// Beside them a hand-made barrier of two spinning threads, the least that is possible; and what time stamps cost on a task of 5 µs. A plain program, because executors must
-/// alternate within one process and medians be taken over repetitions: on a machine with neighbours nothing else can be compared.
+/// Beside them a hand-made barrier of two spinning threads, the least that is possible; and what time stamps cost on a task of 5 µs.
+/// A plain program, because executors must alternate within one process and medians be taken over repetitions: on a machine with
+/// neighbours nothing else can be compared.
 ///
-///     bench_synchronisation [--repetitions N] [--threads N] [--wait spin|balanced|passive] [--csv FILE]
+///     bench_synchronisation [--repetitions N] [--threads N] [--wait spin|balanced|passive] [--pin yes|no] [--csv FILE]
+///
+/// Threads are pinned unless told otherwise: a system with neighbours likes to put both on one processor, and then the neighbours are
+/// what one measures.
 
 #include <fmt/format.h>
 #include <fmt/os.h>
@@ -11,13 +15,17 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <fstream>
 #include <functional>
+#include <memory>
+#include <numeric>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "engine/executor/catalogue.hpp"
+#include "engine/executor/pinning.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "engine/executor/stamp_recorder.hpp"
 
@@ -31,11 +39,13 @@ struct Settings {
     Wait wait = Wait::balanced;
     std::string wait_name = "balanced";
     std::string csv;
+    bool pin = true;
 };
 
-/// Numbers of one cell: [µs per cycle].
-struct Cell {
-    double least, lower_quartile, median, upper_quartile;
+/// One turn of a contender [µs per cycle].
+struct Turn {
+    double typical;  ///< median over its cycles: what a cycle costs while nobody interferes
+    double mean;     ///< of the turn's time: interference included
 };
 
 /// Arithmetic that depends on itself, so that its time is its length; each task has a line of its own.
@@ -51,23 +61,31 @@ void work(void* context, int item) noexcept {
     own.value = x;
 }
 
-/// That many cycles, and their time without the first fifth: when a run begins, threads are still on their way.
+/// Cycles for 20 ms, each of them timed (9 ns for the clock), without the first 4 ms: when a run begins, threads are still on their way.
 class Cycles final : public Controller {
 public:
-    explicit Cycles(long count) : left_(count), timed_(std::max(1L, count * 4 / 5)) {}
+    explicit Cycles(const TickScale& scale) : per_tick_(1e-3 * scale.nanoseconds_per_tick()) { times_.reserve(most); }
+
     int next() noexcept override {
-        if (left_ == timed_) begin_ = std::chrono::steady_clock::now();
-        if (left_ == 0) end_ = std::chrono::steady_clock::now();
-        return left_-- > 0 ? 0 : stop;
+        const std::int64_t now = ticks(), last = std::exchange(last_, now);
+        if (now < from_) return 0;
+        if (times_.size() == most || now > until_) return stop;
+        if (last >= from_) times_.push_back(static_cast<double>(now - last));
+        return 0;
     }
-    /// [µs]
-    [[nodiscard]] double per_cycle() const {
-        return std::chrono::duration<double, std::micro>(end_ - begin_).count() / static_cast<double>(timed_);
+    [[nodiscard]] Turn turn() {
+        if (times_.empty()) times_.push_back(static_cast<double>(last_ - begin_));
+        const double sum = std::accumulate(times_.begin(), times_.end(), 0.0), count = static_cast<double>(times_.size());
+        std::nth_element(times_.begin(), times_.begin() + static_cast<long>(times_.size()) / 2, times_.end());
+        return {times_[times_.size() / 2] * per_tick_, sum / count * per_tick_};
     }
 
 private:
-    long left_, timed_;
-    std::chrono::steady_clock::time_point begin_, end_;
+    static constexpr std::size_t most = 200000;
+    double per_tick_;  // [µs]
+    std::int64_t begin_ = ticks(), last_ = begin_;
+    std::int64_t from_ = begin_ + static_cast<std::int64_t>(4e3 / per_tick_), until_ = begin_ + static_cast<std::int64_t>(20e3 / per_tick_);
+    std::vector<double> times_;
 };
 
 double microseconds(const std::function<void()>& action) {
@@ -85,48 +103,55 @@ long length_of(double wanted) {
 }
 
 /// Two threads, two tasks, one counter each: opened by one, answered by the other.
-double bare_barrier(std::vector<Work>& data, long cycles) {
+Turn bare_barrier(std::vector<Work>& data, const TickScale& scale, bool pin) {
+    const Processors processors;
+    const Pin own(pin, processors, 0);
     alignas(128) std::atomic<long> opened{0};
     alignas(128) std::atomic<long> answered{0};
     std::jthread other([&] {
-        for (long cycle = 1; cycle <= cycles; ++cycle) {
-            while (opened.load(std::memory_order_acquire) < cycle) {}
+        const Pin pinned(pin, processors, 1);
+        for (long cycle = 1;; ++cycle) {
+            long now = opened.load(std::memory_order_acquire);
+            for (; now >= 0 && now < cycle; now = opened.load(std::memory_order_acquire)) {}
+            if (now < 0) return;
             work(data.data(), 1);
             answered.store(cycle, std::memory_order_release);
         }
     });
-    Cycles controller(cycles);
+    Cycles controller(scale);
     for (long cycle = 1; controller.next() != Controller::stop; ++cycle) {
         opened.store(cycle, std::memory_order_release);
         work(data.data(), 0);
         while (answered.load(std::memory_order_acquire) < cycle) {}
     }
-    return controller.per_cycle();
+    opened.store(-1, std::memory_order_release);
+    return controller.turn();
 }
 
-/// One way to run M tasks per cycle; takes the number of cycles, returns [µs] per cycle.
+/// One way to run M tasks per cycle; one turn after the other.
 struct Contender {
     std::string name;
     int tasks;
     double task_time;  // [µs]
-    std::function<double(long)> run;
-    std::vector<double> per_cycle{};
+    std::function<Turn()> take_turn;
+    std::vector<Turn> turns{};
 };
 
-Contender contender(const ExecutorRow& row, int tasks, double task_time, long length, const ExecutorOptions& options) {
+Contender contender(const ExecutorRow& row, int tasks, double task_time, long length, const ExecutorOptions& options,
+                    const TickScale& scale) {
     auto graph = std::make_shared<TaskGraph>();
     for (int task = 0; task < tasks; ++task) graph->add({"t", 0, work, task, {}});
     graph->freeze();
     auto data = std::make_shared<std::vector<Work>>(static_cast<std::size_t>(tasks), Work{1.0, length});
     std::shared_ptr<Executor> executor = row.make(options);
-    return {std::string(row.name), tasks, task_time, [=](long cycles) {
-                Cycles controller(cycles);
+    return {std::string(row.name), tasks, task_time, [=] {
+                Cycles controller(scale);
                 executor->run(*graph, data->data(), controller);
-                return controller.per_cycle();
+                return controller.turn();
             }};
 }
 
-std::vector<Contender> contenders(const Settings& settings, StampRecorder& recorder) {
+std::vector<Contender> contenders(const Settings& settings, StampRecorder& recorder, const TickScale& scale) {
     constexpr double long_task = 2.6, recorded_task = 5.0;
     std::vector<Contender> result;
     for (const auto& [time, length] : {std::pair{0.0, 0L}, std::pair{long_task, length_of(long_task)}}) {
@@ -134,62 +159,75 @@ std::vector<Contender> contenders(const Settings& settings, StampRecorder& recor
             if (time > 0.0 && tasks != 2) continue;
             for (const ExecutorRow& row : executors()) {
                 const int threads = row.parallel ? settings.threads : 1;
-                result.push_back(contender(row, tasks, time, length, {.threads = threads, .wait = settings.wait}));
+                result.push_back(
+                    contender(row, tasks, time, length, {.threads = threads, .wait = settings.wait, .pin = settings.pin}, scale));
             }
+            const bool pin = settings.pin;
             if (tasks != 2) continue;
             auto data = std::make_shared<std::vector<Work>>(2, Work{1.0, length});
-            result.push_back({"bare spin barrier", tasks, time, [=](long cycles) { return bare_barrier(*data, cycles); }});
+            result.push_back({"bare spin barrier", tasks, time, [=] { return bare_barrier(*data, scale, pin); }});
         }
     }
     const ExecutorRow& serial = *find_executor("serial");
     const long length = length_of(recorded_task);
-    result.push_back(contender(serial, 1, recorded_task, length, {}));
-    result.push_back(contender(serial, 1, recorded_task, length, {.recorder = &recorder}));
+    result.push_back(contender(serial, 1, recorded_task, length, {}, scale));
+    result.push_back(contender(serial, 1, recorded_task, length, {.recorder = &recorder}, scale));
     result.back().name = "serial, recorded";
     return result;
 }
 
-/// All contenders take turns, so that a noisy minute hits all alike. Cycles per turn: about 20 ms.
+/// All contenders take turns, so that a noisy minute hits all alike. The first turn warms up.
 void measure(std::vector<Contender>& contenders, int repetitions) {
     for (int repetition = -1; repetition < repetitions; ++repetition) {
         for (Contender& each : contenders) {
-            const double before = each.per_cycle.empty() ? each.run(200) : each.per_cycle.back();
-            const long cycles = std::clamp(static_cast<long>(20000.0 / before), 100L, 100000L);
-            const double time = each.run(cycles);
-            if (repetition >= 0) each.per_cycle.push_back(time);  // the first turn warms up
+            const Turn turn = each.take_turn();
+            if (repetition >= 0) each.turns.push_back(turn);
         }
     }
 }
 
-Cell cell(std::vector<double> values) {
+/// "model name" of the first processor.
+std::string machine() {
+    std::ifstream file("/proc/cpuinfo");
+    for (std::string line; std::getline(file, line);) {
+        if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+    }
+    return "unknown";
+}
+
+/// Part of the turns that took at most that long: 0.5 is the median.
+double quantile(const Contender& of, double Turn::*kind, double part) {
+    std::vector<double> values;
+    for (const Turn& turn : of.turns) values.push_back(turn.*kind);
     std::sort(values.begin(), values.end());
-    const auto at = [&](double part) { return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))]; };
-    return {at(0.0), at(0.25), at(0.5), at(0.75)};
+    return values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
 void print(const std::vector<Contender>& contenders, const Settings& settings) {
-    fmt::print("oneTBB {}; OpenMP {}; {} processors, {} threads, wait {}, {} repetitions\n", tbb_version(), openmp_version(),
-               usable_processors(), settings.threads, settings.wait_name, settings.repetitions);
-    fmt::print("{:<18} {:>5} {:>9} {:>8} {:>24} {:>10}\n", "executor", "tasks", "task [µs]", "least", "median (quartiles) [µs]",
-               "above the ideal");
+    fmt::print("oneTBB {}; OpenMP {}; {} processors, {} threads{}, wait {}, {} repetitions; [µs] per cycle\n", tbb_version(),
+               openmp_version(), usable_processors(), settings.threads, settings.pin ? ", pinned" : "", settings.wait_name,
+               settings.repetitions);
+    fmt::print("{:<18} {:>5} {:>5} {:>8} {:>24} {:>10} {:>10}\n", "executor", "tasks", "task", "least", "typical (quartiles)", "over ideal",
+               "mean");
     for (const Contender& each : contenders) {
-        const Cell c = cell(each.per_cycle);
         const double ideal = each.name.starts_with("serial") ? each.tasks * each.task_time : each.task_time;
-        fmt::print("{:<18} {:>5} {:>9} {:>8.2f} {:>8.2f} ({:.2f} … {:.2f}) {:>10.2f}\n", each.name, each.tasks, each.task_time, c.least,
-                   c.median, c.lower_quartile, c.upper_quartile, c.median - ideal);
+        const double typical = quantile(each, &Turn::typical, 0.5);
+        fmt::print("{:<18} {:>5} {:>5} {:>8.2f} {:>8.2f} ({:.2f} … {:.2f}) {:>10.2f} {:>10.2f}\n", each.name, each.tasks, each.task_time,
+                   quantile(each, &Turn::typical, 0.0), typical, quantile(each, &Turn::typical, 0.25), quantile(each, &Turn::typical, 0.75),
+                   typical - ideal, quantile(each, &Turn::mean, 0.5));
     }
 }
 
 void write_csv(const std::vector<Contender>& contenders, const Settings& settings) {
     auto file = fmt::output_file(settings.csv);
     file.print(
-        "executor,tasks,task_us,least_us,median_us,lower_quartile_us,upper_quartile_us,threads,wait,repetitions,processors,compiler,tbb,"
-        "openmp\n");
+        "executor,tasks,task_us,typical_us,lower_quartile_us,upper_quartile_us,least_us,mean_us,threads,pinned,wait,repetitions,machine,");
+    file.print("processors,compiler,tbb,openmp\n");
     for (const Contender& each : contenders) {
-        const Cell c = cell(each.per_cycle);
-        file.print("{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{},{},{},{},\"{}\",\"{}\",{}\n", each.name, each.tasks, each.task_time, c.least,
-                   c.median, c.lower_quartile, c.upper_quartile, settings.threads, settings.wait_name, settings.repetitions,
-                   usable_processors(), __VERSION__, tbb_version(), openmp_version());
+        file.print("{},{},{}", each.name, each.tasks, each.task_time);
+        for (const double part : {0.5, 0.25, 0.75, 0.0}) file.print(",{:.4f}", quantile(each, &Turn::typical, part));
+        file.print(",{:.4f},{},{},{},{},\"{}\",{},\"{}\",\"{}\",{}\n", quantile(each, &Turn::mean, 0.5), settings.threads, settings.pin,
+                   settings.wait_name, settings.repetitions, machine(), usable_processors(), __VERSION__, tbb_version(), openmp_version());
     }
 }
 
@@ -199,6 +237,7 @@ Settings parse(int count, char** words) {
         const std::string key = words[i], value = words[i + 1];
         if (key == "--repetitions") settings.repetitions = std::max(1, std::stoi(value));
         if (key == "--threads") settings.threads = std::max(1, std::stoi(value));
+        if (key == "--pin") settings.pin = value == "yes";
         if (key == "--csv") settings.csv = value;
         if (key == "--wait") {
             settings.wait_name = value;
@@ -213,7 +252,7 @@ Settings parse(int count, char** words) {
 int main(int count, char** words) {
     const Settings settings = parse(count, words);
     StampRecorder recorder(1, 100000);
-    std::vector<Contender> all = contenders(settings, recorder);
+    std::vector<Contender> all = contenders(settings, recorder, TickScale());
     measure(all, settings.repetitions);
     print(all, settings);
     if (!settings.csv.empty()) write_csv(all, settings);

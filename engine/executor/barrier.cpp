@@ -25,7 +25,7 @@ namespace {
 /// waits for `opened`. Each number has one writer and grows by one, hence no reset, no compare-and-swap and nothing to wrap (64 bits).
 class Team {
 public:
-    Team(Run& run, const ExecutorOptions& options) : run_(run), patience_(options), pin_(options.pin), own_(pin_, processors_, 0) {
+    Team(Run& run, const ExecutorOptions& options) : run_(run), options_(options), untried_(options), own_(options.pin, processors_, 0) {
         const auto wanted = static_cast<std::size_t>(options.threads);
         done_ = std::make_unique<Counter[]>(wanted);
         threads_.reserve(wanted);
@@ -69,9 +69,10 @@ private:
     }
 
     void work(int worker) noexcept {
-        const Pin pin(pin_, processors_, worker);
+        Patience patience = untried_;
+        const Pin pin(options_.pin, processors_, worker);
         for (std::uint64_t number = 0;;) {
-            number = patience_.change(opened_.value, number);
+            number = patience.change(opened_.value, number);
             if (level_.empty()) return;
             run_.tasks(share(level_, worker, members_), worker);
             done_[static_cast<std::size_t>(worker)].value.store(number, std::memory_order_release);
@@ -79,9 +80,10 @@ private:
     }
 
     Run& run_;
-    Patience patience_;
+    const ExecutorOptions& options_;
+    const Patience untried_;
+    Patience patience_ = untried_;  ///< the calling thread's
     Processors processors_;
-    bool pin_;
     Pin own_;
     int members_ = 1;             ///< read by workers after the first `opened`
     std::span<const int> level_;  ///< empty: leave

@@ -5,8 +5,10 @@
 
 namespace cvtflow::engine {
 
-/// One `parallel for` with static schedule per level. Its threads belong to the OpenMP runtime and outlive the run. LLVM's runtime allocates memory
-/// in every loop, GNU's does not.
+/// One `parallel for` with static schedule per level. Its threads belong to the OpenMP runtime and outlive the run.
+/// LLVM's runtime allocates memory in every loop, GNU's does not.
+/// GNU's waits pause for milliseconds: when the system puts two threads on one processor a barrier takes 8 ms (measured), unless
+/// OMP_WAIT_POLICY=passive is set.
 class OmpFork final : public RunningExecutor {
 public:
     explicit OmpFork(const ExecutorOptions& options) : RunningExecutor(options) {}

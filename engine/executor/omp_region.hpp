@@ -7,6 +7,8 @@ namespace cvtflow::engine {
 
 /// Levels end at OpenMP's barriers; the calling thread meets the controller between two of them. The threads belong to the OpenMP
 /// runtime and outlive the run.
+/// GNU's waits pause for milliseconds: when the system puts two threads on one processor a barrier takes 8 ms (measured), unless
+/// OMP_WAIT_POLICY=passive is set.
 class OmpRegion final : public RunningExecutor {
 public:
     explicit OmpRegion(const ExecutorOptions& options) : RunningExecutor(options) {}

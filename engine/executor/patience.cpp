@@ -1,5 +1,6 @@
 #include "engine/executor/patience.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <thread>
 
@@ -25,17 +26,22 @@ nanoseconds pauses(const ExecutorOptions& options) {
 }  // namespace
 
 Patience::Patience(const ExecutorOptions& options)
-    : pause_until_(pauses(options)),
-      yield_until_(options.wait == Wait::passive ? pause_until_ + std::chrono::microseconds(100) : nanoseconds::max()) {}
+    : most_pauses_(pauses(options)),
+      yields_(options.wait == Wait::passive ? nanoseconds(std::chrono::microseconds(100)) : nanoseconds::max()) {}
 
 void Patience::rest(nanoseconds waited) const noexcept {
-    if (waited < pause_until_) {
+    if (waited < pauses_) {
         for (int i = 0; i < 4; ++i) pause();
-    } else if (waited < yield_until_) {
+    } else if (waited - pauses_ < yields_) {
         std::this_thread::yield();
     } else {
         std::this_thread::sleep_for(std::chrono::microseconds(50));
     }
+}
+
+void Patience::learn(nanoseconds waited) noexcept {
+    const nanoseconds least_growth = std::chrono::microseconds(1);
+    pauses_ = waited > pauses_ ? pauses_ / 2 : std::min(most_pauses_, 2 * pauses_ + least_growth);
 }
 
 }  // namespace cvtflow::engine

@@ -12,6 +12,9 @@ namespace cvtflow::engine {
 /// Data of different writers stay this far apart: two cache lines, since processors fetch lines in pairs.
 inline constexpr std::size_t apart = 128;
 
+/// One thread's patience; each has its own copy. It learns: a wait that outlasts the pauses halves them, a shorter one doubles them up
+/// to the policy's. Two threads that the system has put on one processor would otherwise pause in each other's time (measured: 46 µs
+/// per cycle, and 8 ms with OpenMP's barriers, which pause for milliseconds).
 class Patience {
 public:
     /// No pauses if there are more threads than processors: the one waited for may need ours.
@@ -19,15 +22,19 @@ public:
 
     /// Returns the word's value once it differs from `old`; acquires what was written before it was stored.
     template <class Word>
-    [[nodiscard]] Word change(const std::atomic<Word>& word, Word old) const noexcept {
+    [[nodiscard]] Word change(const std::atomic<Word>& word, Word old) noexcept {
         for (int look = 0; look < first_looks; ++look) {
             if (const Word now = word.load(std::memory_order_acquire); now != old) return now;
             pause();
         }
         const auto begin = std::chrono::steady_clock::now();
         for (;;) {
-            if (const Word now = word.load(std::memory_order_acquire); now != old) return now;
-            rest(std::chrono::steady_clock::now() - begin);
+            const auto waited = std::chrono::steady_clock::now() - begin;
+            if (const Word now = word.load(std::memory_order_acquire); now != old) {
+                learn(waited);
+                return now;
+            }
+            rest(waited);
         }
     }
 
@@ -43,9 +50,11 @@ private:
     }
     /// @param waited how long so far
     void rest(std::chrono::nanoseconds waited) const noexcept;
+    void learn(std::chrono::nanoseconds waited) noexcept;
 
-    std::chrono::nanoseconds pause_until_;
-    std::chrono::nanoseconds yield_until_;
+    std::chrono::nanoseconds most_pauses_;
+    std::chrono::nanoseconds pauses_ = most_pauses_;
+    std::chrono::nanoseconds yields_;  ///< after the pauses, before the first sleep
 };
 
 }  // namespace cvtflow::engine

@@ -32,7 +32,7 @@
 namespace cvtflow::engine {
 
 ResidentBoard::ResidentBoard(Run& run, const ExecutorOptions& options, int first)
-    : run_(run), patience_(options), workers_(options.threads), taken_(std::make_unique<Padded[]>(static_cast<std::size_t>(workers_))) {
+    : run_(run), untried_(options), workers_(options.threads), taken_(std::make_unique<Padded[]>(static_cast<std::size_t>(workers_))) {
     const TaskGraph& graph = run.graph();
     for (int cycle = 0; cycle < graph.cycles(); ++cycle) {
         first_level_.push_back(levels_.size());
@@ -95,10 +95,11 @@ std::uint64_t ResidentBoard::finish(int worker, std::uint64_t open) noexcept {
 }
 
 void ResidentBoard::work(int worker) noexcept {
+    Patience patience = untried_;
     std::uint64_t open = open_.value.load(std::memory_order_acquire);
     while (Word::count(open) != Word::most) {
         const std::uint64_t next = finish(worker, open);
-        open = next != open ? next : patience_.change(open_.value, open);
+        open = next != open ? next : patience.change(open_.value, open);
     }
 }
 

@@ -48,7 +48,7 @@ private:
     std::uint64_t open_level(std::uint64_t sequence, std::uint64_t level) noexcept;
 
     Run& run_;
-    Patience patience_;
+    const Patience untried_;
     int workers_;
     std::vector<Level> levels_;               ///< of all cycles
     std::vector<std::uint64_t> first_level_;  ///< [cycle]
