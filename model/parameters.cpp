@@ -33,6 +33,12 @@ double TimeTable::largest_magnitude() const noexcept {
     return largest;
 }
 
+double chain_length(const Chain& chain) noexcept {
+    double length = 0.0;
+    for (int link = 0; link < chain.pins; ++link) length += chain.pitch[static_cast<std::size_t>(link) % chain.pitch.size()];
+    return length;
+}
+
 double ramp(const Start& start, double t) noexcept {
     if (t >= 0.0) return 1.0;
     const double x = std::clamp((t + start.settling_time) / start.ramp_time, 0.0, 1.0);

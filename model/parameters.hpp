@@ -181,6 +181,9 @@ struct Parameters {
     bool operator==(const Parameters&) const = default;
 };
 
+/// Sum of the pitches of all links [m].
+[[nodiscard]] double chain_length(const Chain& chain) noexcept;
+
 /// Factor on clamping and load while settling: smoothstep from -t_settle over t_ramp, one from t = 0 on.
 [[nodiscard]] double ramp(const Start& start, double t) noexcept;
 

@@ -128,12 +128,6 @@ void spin_shafts(const Parameters& p, const ChainLayout& at, const double* turni
     }
 }
 
-[[nodiscard]] double nominal_length(const Parameters& p) {
-    double length = 0.0;
-    for (int i = 0; i < p.chain.pins; ++i) length += p.chain.pitch[static_cast<std::size_t>(i) % p.chain.pitch.size()];
-    return length;
-}
-
 /// Path, pre-tension and speed that a scene asks for.
 struct StartPlan {
     BeltRadii radii;     ///< nominal, of a belt as long as the sum of pitches
@@ -146,7 +140,7 @@ struct StartPlan {
 [[nodiscard]] StartPlan plan_start(const Parameters& p) {
     const double a = p.pulley.centre_distance;
     const double ratio = p.start.ratio;
-    const double length = nominal_length(p);
+    const double length = chain_length(p.chain);
     const bool ring = p.start.layout == StartLayout::ring;
     StartPlan plan;
     plan.mean_pitch = length / p.chain.pins;

@@ -16,11 +16,6 @@ constexpr double required_gain = 1.05;
 constexpr int rounds = 5;
 constexpr double round_seconds = 0.02;
 
-class Quiet final : public RunObserver {
-    void output(double, const Workspace&, const Counters&) override {}
-    void transition(const TransitionRecord&) override {}
-};
-
 /// One candidate at work on its own copy of the start.
 class Trial {
 public:
@@ -45,7 +40,7 @@ public:
 private:
     Simulation simulation_;
     Candidate candidate_;
-    Quiet observer_;
+    SilentObserver observer_;
     engine::Cancellation never_;
     std::vector<double> samples_;
     long steps_ = 4;

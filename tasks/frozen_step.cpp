@@ -12,12 +12,6 @@ namespace cvtflow::tasks {
 
 namespace {
 
-class Nobody final : public RunObserver {
-public:
-    void output(double, const Workspace&, const Counters&) override {}
-    void transition(const TransitionRecord&) override {}
-};
-
 /// What errors are measured of.
 struct Solution {
     std::vector<double> positions, velocities, axial_force, tension;
@@ -61,7 +55,7 @@ FrozenStart frozen_start(const Simulation& simulation) {
     Workspace probed(at.parameters, engine::methods().front(), Partition::equal(at.layout().links, 1));
     std::copy_n(simulation.state(), size, probed.states[0]);
     probed.phases = simulation.phases();
-    Nobody nobody;
+    SilentObserver nobody;
     const engine::Cancellation never;
     StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
     return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases};

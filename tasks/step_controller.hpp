@@ -48,6 +48,13 @@ protected:
     RunObserver& operator=(const RunObserver&) = default;
 };
 
+/// Takes no notice.
+class SilentObserver final : public RunObserver {
+public:
+    void output(double, const Workspace&, const Counters&) override {}
+    void transition(const TransitionRecord&) override {}
+};
+
 struct StepSettings {
     double begin = 0.0;              ///< [s]
     double until = 0.0;              ///< [s]

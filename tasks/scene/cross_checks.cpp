@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "tasks/scene/units.hpp"
+#include "model/belt.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -21,19 +22,6 @@ std::string mm(double length) { return fmt::format("{:.4g} mm", 1e3 * length); }
 
 std::string seconds(double time) { return number_text(time) + " s"; }
 
-double chain_length(const model::Chain& chain) {
-    double length = 0.0;
-    for (int link = 0; link < chain.pins; ++link) length += chain.pitch[static_cast<std::size_t>(link) % chain.pitch.size()];
-    return length;
-}
-
-/// Belt length around the running radii r and ratio·r. Grows strictly with r: its slope is π (1 + i) + 2 f (i - 1) > 0.
-double belt_length(double r, double ratio, double a) noexcept {
-    const double difference = (ratio - 1.0) * r;
-    const double f = std::asin(std::clamp(difference / a, -1.0, 1.0));
-    return 2.0 * a * std::cos(f) + std::numbers::pi * (1.0 + ratio) * r + 2.0 * f * difference;
-}
-
 Violation geometry_closes(const Scene& scene) {
     const auto& chain = scene.parameters.chain;
     const auto& pulley = scene.parameters.pulley;
@@ -41,8 +29,8 @@ Violation geometry_closes(const Scene& scene) {
     const bool absent = scene.parameters.detail.pulleys == PulleyDetail::absent;
     if (start.layout != StartLayout::belt || absent || !scene.state_file.empty()) return {};
     if (pulley.innermost >= pulley.outermost) return {};   // said by radii_ordered
-    const double length = chain_length(chain);
-    const auto radii = belt_radii(length, pulley.centre_distance, start.ratio);
+    const double length = model::chain_length(chain);
+    const auto radii = model::belt_radii(length, start.ratio, pulley.centre_distance);
     const auto chain_text = fmt::format("chain.pins: {} pins make a chain of {}", chain.pins, mm(length));
     const auto centre_distance = mm(pulley.centre_distance);
     if (!radii && length <= 2.0 * pulley.centre_distance)
@@ -177,17 +165,6 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.method"}, method_named},
     };
     return checks;
-}
-
-std::optional<BeltRadii> belt_radii(double length, double centre_distance, double ratio) noexcept {
-    double low = 0.0;
-    double high = centre_distance / (1.0 + ratio);
-    if (belt_length(low, ratio, centre_distance) >= length || belt_length(high, ratio, centre_distance) <= length) return {};
-    for (int halving = 0; halving < 200 && low < high; ++halving) {
-        const double middle = 0.5 * (low + high);
-        (belt_length(middle, ratio, centre_distance) < length ? low : high) = middle;
-    }
-    return BeltRadii{low, ratio * low};
 }
 
 }  // namespace cvtflow::tasks

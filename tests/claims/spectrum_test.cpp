@@ -18,16 +18,11 @@ struct Extent {
     int fast;                    ///< eigenvalues with Re λ < -1e6 1/s
 };
 
-class Quiet final : public tasks::RunObserver {
-    void output(double, const tasks::Workspace&, const tasks::Counters&) override {}
-    void transition(const tasks::TransitionRecord&) override {}
-};
-
 /// A scene brought to a running state, whose spectrum can be taken with other friction.
 class Running {
 public:
     explicit Running(const tasks::Scene& scene) : parameters_(scene.parameters), simulation_(scene) {
-        Quiet quiet;
+        tasks::SilentObserver quiet;
         const engine::Cancellation never;
         if (simulation_.needs_settling()) {
             EXPECT_FALSE(simulation_.settle(quiet, never));

@@ -11,12 +11,6 @@
 namespace cvtflow::tasks {
 namespace {
 
-class Nobody final : public RunObserver {
-public:
-    void output(double, const Workspace&, const Counters&) override {}
-    void transition(const TransitionRecord&) override {}
-};
-
 /// The smallest scene after a millisecond of settling: tips touch, everything moves.
 class FrozenStep : public testing::Test {
 protected:
@@ -29,7 +23,7 @@ protected:
     static const FrozenStart& start() {
         static const FrozenStart settled = [] {
             Simulation simulation(scene());
-            Nobody nobody;
+            SilentObserver nobody;
             const engine::Cancellation never;
             EXPECT_FALSE(simulation.settle(nobody, never));
             return frozen_start(simulation);

@@ -14,11 +14,6 @@
 namespace cvtflow::tasks {
 namespace {
 
-class Quiet final : public RunObserver {
-    void output(double, const Workspace&, const Counters&) override {}
-    void transition(const TransitionRecord&) override {}
-};
-
 Scene scene_of(const std::string& name, const std::vector<std::string>& settings) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml");
     set_values(scene, settings);
@@ -31,7 +26,7 @@ struct Outcome {
 };
 
 Outcome outcome(const Scene& scene, const Schedule& schedule) {
-    Quiet quiet;
+    SilentObserver quiet;
     const engine::Cancellation never;
     Simulation simulation(scene, schedule);
     EXPECT_FALSE(simulation.run(scene.run.until, quiet, never));

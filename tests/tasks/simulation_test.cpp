@@ -13,12 +13,7 @@
 namespace cvtflow::tasks {
 namespace {
 
-class Silent final : public RunObserver {
-public:
-    void output(double, const Workspace&, const Counters&) override {}
-    void transition(const TransitionRecord&) override {}
-};
-Silent silent;
+SilentObserver silent;
 const engine::Cancellation never;
 
 Scene tiny() {

@@ -141,12 +141,6 @@ Fault run_with(Rig& rig, const StepSettings& settings, RunObserver& observer, co
     return controller.fault();
 }
 
-class Silent final : public RunObserver {
-public:
-    void output(double, const Workspace&, const Counters&) override {}
-    void transition(const TransitionRecord&) override {}
-};
-
 /// The state that a run of that many whole steps leaves.
 void expect_good_state(Rig& rig) {
     for (int k = 0; k < rig.variator().layout().size(); ++k) ASSERT_TRUE(std::isfinite(rig.state()[k]));
@@ -156,7 +150,7 @@ void expect_good_state(Rig& rig) {
 
 TEST(StepControllerBudgets, StepsAreCountedAndTheStateIsLeftGood) {
     Rig rig(tiny());
-    Silent silent;
+    SilentObserver silent;
     const engine::Cancellation never;
     Counters counters;
     const Fault fault = run_with(rig, {begin, 0.0, 5e-8, 1e-5, 137}, silent, never, &counters);
@@ -169,7 +163,7 @@ TEST(StepControllerBudgets, StepsAreCountedAndTheStateIsLeftGood) {
 
 TEST(StepControllerBudgets, WallTimeEndsTheRunAndTheStateIsLeftGood) {
     Rig rig(tiny());
-    Silent silent;
+    SilentObserver silent;
     const engine::Cancellation never;
     const Fault fault = run_with(rig, {begin, 10.0, 5e-8, 1e-5, 0, 0.02}, silent, never);
     EXPECT_EQ(fault.kind, FaultKind::max_wall);

@@ -25,12 +25,6 @@ struct LocalErrorArguments {
     std::string friction;
 };
 
-class Nobody final : public tasks::RunObserver {
-public:
-    void output(double, const tasks::Workspace&, const tasks::Counters&) override {}
-    void transition(const tasks::TransitionRecord&) override {}
-};
-
 /// "80ns, 4e-8" → descending seconds.
 std::vector<double> read_steps(const std::string& list) {
     std::vector<double> steps;
@@ -56,7 +50,7 @@ tasks::FrozenStart start_of(const tasks::Scene& scene, bool settle) {
                         scene.name));
     }
     if (simulation.needs_settling()) {
-        Nobody nobody;
+        tasks::SilentObserver nobody;
         const tasks::Fault fault = simulation.settle(nobody, catch_interrupts());
         if (fault) throw tasks::SettlingFault(fault);
     }
