@@ -22,12 +22,14 @@ std::vector<std::string> scene_files() {
     return files;
 }
 
-/// Counts allocations from one output to the next; makes none itself.
+/// Counts allocations from one output to the next; makes none itself. The first outputs can be passed over: threads arrive meanwhile.
 class AllocationCounter final : public RunObserver {
 public:
+    explicit AllocationCounter(long passed_over) : passed_over_(passed_over) {}
+
     void output(double, const Workspace&, const Counters& counters) override {
         const long now = engine::test::allocation_count();
-        if (outputs_ > 0) between_ += now - before_;
+        if (outputs_ > passed_over_) between_ += now - before_;
         if (outputs_ == 0) first_steps_ = counters.steps;
         last_steps_ = counters.steps;
         ++outputs_;
@@ -35,7 +37,7 @@ public:
     }
     void transition(const TransitionRecord&) override { ++transitions_; }
 
-    long between_ = 0, before_ = 0, outputs_ = 0, transitions_ = 0, first_steps_ = 0, last_steps_ = 0;
+    long passed_over_, between_ = 0, before_ = 0, outputs_ = 0, transitions_ = 0, first_steps_ = 0, last_steps_ = 0;
 };
 
 class EveryScene : public testing::TestWithParam<std::string> {};
@@ -46,14 +48,31 @@ TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
     scene.run.output_interval = 20.0 * scene.run.step;
     scene.run.segments = std::min(5, scene.parameters.chain.pins);
     scene.run.max_steps = 150;   // ends a settling run early
+    scene.run.schedule = "serial";
     Simulation simulation(scene);
-    AllocationCounter counter;
+    AllocationCounter counter(0);
     const engine::Cancellation never;
     const Fault fault = simulation.needs_settling() ? simulation.settle(counter, never) : simulation.run(1.0, counter, never);
     EXPECT_EQ(fault.kind, FaultKind::max_steps) << fault.message();
     EXPECT_GE(counter.last_steps_ - counter.first_steps_, 60);
     if (simulation.needs_settling()) { EXPECT_GT(counter.transitions_, 0) << "tips just touch at the start, so some come and go"; }
     EXPECT_EQ(counter.between_, 0);
+}
+
+TEST(NoAllocation, InTheStepLoopOfParallelExecutorsWithEitherAssembly) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/shift.toml");
+    scene.run.output_interval = 20.0 * scene.run.step;
+    scene.run.max_steps = 300;
+    const engine::Cancellation never;
+    for (const char* executor : {"barrier", "flow", "tbb_loop"}) {
+        for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+            Simulation simulation(scene, {executor, {assembly}, 4, 2});
+            AllocationCounter counter(5);
+            EXPECT_EQ(simulation.run(1.0, counter, never).kind, FaultKind::max_steps);
+            EXPECT_EQ(counter.between_, 0) << executor;
+        }
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(NoAllocation, EveryScene, testing::ValuesIn(scene_files()),

@@ -1,0 +1,54 @@
+/// A thousand simulations in one process leave neither threads nor memory behind.
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "engine/record/state_file.hpp"
+#include "tasks/simulation.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+/// Resident memory of this process [bytes].
+double resident() {
+    std::ifstream file("/proc/self/statm");
+    double total = 0.0;
+    double pages = 0.0;
+    file >> total >> pages;
+    return pages * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+long threads() {
+    const std::filesystem::directory_iterator tasks("/proc/self/task");
+    return std::distance(begin(tasks), end(tasks));
+}
+
+TEST(ManySimulations, AThousandLeaveNeitherThreadsNorMemoryBehind) {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+    const std::string state = testing::TempDir() + "many_simulations.h5";
+    engine::write_state(state, Simulation(scene, Schedule{}).saved_state());
+    scene.state_file = state;
+    SilentObserver silent;
+    const engine::Cancellation never;
+    const char* executors[] = {"flow", "barrier", "flow_messages", "tbb_loop"};
+    double memory = 0.0;
+    long started = 0;
+    for (int number = 0; number < 1000; ++number) {
+        Simulation simulation(scene, Schedule{executors[number % 4], {number % 8 < 4 ? Assembly::fused : Assembly::staged}, 4, 2});
+        EXPECT_EQ(simulation.run_steps(3, silent, never).kind, FaultKind::max_steps);
+        if (number == 200) {
+            memory = resident();
+            started = threads();
+        }
+    }
+    // oneTBB keeps its workers; what it and the allocator keep is there after the first 200.
+    EXPECT_LE(threads(), started);
+    EXPECT_LT(resident() - memory, 4e6);
+    std::filesystem::remove(state);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
