@@ -18,6 +18,8 @@ using tasks::StageRow;
 
 std::string microseconds(double seconds) { return fmt::format("{:.2f}", 1e6 * seconds); }
 
+std::string factor(double value) { return value >= 0.1 ? fmt::format("{:.2f}", value) : fmt::format("{:.2g}", value); }
+
 Table::Column right(std::string heading) { return {std::move(heading), Align::right}; }
 
 std::vector<std::string> schedule_cells(const ScheduleResult& result) {
@@ -36,15 +38,17 @@ std::string bare_text(const tasks::Profile& profile) {
 
 std::string timing_text(const tasks::Profile& profile) {
     Table table({{"schedule"}, right("threads"), right("segments"), right("step [us]"), right("quartiles"), right("evaluation"), right("speed-up"),
-                 right("cpu/wall"), right("sync"), right("empty"), right("least task"), right("imbalance"), right("recording"), {""}});
+                 right("cpu/wall"), right("active"), right("sync"), right("alone"), right("least task"), right("imbalance"), right("recording"), {""}});
     for (const ScheduleResult& result : profile.results) {
         const LoadResult& load = result.loads.front();
         const tasks::RecordedPass& pass = result.recording.pass;
         std::vector<std::string> cells = schedule_cells(result);
         cells.insert(cells.end(), {microseconds(load.step.median), fmt::format("{} .. {}", microseconds(load.step.lower_quartile), microseconds(load.step.upper_quartile)),
-                                   microseconds(load.evaluation), fmt::format("{:.2f}", load.speed_up), fmt::format("{:.2f}", load.cpu_per_wall)});
+                                   microseconds(load.evaluation), factor(load.speed_up), fmt::format("{:.2f}", load.cpu_per_wall)});
         const bool known = recorded(result);
-        cells.insert(cells.end(), {known ? microseconds(pass.synchronisation()) : "", microseconds(result.empty_cycle), known ? microseconds(pass.least_task()) : "",
+        const bool came = result.cycle.active == result.schedule.threads;
+        cells.insert(cells.end(), {known ? fmt::format("{}", pass.active()) : "", known ? microseconds(pass.synchronisation()) : "",
+                                   came ? microseconds(result.cycle.seconds) : "absent", known ? microseconds(pass.least_task()) : "",
                                    known ? fmt::format("{:.2f}", pass.imbalance()) : "", known ? fmt::format("{:+.0f} %", 100.0 * result.recording.cost) : "", load.dropped});
         table.add(cells);
     }
@@ -65,7 +69,7 @@ std::string neighbours_text(const tasks::Profile& profile) {
         for (const LoadResult& load : result.loads) {
             const bool known = load.rounds > 0;
             cells.push_back(known ? microseconds(load.step.median) : "dropped");
-            cells.push_back(known ? fmt::format("{:.2f}{}", load.speed_up, load.dropped.empty() ? "" : "*") : "");
+            cells.push_back(known ? fmt::format("{}{}", factor(load.speed_up), load.dropped.empty() ? "" : "*") : "");
         }
         table.add(cells);
     }
@@ -149,11 +153,12 @@ std::string model_text(const tasks::Profile& profile) {
     std::string text = "Critical path (fused, a thread per segment):\n";
     text += field("link", fmt::format("{} us free, {} us touching ({} of {}), detection {} us", microseconds(costs.free), microseconds(costs.touching), touching,
                                       profile.model.touching.size(), microseconds(costs.detect)));
-    text += field("per segment and cycle", fmt::format("{} us for the neighbours' joints", microseconds(costs.border)));
+    text += field("segment", fmt::format("{} us per evaluation for the neighbours' joints", microseconds(costs.border)));
     text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluations per step", microseconds(costs.controller), costs.evaluations));
-    text += field("synchronisation", fmt::format("{} us + {} us x M, from", microseconds(costs.synchronisation), microseconds(costs.per_thread)));
+    text += field("synchronisation", fmt::format("{} us + {} us x M per cycle, {}", microseconds(costs.synchronisation), microseconds(costs.per_thread),
+                                                 profile.model.assumed ? "assumed: threads did not come, the machine is too busy" : "from"));
     text.pop_back();
-    for (const tasks::ThreadCost& cost : profile.model.synchronisation) text += fmt::format(" M = {}: {} us", cost.threads, microseconds(cost.seconds));
+    for (const tasks::ThreadCost& cost : profile.model.synchronisation) text += profile.model.assumed ? "" : fmt::format(" M = {}: {} us", cost.threads, microseconds(cost.seconds));
     text += "\n" + field("serial share", fmt::format("{:.2f} %", 100.0 * profile.model.serial_share));
     Table table({right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("measured")});
     for (const tasks::SpeedUpRow& row : profile.model.curves) {

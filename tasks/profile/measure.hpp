@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tasks/profile/cycle_cost.hpp"
 #include "tasks/profile/stages.hpp"
 #include "tasks/profile/statistics.hpp"
 #include "tasks/profile/trial.hpp"
@@ -46,7 +47,7 @@ struct ScheduleResult {
     std::string name;                 ///< "flow:fused"
     std::vector<LoadResult> loads;    ///< in the order of MeasureOptions::neighbours
     Recording recording;
-    double empty_cycle = 0.0;         ///< time of a cycle of one empty task per thread [s]
+    CycleCost cycle;                  ///< synchronisation of the executor by itself
     std::uint64_t hash = 0;           ///< after `hash_steps` steps
     long hash_steps = 0;
 };
@@ -73,8 +74,5 @@ void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int n
 
 /// A recorded trial beside the unrecorded one, alternating; keeps the recorded round of median length.
 void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options);
-
-/// Time of a cycle of one empty task per thread: median over batches, bounded by wall time [s].
-[[nodiscard]] double empty_cycle(const Schedule& schedule, double seconds);
 
 }  // namespace cvtflow::tasks

@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double cycle_seconds = 0.03;   // for an empty or bare cycle
+constexpr double cycle_seconds = 0.03;   // for a bare cycle or one of small tasks
 
 struct Kind {
     const engine::ExecutorRow* row;
@@ -135,8 +135,11 @@ ProfileModel measure_model(const Scene& scene, const Recording& serial, const Me
         Schedule flow;
         flow.executor = "flow";
         flow.threads = threads;
-        model.synchronisation.push_back({threads, empty_cycle(flow, cycle_seconds)});
+        const CycleCost cost = cycle_cost(flow, cycle_seconds);
+        if (cost.active == threads) model.synchronisation.push_back({threads, cost.seconds});
     }
+    model.assumed = model.synchronisation.empty() || model.synchronisation.back().threads == 1;
+    if (model.assumed) model.synchronisation = {{2, assumed_synchronisation}};
     fit_synchronisation(model.synchronisation, model.costs);
     return model;
 }
@@ -159,7 +162,7 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
     }
     say("synchronisation and model");
     for (Lane& lane : lanes) {
-        lane.result.empty_cycle = empty_cycle(lane.result.schedule, cycle_seconds);
+        lane.result.cycle = cycle_cost(lane.result.schedule, cycle_seconds);
         const int threads = lane.result.schedule.threads;
         const bool known = std::any_of(profile.bare.begin(), profile.bare.end(), [=](const ThreadCost& cost) { return cost.threads == threads; });
         if (!known) profile.bare.push_back({threads, engine::bare_barrier_cycle(threads, cycle_seconds)});

@@ -19,11 +19,15 @@ struct ScheduleChoice {
 /// @throws SceneError for an executor or assembly that does not exist, or more segments than links
 [[nodiscard]] std::vector<Schedule> chosen_schedules(const Scene& scene, const ScheduleChoice& choice);
 
+/// Synchronisation of `flow` with two threads on a quiet machine [s]: what the model takes where it cannot be measured.
+inline constexpr double assumed_synchronisation = 0.3e-6;
+
 struct ProfileModel {
     PathCosts costs;
     double serial_share = 0.0;             ///< of the serial fused run
     std::vector<bool> touching;            ///< [links]
-    std::vector<ThreadCost> synchronisation;   ///< empty cycles of the `flow` executor
+    std::vector<ThreadCost> synchronisation;   ///< cycles of the `flow` executor on which all threads came
+    bool assumed = false;                  ///< no such cycle with more than one thread: the synchronisation is `assumed_synchronisation`
     std::vector<SpeedUpRow> curves;
 };
 
@@ -40,7 +44,7 @@ struct Profile {
                                         const std::function<void(const std::string&)>& progress = {});
 
 /// Costs of links from recorded serial runs with two numbers of segments, of detection and controller beside; of the synchronisation from
-/// empty cycles of `flow` on 1, 2, 4 … threads, up to the usable ones.
+/// cycles of `flow` on 1, 2, 4 … threads, up to the usable ones.
 [[nodiscard]] ProfileModel measure_model(const Scene& scene, const Recording& serial, const MeasureOptions& options);
 
 }  // namespace cvtflow::tasks

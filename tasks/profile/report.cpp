@@ -62,6 +62,7 @@ ordered_json recording_json(const Recording& recording) {
             {"recording_cost", recording.cost},
             {"synchronisation_per_cycle", pass.synchronisation()},
             {"least_task", pass.least_task()},
+            {"active_threads", pass.active()},
             {"imbalance", pass.imbalance()},
             {"threads", threads}};
 }
@@ -76,7 +77,8 @@ ordered_json result_json(const ScheduleResult& result) {
                       {"segments", result.schedule.segments},
                       {"hash", engine::hex(result.hash)},
                       {"hash_steps", result.hash_steps},
-                      {"empty_cycle", result.empty_cycle},
+                      {"cycle_cost", result.cycle.seconds},
+                      {"cycle_active_threads", result.cycle.active},
                       {"loads", loads}};
     json["recording"] = recording_json(result.recording);
     return json;
@@ -105,6 +107,7 @@ ordered_json model_json(const ProfileModel& model) {
             {"synchronisation_per_thread", costs.per_thread},
             {"evaluations_per_step", costs.evaluations},
             {"serial_share", model.serial_share},
+            {"synchronisation_assumed", model.assumed},
             {"synchronisation_samples", thread_costs(model.synchronisation)},
             {"curves", curves}};
 }
@@ -116,7 +119,7 @@ std::string compiler_flags() { return CVTFLOW_FLAGS; }
 std::string profile_csv(const Scene& scene, const Profile& profile) {
     std::string text =
         "scene,schedule,executor,assembly,threads,segments,neighbours,step_us,step_lower_quartile_us,step_upper_quartile_us,evaluation_us,speed_up,"
-        "cpu_per_wall,rounds,dropped,synchronisation_us,empty_cycle_us,least_task_us,imbalance,recording_cost,hash,commit,compiler,flags,tbb,openmp,cpu,"
+        "cpu_per_wall,rounds,dropped,active_threads,synchronisation_us,cycle_cost_us,least_task_us,imbalance,recording_cost,hash,commit,compiler,flags,tbb,openmp,cpu,"
         "cores,date\n";
     const engine::Provenance here = engine::current_provenance();
     const std::string provenance =
@@ -129,7 +132,7 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
                                 result.schedule.threads, result.schedule.segments, load.neighbours);
             text += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{},{},", 1e6 * load.step.median, 1e6 * load.step.lower_quartile,
                                 1e6 * load.step.upper_quartile, 1e6 * load.evaluation, load.speed_up, load.cpu_per_wall, load.rounds, quoted(load.dropped));
-            text += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", 1e6 * pass.synchronisation(), 1e6 * result.empty_cycle,
+            text += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", pass.active(), 1e6 * pass.synchronisation(), 1e6 * result.cycle.seconds,
                                 1e6 * pass.least_task(), pass.imbalance(), result.recording.cost, engine::hex(result.hash), provenance);
         }
     }

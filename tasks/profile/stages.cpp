@@ -114,7 +114,7 @@ double RecordedPass::least_task() const noexcept { return active() == 0 || level
 double RecordedPass::imbalance() const noexcept {
     double longest = 0.0;
     for (const ThreadTimes& thread : threads) longest = std::max(longest, thread.tasks());
-    return active() == 0 ? 1.0 : longest * active() / tasks();
+    return active() == 0 ? 1.0 : longest * static_cast<double>(threads.size()) / tasks();
 }
 
 double RecordedPass::serial_share() const noexcept {

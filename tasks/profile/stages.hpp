@@ -58,7 +58,7 @@ struct RecordedPass {
     /// Minimum effective task granularity: task length at which half of a thread's time is lost; the loss per level, of which each has a
     /// task per thread [s].
     [[nodiscard]] double least_task() const noexcept;
-    /// Longest over mean task time of the active threads, over the whole run: 1 is even.
+    /// Longest over mean task time of all threads, over the whole run: 1 is even, the number of threads if only one worked.
     [[nodiscard]] double imbalance() const noexcept;
     /// Share of the time between entering and leaving that is no task, for a run of one thread: what Amdahl's law calls serial.
     [[nodiscard]] double serial_share() const noexcept;

@@ -35,6 +35,6 @@ TrialSample Trial::run(long steps) {
     return {wall, processor_seconds() - cpu, steps, simulation_.counters().evaluations};
 }
 
-long steps_within(double seconds, double per_step) noexcept { return static_cast<long>(std::clamp(seconds / per_step, 4.0, 1e5)); }
+long steps_within(double seconds, double per_step) noexcept { return static_cast<long>(std::clamp(seconds / per_step, 1.0, 1e5)); }
 
 }  // namespace cvtflow::tasks

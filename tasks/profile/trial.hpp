@@ -33,7 +33,7 @@ private:
     engine::Cancellation never_;
 };
 
-/// Steps that fit into `seconds` at `per_step`; 4 to 100 000.
+/// Steps that fit into `seconds` at `per_step`; 1 to 100 000.
 [[nodiscard]] long steps_within(double seconds, double per_step) noexcept;
 
 }  // namespace cvtflow::tasks
