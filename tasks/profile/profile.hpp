@@ -10,9 +10,9 @@ namespace cvtflow::tasks {
 
 /// Which schedules are compared.
 struct ScheduleChoice {
-    std::vector<std::string> names;   ///< "executor" (the scene's assembly) or "executor:fused", "executor:staged"; none: all executors x both
-    std::vector<int> threads;         ///< none: as many as are usable
-    std::vector<int> segments;        ///< 0: as many as threads; none: 0
+    std::vector<std::string> names{};   ///< "executor" (the scene's assembly) or "executor:fused", "executor:staged"; none: all executors x both
+    std::vector<int> threads{};         ///< none: as many as are usable
+    std::vector<int> segments{};        ///< 0: as many as threads; none: 0
 };
 
 /// The schedules of a choice, serial:fused with one segment first, none twice. Executors of one thread appear once per assembly.
