@@ -32,8 +32,8 @@ const std::map<std::string, Names> friends{
 };
 
 const Names thread_headers{"atomic", "barrier",   "condition_variable", "future",     "latch",
-                           "mutex",  "semaphore", "shared_mutex",       "stop_token", "thread"};
-const Names posix_headers{"fcntl.h", "sched.h", "unistd.h"};
+                           "mutex",  "semaphore", "shared_mutex",       "stop_token", "thread", "pthread.h"};
+const Names posix_headers{"fcntl.h", "pthread.h", "sched.h", "unistd.h"};
 
 /// Third party behind a header in angle brackets; empty for the standard library and POSIX.
 std::string third_party(const std::string& name) {

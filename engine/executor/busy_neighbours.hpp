@@ -1,0 +1,30 @@
+#pragma once
+/// For measurements among others: threads that keep processors busy, and the least that threads need to meet.
+
+#include <memory>
+
+namespace cvtflow::engine {
+
+/// That many threads of this process spin as long as this lives: neighbours on a shared machine. They are not oneTBB's, so that no scheduler
+/// knows of them.
+class BusyNeighbours {
+public:
+    /// Zero or less: none.
+    explicit BusyNeighbours(int count);
+    ~BusyNeighbours();
+    BusyNeighbours(const BusyNeighbours&) = delete;
+    BusyNeighbours& operator=(const BusyNeighbours&) = delete;
+
+    /// Processor time that they have burned so far, all together [s].
+    [[nodiscard]] double processor_seconds() const noexcept;
+
+private:
+    struct Threads;
+    std::unique_ptr<Threads> threads_;
+};
+
+/// Time of one cycle of threads that meet, do nothing, and meet again, without yielding: median over batches of 64 cycles [s].
+/// A lower bound for every executor on a quiet machine. Ends after `seconds`, give or take a time slice if threads outnumber processors.
+[[nodiscard]] double bare_barrier_cycle(int threads, double seconds);
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,78 @@
+#pragma once
+/// Schedules measured alternately in one process: A B C A B C …, so that a noisy minute hits all alike; medians over rounds.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tasks/profile/cycle_cost.hpp"
+#include "tasks/profile/stages.hpp"
+#include "tasks/profile/statistics.hpp"
+#include "tasks/profile/trial.hpp"
+
+namespace cvtflow::tasks {
+
+struct MeasureOptions {
+    int rounds = 5;                          ///< besides one that warms up
+    double round_seconds = 0.06;             ///< steps of a round are chosen to take about that long
+    long steps = 0;                          ///< steps of a round; 0: chosen
+    double patience = 2.0;                   ///< a schedule with a longer round is dropped [s]
+    std::vector<int> neighbours{0, 1, 2};    ///< busy threads beside; ascending, 0 first
+};
+
+/// One schedule beside so many busy neighbours.
+struct LoadResult {
+    int neighbours = 0;
+    Spread step;                 ///< [s]
+    double evaluation = 0.0;     ///< median time per evaluation of the right-hand side, detection and control included [s]
+    double cpu_per_wall = 0.0;   ///< processors kept busy by this process, neighbours not counted
+    double speed_up = 0.0;       ///< median of serial over median of this, under the same load
+    int rounds = 0;              ///< that count; 0: not measured
+    std::string dropped;         ///< why there are not more, empty: there are all
+};
+
+/// A recorded pass, separate from the timing.
+struct Recording {
+    RecordedPass pass;
+    Spans spans;
+    std::vector<std::string> tasks;   ///< names, by number
+    long steps = 0;
+    long lost = 0;                    ///< stamps that did not fit
+    double cost = 0.0;                ///< what recording adds to the step time, as a share of it
+};
+
+struct ScheduleResult {
+    Schedule schedule;
+    std::string name;                 ///< "flow:fused"
+    std::vector<LoadResult> loads;    ///< in the order of MeasureOptions::neighbours
+    Recording recording;
+    CycleCost cycle;                  ///< synchronisation of the executor by itself
+    std::uint64_t hash = 0;           ///< after `hash_steps` steps
+    long hash_steps = 0;
+};
+
+/// "flow:fused"
+[[nodiscard]] std::string schedule_name(const Schedule& schedule);
+
+/// One line for each result whose hash differs from that of the first after as many steps. `short_hash` is that of the first after 4 steps.
+[[nodiscard]] std::vector<std::string> hash_differences(const std::vector<ScheduleResult>& results, std::uint64_t short_hash);
+
+/// A schedule under measurement.
+struct Lane {
+    std::unique_ptr<Trial> trial;
+    ScheduleResult result;
+    bool dropped = false;
+};
+
+/// Builds the trials, runs 4 steps of each and, unless they were slow, 36 more, and keeps the hashes.
+/// @param short_hash [out] of the first schedule after 4 steps
+[[nodiscard]] std::vector<Lane> start_lanes(const Scene& scene, const std::vector<Schedule>& schedules, double patience, std::uint64_t& short_hash);
+
+/// Alternating rounds beside so many neighbours. The first lane is the reference of speed-ups.
+void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int neighbours);
+
+/// A recorded trial beside the unrecorded one, alternating; keeps the recorded round of median length.
+void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options);
+
+}  // namespace cvtflow::tasks

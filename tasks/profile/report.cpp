@@ -1,0 +1,189 @@
+#include "tasks/profile/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "engine/base/hash.hpp"
+#include "engine/base/provenance.hpp"
+#include "engine/executor/runtimes.hpp"
+
+namespace cvtflow::tasks {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+std::string assembly_name(const Schedule& schedule) { return schedule.assembly.kind == Assembly::fused ? "fused" : "staged"; }
+
+/// As CSV wants it: quotes doubled.
+std::string quoted(const std::string& text) {
+    std::string result = "\"";
+    for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return result + "\"";
+}
+
+ordered_json provenance_json() {
+    const engine::Provenance here = engine::current_provenance();
+    return {{"version", here.version},       {"commit", here.commit},
+            {"compiler", here.compiler},     {"build_type", here.build_type},
+            {"flags", compiler_flags()},     {"instruction_set", here.instruction_set},
+            {"tbb", engine::tbb_version()},  {"openmp", engine::openmp_version()},
+            {"cpu", here.cpu},               {"cores", here.cores},
+            {"usable_threads", usable_threads()}, {"os", here.os},
+            {"date", here.date}};
+}
+
+ordered_json load_json(const LoadResult& load) {
+    return {{"neighbours", load.neighbours},
+            {"step", {{"lower_quartile", load.step.lower_quartile}, {"median", load.step.median}, {"upper_quartile", load.step.upper_quartile}}},
+            {"evaluation", load.evaluation},
+            {"cpu_per_wall", load.cpu_per_wall},
+            {"speed_up", load.speed_up},
+            {"rounds", load.rounds},
+            {"dropped", load.dropped}};
+}
+
+ordered_json recording_json(const Recording& recording) {
+    const RecordedPass& pass = recording.pass;
+    ordered_json threads = ordered_json::array();
+    for (const ThreadTimes& thread : pass.threads) {
+        ordered_json times = ordered_json::object();
+        for (const StageRow& row : stages()) times[std::string(row.name)] = thread.at(row.stage);
+        threads.push_back(times);
+    }
+    return {{"steps", recording.steps},
+            {"wall", pass.wall},
+            {"cycles", pass.cycles},
+            {"levels", pass.levels},
+            {"tasks", pass.task_count},
+            {"lost_stamps", recording.lost},
+            {"recording_cost", recording.cost},
+            {"synchronisation_per_cycle", pass.synchronisation()},
+            {"least_task", pass.least_task()},
+            {"active_threads", pass.active()},
+            {"imbalance", pass.imbalance()},
+            {"threads", threads}};
+}
+
+ordered_json result_json(const ScheduleResult& result) {
+    ordered_json loads = ordered_json::array();
+    for (const LoadResult& load : result.loads) loads.push_back(load_json(load));
+    ordered_json json{{"schedule", result.name},
+                      {"executor", result.schedule.executor},
+                      {"assembly", assembly_name(result.schedule)},
+                      {"threads", result.schedule.threads},
+                      {"segments", result.schedule.segments},
+                      {"hash", engine::hex(result.hash)},
+                      {"hash_steps", result.hash_steps},
+                      {"cycle_cost", result.cycle.seconds},
+                      {"cycle_active_threads", result.cycle.active},
+                      {"loads", loads}};
+    json["recording"] = recording_json(result.recording);
+    return json;
+}
+
+ordered_json thread_costs(const std::vector<ThreadCost>& costs) {
+    ordered_json list = ordered_json::array();
+    for (const ThreadCost& cost : costs) list.push_back({{"threads", cost.threads}, {"seconds", cost.seconds}});
+    return list;
+}
+
+ordered_json model_json(const ProfileModel& model) {
+    const PathCosts& costs = model.costs;
+    ordered_json curves = ordered_json::array();
+    for (const SpeedUpRow& row : model.curves) {
+        curves.push_back({{"threads", row.threads}, {"ideal", row.ideal}, {"even", row.even}, {"amdahl", row.amdahl}, {"predicted", row.predicted}});
+    }
+    return {{"links", model.touching.size()},
+            {"touching_links", std::count(model.touching.begin(), model.touching.end(), true)},
+            {"free_link", costs.free},
+            {"touching_link", costs.touching},
+            {"border", costs.border},
+            {"detect_link", costs.detect},
+            {"controller", costs.controller},
+            {"synchronisation", costs.synchronisation},
+            {"synchronisation_per_thread", costs.per_thread},
+            {"evaluations_per_step", costs.evaluations},
+            {"serial_share", model.serial_share},
+            {"synchronisation_assumed", model.assumed},
+            {"synchronisation_samples", thread_costs(model.synchronisation)},
+            {"curves", curves}};
+}
+
+}  // namespace
+
+std::string compiler_flags() { return CVTFLOW_FLAGS; }
+
+std::string profile_csv(const Scene& scene, const Profile& profile) {
+    std::string text =
+        "scene,schedule,executor,assembly,threads,segments,neighbours,step_us,step_lower_quartile_us,step_upper_quartile_us,evaluation_us,speed_up,"
+        "cpu_per_wall,rounds,dropped,active_threads,synchronisation_us,cycle_cost_us,least_task_us,imbalance,recording_cost,hash,commit,compiler,flags,tbb,openmp,cpu,"
+        "cores,date\n";
+    const engine::Provenance here = engine::current_provenance();
+    const std::string provenance =
+        fmt::format("{},{},{},{},{},{},{},{}", quoted(here.commit), quoted(here.compiler + " " + here.build_type), quoted(compiler_flags()),
+                    quoted(engine::tbb_version()), quoted(engine::openmp_version()), quoted(here.cpu), here.cores, quoted(here.date));
+    for (const ScheduleResult& result : profile.results) {
+        const RecordedPass& pass = result.recording.pass;
+        for (const LoadResult& load : result.loads) {
+            text += fmt::format("{},{},{},{},{},{},{},", quoted(scene.name), result.name, result.schedule.executor, assembly_name(result.schedule),
+                                result.schedule.threads, result.schedule.segments, load.neighbours);
+            text += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{},{},", 1e6 * load.step.median, 1e6 * load.step.lower_quartile,
+                                1e6 * load.step.upper_quartile, 1e6 * load.evaluation, load.speed_up, load.cpu_per_wall, load.rounds, quoted(load.dropped));
+            text += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", pass.active(), 1e6 * pass.synchronisation(), 1e6 * result.cycle.seconds,
+                                1e6 * pass.least_task(), pass.imbalance(), result.recording.cost, engine::hex(result.hash), provenance);
+        }
+    }
+    return text;
+}
+
+std::string profile_json(const Scene& scene, const MeasureOptions& options, const Profile& profile) {
+    ordered_json results = ordered_json::array();
+    for (const ScheduleResult& result : profile.results) results.push_back(result_json(result));
+    ordered_json json{{"scene", scene.name}, {"provenance", provenance_json()}};
+    json["options"] = {{"rounds", options.rounds}, {"round_seconds", options.round_seconds}, {"steps", options.steps}, {"patience", options.patience}};
+    json["schedules"] = results;
+    json["bare_barrier"] = thread_costs(profile.bare);
+    json["model"] = model_json(profile.model);
+    json["hash_differences"] = profile.differences;
+    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+namespace {
+
+std::string span_name(const Recording& recording, int what) {
+    if (what >= 0) return recording.tasks[static_cast<std::size_t>(what)];
+    switch (what) {
+        case engine::span_controller: return "controller";
+        case engine::span_enter: return "enter";
+        case engine::span_exit: return "exit";
+        default: return "wait";
+    }
+}
+
+}  // namespace
+
+std::string profile_trace(const Profile& profile) {
+    std::string text = "{\"displayTimeUnit\": \"ns\", \"traceEvents\": [";
+    std::string separator = "\n";
+    int process = 0;
+    for (const ScheduleResult& result : profile.results) {
+        text += fmt::format("{}{{\"name\": \"process_name\", \"ph\": \"M\", \"pid\": {}, \"args\": {{\"name\": \"{}, {} threads, {} segments\"}}}}", separator,
+                            ++process, result.name, result.schedule.threads, result.schedule.segments);
+        separator = ",\n";
+        std::int64_t begin = INT64_MAX;
+        for (const auto& thread : result.recording.spans) begin = thread.empty() ? begin : std::min(begin, thread.front().begin);
+        for (std::size_t thread = 0; thread < result.recording.spans.size(); ++thread) {
+            for (const engine::Span& span : result.recording.spans[thread]) {
+                text += fmt::format("{}{{\"name\": \"{}\", \"ph\": \"X\", \"pid\": {}, \"tid\": {}, \"ts\": {:.3f}, \"dur\": {:.3f}}}", separator,
+                                    span_name(result.recording, span.what), process, thread, 1e-3 * static_cast<double>(span.begin - begin),
+                                    1e-3 * static_cast<double>(span.end - span.begin));
+            }
+        }
+    }
+    return text + "\n]}\n";
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,60 @@
+#include "tasks/profile/profile.hpp"
+
+#include <gmock/gmock.h>
+
+#include "engine/executor/catalogue.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+Scene tiny() { return read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml", StartState::ignored); }
+
+std::vector<std::string> names(const ScheduleChoice& choice) {
+    std::vector<std::string> result;
+    for (const Schedule& schedule : chosen_schedules(tiny(), choice)) result.push_back(schedule_name(schedule));
+    return result;
+}
+
+TEST(ChosenSchedules, BeginWithSerialAndHaveNoneTwice) {
+    EXPECT_THAT(names({.names = {"flow:staged", "serial", "flow:staged"}, .threads = {2}}), testing::ElementsAre("serial:fused", "flow:staged"));
+}
+
+TEST(ChosenSchedules, AreAllExecutorsInBothAssembliesIfNoneIsNamed) { EXPECT_EQ(names({.threads = {2}}).size(), 2 * engine::executors().size()); }
+
+TEST(ChosenSchedules, CombineThreadsAndSegments) {
+    const auto list = chosen_schedules(tiny(), {.names = {"barrier:fused"}, .threads = {1, 2}, .segments = {0, 6}});
+    ASSERT_EQ(list.size(), 5u);
+    EXPECT_EQ(list[1].segments, 1);   // as many as threads
+    EXPECT_EQ(list[4].threads, 2);
+    EXPECT_EQ(list[4].segments, 6);
+}
+
+TEST(ChosenSchedules, RefuseWhatDoesNotExist) {
+    EXPECT_THROW(names({.names = {"flaw"}}), SceneError);
+    EXPECT_THROW(names({.names = {"flow:stages"}}), SceneError);
+    EXPECT_THROW(names({.names = {"flow"}, .threads = {2}, .segments = {25}}), SceneError);
+}
+
+TEST(Profile, MeasuresAndFindsEqualStates) {
+    MeasureOptions options;
+    options.rounds = 2;
+    options.steps = 5;
+    options.neighbours = {0, 1};
+    const auto schedules = chosen_schedules(tiny(), {.names = {"serial:staged", "flow:fused", "flow:staged"}, .threads = {2}});
+    const Profile profile = profile_schedules(tiny(), schedules, options);
+    EXPECT_THAT(profile.differences, testing::IsEmpty());
+    ASSERT_EQ(profile.results.size(), 4u);
+    for (const ScheduleResult& result : profile.results) {
+        ASSERT_EQ(result.loads.size(), 2u) << result.name;
+        EXPECT_GT(result.loads[0].step.median, 0.0);
+        EXPECT_GE(result.loads[0].step.median, 3.9 * result.loads[0].evaluation);   // four stages, sometimes a fifth evaluation: time per step ≥ 4 of them
+        EXPECT_EQ(result.recording.lost, 0);
+        EXPECT_NEAR(result.recording.pass.cycles, 25.0, 15.0);   // five steps of five cycles, and transitions
+    }
+    EXPECT_EQ(profile.results[0].loads[0].speed_up, 1.0);
+    EXPECT_GT(profile.model.costs.free, 0.0);
+    EXPECT_EQ(profile.model.curves.size(), 24u);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
