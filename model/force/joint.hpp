@@ -116,11 +116,11 @@ inline void confine(const JointCoefficients& j, const JointFrames& frames, const
                     JointForce<P>& out, Account* account) noexcept {
     using V = Lanes<W>;
     const V across = m.dy * frames.bx - m.dx * frames.by;
-    if (all_of(abs(across) <= j.clearance)) return;   // the rule: rolling keeps the centres on the bisector
+    if (all_at_most<W>(abs(across), j.clearance)) return;   // the rule: rolling keeps the centres on the bisector
     const V along = m.dx * frames.bx + m.dy * frames.by;
     const V offset = positive_part<W>(across - j.clearance) - positive_part<W>(-across - j.clearance);
     const V offset_rate = m.vy * frames.bx - m.vx * frames.by - 0.5 * (frames.before.turning + frames.after.turning) * along;
-    const V sign = select<W>(across < 0.0, V(-1.0), V(1.0));
+    const V sign = select_greater<W>(V(0.0), across, V(-1.0), V(1.0));
     const V spring = j.clearance_stiffness * weight * offset;
     const V force = spring * positive_part<W>(1.0 + j.clearance_damping * sign * offset_rate);
     points.gather(force * frames.by, -force * frames.bx, V(0.0), out.on_front);

@@ -25,13 +25,14 @@ struct FrictionCurve {
 template <int W>
 [[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
     const Lanes<W> v0(curve.saturation_speed);
-    const Lanes<W> saturated = Lanes<W>(1.0) / select<W>(speed > v0, speed, v0);
+    const Lanes<W> saturated = Lanes<W>(1.0) / larger<W>(speed, v0);
     if (curve.smoothing == 0.0) return saturated;
     const double d = curve.smoothing;
-    const Lanes<W> above = Lanes<W>(1.0 + d) - speed / v0;   // distance to full saturation, in units of v0
-    const auto parabola = above > 0.0 && above < 2.0 * d;
+    const Lanes<W> above = Lanes<W>(1.0 + d) - speed / v0;   // distance to full saturation, in units of v0: the parabola is between 0 and 2d
     const Lanes<W> share = Lanes<W>(1.0) - above * above / (4.0 * d);
-    return select<W>(parabola, share / select<W>(parabola, speed, v0), saturated);
+    const Lanes<W> parabola = share / larger<W>(speed, (1.0 - d) * v0);
+    const Lanes<W> rising = select_greater<W>(above, Lanes<W>(0.0), parabola, saturated);
+    return select_greater<W>(Lanes<W>(2.0 * d), above, rising, saturated);
 }
 
 }  // namespace cvtflow::model
