@@ -36,6 +36,11 @@ struct Profile {
     std::vector<ThreadCost> bare;          ///< bare barrier by number of threads [s per cycle]
     ProfileModel model;
     std::vector<std::string> differences;  ///< in hashes; must be empty
+    double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown
+    double load_after = 0.0;
+
+    /// Whether the serial run got less than nine tenths of a processor: what threads bring cannot be seen on such a machine.
+    [[nodiscard]] bool crowded() const noexcept { return results.front().loads.front().cpu_per_wall < 0.9; }
 };
 
 /// @param progress called with one line before every part; may be empty
