@@ -32,7 +32,7 @@ struct Samples {
 /// One turn; the first calibrates, the second warms up.
 void turn(Lane& lane, Samples& samples, const MeasureOptions& options, int round, const engine::BusyNeighbours& neighbours) {
     const double before = neighbours.processor_seconds();
-    const TrialSample sample = lane.trial->run(samples.steps);
+    const TrialSample sample = lane.trial->run(samples.steps, options.patience);
     const double neighbours_cpu = neighbours.processor_seconds() - before;
     samples.steps = options.steps > 0 ? options.steps : steps_within(options.round_seconds, sample.per_step());
     const bool slow = sample.wall > options.patience || sample.per_step() * static_cast<double>(samples.steps) > options.patience;

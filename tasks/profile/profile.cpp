@@ -151,6 +151,18 @@ ProfileModel measure_model(const Scene& scene, const Recording& serial, const Me
     return model;
 }
 
+double Profile::processors_got() const noexcept {
+    double most = 0.0;
+    for (const ScheduleResult& result : results) most = std::max(most, result.loads.front().cpu_per_wall);
+    return most;
+}
+
+int Profile::processors_wanted() const noexcept {
+    int most = 1;
+    for (const ScheduleResult& result : results) most = std::max(most, std::min(result.schedule.threads, usable_threads()));
+    return most;
+}
+
 Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& schedules, const MeasureOptions& options,
                           const std::function<void(const std::string&)>& progress) {
     const auto say = [&](const std::string& line) {

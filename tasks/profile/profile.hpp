@@ -39,8 +39,11 @@ struct Profile {
     double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown
     double load_after = 0.0;
 
-    /// Whether the serial run got less than nine tenths of a processor: what threads bring cannot be seen on such a machine.
-    [[nodiscard]] bool crowded() const noexcept { return results.front().loads.front().cpu_per_wall < 0.9; }
+    /// Processors that the hungriest schedule kept busy, and how many it could have.
+    [[nodiscard]] double processors_got() const noexcept;
+    [[nodiscard]] int processors_wanted() const noexcept;
+    /// Whether it got less than nine tenths: what threads bring cannot be seen on such a machine. (Waiting threads burn time too.)
+    [[nodiscard]] bool crowded() const noexcept { return processors_got() < 0.9 * processors_wanted(); }
 };
 
 /// @param progress called with one line before every part; may be empty

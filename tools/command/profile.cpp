@@ -40,8 +40,8 @@ std::string machine_text(const tasks::Profile& result) {
            field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
            field("flags", tasks::compiler_flags()) + field("libraries", fmt::format("oneTBB {}; OpenMP {}", engine::tbb_version(), engine::openmp_version())) +
            field("load average", fmt::format("{:.2f} before, {:.2f} after", result.load_before, result.load_after)) +
-           (result.crowded() ? field("crowded", fmt::format("serial got {:.2f} of a processor: compare with care, threads bring nothing here",
-                                                            result.results.front().loads.front().cpu_per_wall))
+           (result.crowded() ? field("crowded", fmt::format("got {:.2f} of {} at most: others are busy, compare with care", result.processors_got(),
+                                                            plural(result.processors_wanted(), "processor")))
                              : "");
 }
 
