@@ -127,14 +127,15 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
                     quoted(engine::tbb_version()), quoted(engine::openmp_version()), quoted(here.cpu), here.cores, quoted(here.date));
     for (const ScheduleResult& result : profile.results) {
         const RecordedPass& pass = result.recording.pass;
+        const std::string alone = result.cycle.active == result.schedule.threads ? fmt::format("{:.4f}", 1e6 * result.cycle.seconds) : "";
         for (const LoadResult& load : result.loads) {
             text += fmt::format("{},{},{},{},{},{},{},", quoted(scene.name), result.name, result.schedule.executor, assembly_name(result.schedule),
                                 result.schedule.threads, result.schedule.segments, load.neighbours);
             text += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{},{},", 1e6 * load.step.median, 1e6 * load.step.lower_quartile,
                                 1e6 * load.step.upper_quartile, 1e6 * load.evaluation, load.speed_up, load.cpu_per_wall, load.rounds, quoted(load.dropped));
-            text += pass.active() == 0 ? fmt::format(",,{:.4f},,,,", 1e6 * result.cycle.seconds)
-                                       : fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},", pass.active(), 1e6 * pass.synchronisation(),
-                                                     1e6 * result.cycle.seconds, 1e6 * pass.least_task(), pass.imbalance(), result.recording.cost);
+            text += pass.active() == 0 ? fmt::format(",,{},,,,", alone)
+                                       : fmt::format("{},{:.4f},{},{:.4f},{:.4f},{:.4f},", pass.active(), 1e6 * pass.synchronisation(),
+                                                     alone, 1e6 * pass.least_task(), pass.imbalance(), result.recording.cost);
             text += engine::hex(result.hash) + "," + provenance + "\n";
         }
     }
