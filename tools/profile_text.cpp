@@ -159,6 +159,7 @@ std::string model_text(const tasks::Profile& profile) {
                                                  profile.model.assumed ? "assumed: threads did not come, the machine is too busy" : "from"));
     text.pop_back();
     for (const tasks::ThreadCost& cost : profile.model.synchronisation) text += profile.model.assumed ? "" : fmt::format(" M = {}: {} us", cost.threads, microseconds(cost.seconds));
+    if (profile.model.synchronisation.size() == 2) text += " (beyond, two samples extrapolated: take it as the pessimistic end)";
     text += "\n" + field("serial share", fmt::format("{:.2f} %", 100.0 * profile.model.serial_share));
     Table table({right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("measured")});
     for (const tasks::SpeedUpRow& row : profile.model.curves) {

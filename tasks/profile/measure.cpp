@@ -14,6 +14,7 @@ namespace {
 
 constexpr long first_steps = 4;
 constexpr long more_steps = 36;
+constexpr long most_stamps = 500000;   // of a thread: 12 MB
 
 /// Samples of one lane under one load.
 struct Samples {
@@ -31,7 +32,7 @@ struct Samples {
 /// One turn; the first calibrates, the second warms up.
 void turn(Lane& lane, Samples& samples, const MeasureOptions& options, int round, const engine::BusyNeighbours& neighbours) {
     const double before = neighbours.processor_seconds();
-    const TrialSample sample = lane.trial->run(samples.steps);
+    const TrialSample sample = lane.trial->run(samples.steps, options.patience);
     const double neighbours_cpu = neighbours.processor_seconds() - before;
     samples.steps = options.steps > 0 ? options.steps : steps_within(options.round_seconds, sample.per_step());
     const bool slow = sample.wall > options.patience || sample.per_step() * static_cast<double>(samples.steps) > options.patience;
@@ -107,8 +108,9 @@ void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options) 
     const engine::TaskGraph& graph = lane.trial->simulation().graph();
     const double per_step = lane.result.loads.front().step.median;
     if (lane.dropped || per_step <= 0.0) return;
-    recording.steps = options.steps > 0 ? options.steps : std::min(100L, steps_within(options.round_seconds, per_step));
-    engine::StampRecorder recorder(lane.result.schedule.threads, static_cast<int>(recording.steps) * (8 * graph.size() + 32));
+    const int stamps = 8 * graph.size() + 32;   // of a step, at most: one thread may do it all, and transitions repeat evaluations
+    recording.steps = std::clamp(options.steps > 0 ? options.steps : steps_within(options.round_seconds, per_step), 1L, std::max(1L, std::min(100L, most_stamps / stamps)));
+    engine::StampRecorder recorder(lane.result.schedule.threads, static_cast<int>(recording.steps) * stamps);
     Trial recorded(scene, lane.result.schedule, &recorder);
     recorded.run(first_steps);
     struct Kept {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 
 #include "engine/executor/busy_neighbours.hpp"
 #include "engine/executor/catalogue.hpp"
@@ -121,6 +122,12 @@ double median_controller(const Spans& spans) {
     return median(times);
 }
 
+/// Runnable threads of the whole machine, mean of the last minute; -1: unknown.
+double load_average() {
+    double load = 0.0;
+    return getloadavg(&load, 1) == 1 ? load : -1.0;
+}
+
 }  // namespace
 
 ProfileModel measure_model(const Scene& scene, const Recording& serial, const MeasureOptions& options) {
@@ -144,12 +151,25 @@ ProfileModel measure_model(const Scene& scene, const Recording& serial, const Me
     return model;
 }
 
+double Profile::processors_got() const noexcept {
+    double most = 0.0;
+    for (const ScheduleResult& result : results) most = std::max(most, result.loads.front().cpu_per_wall);
+    return most;
+}
+
+int Profile::processors_wanted() const noexcept {
+    int most = 1;
+    for (const ScheduleResult& result : results) most = std::max(most, std::min(result.schedule.threads, usable_threads()));
+    return most;
+}
+
 Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& schedules, const MeasureOptions& options,
                           const std::function<void(const std::string&)>& progress) {
     const auto say = [&](const std::string& line) {
         if (progress) progress(line);
     };
     Profile profile;
+    profile.load_before = load_average();
     say("starting, comparing states");
     std::uint64_t short_hash = 0;
     std::vector<Lane> lanes = start_lanes(scene, schedules, options.patience, short_hash);
@@ -172,6 +192,7 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
     const LoadResult& serial = profile.results.front().loads.front();
     profile.model.costs.evaluations = serial.step.median / serial.evaluation;
     profile.model.curves = speed_up_curves(profile.model.costs, profile.model.serial_share, profile.model.touching);
+    profile.load_after = load_average();
     profile.differences = hash_differences(profile.results, short_hash);
     return profile;
 }

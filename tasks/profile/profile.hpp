@@ -36,6 +36,14 @@ struct Profile {
     std::vector<ThreadCost> bare;          ///< bare barrier by number of threads [s per cycle]
     ProfileModel model;
     std::vector<std::string> differences;  ///< in hashes; must be empty
+    double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown
+    double load_after = 0.0;
+
+    /// Processors that the hungriest schedule kept busy, and how many it could have.
+    [[nodiscard]] double processors_got() const noexcept;
+    [[nodiscard]] int processors_wanted() const noexcept;
+    /// Whether it got less than nine tenths: what threads bring cannot be seen on such a machine. (Waiting threads burn time too.)
+    [[nodiscard]] bool crowded() const noexcept { return processors_got() < 0.9 * processors_wanted(); }
 };
 
 /// @param progress called with one line before every part; may be empty

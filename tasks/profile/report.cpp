@@ -127,13 +127,16 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
                     quoted(engine::tbb_version()), quoted(engine::openmp_version()), quoted(here.cpu), here.cores, quoted(here.date));
     for (const ScheduleResult& result : profile.results) {
         const RecordedPass& pass = result.recording.pass;
+        const std::string alone = result.cycle.active == result.schedule.threads ? fmt::format("{:.4f}", 1e6 * result.cycle.seconds) : "";
         for (const LoadResult& load : result.loads) {
             text += fmt::format("{},{},{},{},{},{},{},", quoted(scene.name), result.name, result.schedule.executor, assembly_name(result.schedule),
                                 result.schedule.threads, result.schedule.segments, load.neighbours);
             text += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{},{},", 1e6 * load.step.median, 1e6 * load.step.lower_quartile,
                                 1e6 * load.step.upper_quartile, 1e6 * load.evaluation, load.speed_up, load.cpu_per_wall, load.rounds, quoted(load.dropped));
-            text += fmt::format("{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", pass.active(), 1e6 * pass.synchronisation(), 1e6 * result.cycle.seconds,
-                                1e6 * pass.least_task(), pass.imbalance(), result.recording.cost, engine::hex(result.hash), provenance);
+            text += pass.active() == 0 ? fmt::format(",,{},,,,", alone)
+                                       : fmt::format("{},{:.4f},{},{:.4f},{:.4f},{:.4f},", pass.active(), 1e6 * pass.synchronisation(),
+                                                     alone, 1e6 * pass.least_task(), pass.imbalance(), result.recording.cost);
+            text += engine::hex(result.hash) + "," + provenance + "\n";
         }
     }
     return text;
@@ -144,6 +147,8 @@ std::string profile_json(const Scene& scene, const MeasureOptions& options, cons
     for (const ScheduleResult& result : profile.results) results.push_back(result_json(result));
     ordered_json json{{"scene", scene.name}, {"provenance", provenance_json()}};
     json["options"] = {{"rounds", options.rounds}, {"round_seconds", options.round_seconds}, {"steps", options.steps}, {"patience", options.patience}};
+    json["load_average"] = {{"before", profile.load_before}, {"after", profile.load_after}};
+    json["crowded"] = profile.crowded();
     json["schedules"] = results;
     json["bare_barrier"] = thread_costs(profile.bare);
     json["model"] = model_json(profile.model);

@@ -22,15 +22,14 @@ public:
     /// @throws as Simulation
     Trial(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
 
-    /// Goes on for so many steps.
+    /// Goes on for so many steps, or fewer if they take longer than `patience` [s]; that is looked at once per output interval.
     /// @throws SimulationError if the simulation ends by itself: there is nothing to measure then
-    TrialSample run(long steps);
+    TrialSample run(long steps, double patience = 3600.0);
 
     [[nodiscard]] const Simulation& simulation() const noexcept { return simulation_; }
 
 private:
     Simulation simulation_;
-    engine::Cancellation never_;
 };
 
 /// Steps that fit into `seconds` at `per_step`; 1 to 100 000.

@@ -34,11 +34,15 @@ void write_file(const std::string& path, const std::string& text) {
     if (!file) throw std::runtime_error(path + ": cannot write");
 }
 
-std::string machine_text() {
+std::string machine_text(const tasks::Profile& result) {
     const engine::Provenance here = engine::current_provenance();
     return field("machine", fmt::format("{}, {}, {} usable", here.cpu, plural(here.cores, "core"), plural(tasks::usable_threads(), "thread"))) +
            field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
-           field("flags", tasks::compiler_flags()) + field("libraries", fmt::format("oneTBB {}; OpenMP {}", engine::tbb_version(), engine::openmp_version()));
+           field("flags", tasks::compiler_flags()) + field("libraries", fmt::format("oneTBB {}; OpenMP {}", engine::tbb_version(), engine::openmp_version())) +
+           field("load average", fmt::format("{:.2f} before, {:.2f} after", result.load_before, result.load_after)) +
+           (result.crowded() ? field("crowded", fmt::format("got {:.2f} of {} at most: others are busy, compare with care", result.processors_got(),
+                                                            plural(result.processors_wanted(), "processor")))
+                             : "");
 }
 
 tasks::MeasureOptions options_of(const ProfileArguments& arguments) {
@@ -61,7 +65,7 @@ ExitStatus profile(const ProfileArguments& arguments) {
         if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", line);
     };
     const tasks::Profile result = tasks::profile_schedules(scene, schedules, options, progress);
-    fmt::print("{}: {}, alternating, medians of {}\n{}", scene.name, plural(static_cast<long>(schedules.size()), "schedule"), plural(options.rounds, "round"), machine_text());
+    fmt::print("{}: {}, alternating, medians of {}\n{}", scene.name, plural(static_cast<long>(schedules.size()), "schedule"), plural(options.rounds, "round"), machine_text(result));
     for (const std::string& part : {timing_text(result), neighbours_text(result), stages_text(result), serial_text(result), model_text(result)}) {
         if (!part.empty()) fmt::print("\n{}", part);
     }

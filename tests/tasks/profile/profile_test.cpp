@@ -35,6 +35,24 @@ TEST(ChosenSchedules, RefuseWhatDoesNotExist) {
     EXPECT_THROW(names({.names = {"flow"}, .threads = {2}, .segments = {25}}), SceneError);
 }
 
+TEST(Profile, IsCrowdedIfNoScheduleGotItsProcessors) {
+    Profile profile;
+    profile.results.resize(2);
+    profile.results[0].loads = {{0, {}, 0.0, 1.0, 1.0, 5, ""}};
+    profile.results[1].loads = {{0, {}, 0.0, 0.7, 1.0, 5, ""}};
+    EXPECT_FALSE(profile.crowded());   // one thread each, and one processor
+    profile.results[0].loads[0].cpu_per_wall = 0.8;
+    EXPECT_TRUE(profile.crowded());
+}
+
+TEST(Trial, EndsWhenPatienceDoes) {
+    Trial trial(tiny(), Schedule{});
+    const TrialSample sample = trial.run(1000000, 0.001);
+    EXPECT_LT(sample.steps, 1000000);
+    EXPECT_GT(sample.wall, 0.001);
+    EXPECT_EQ(trial.run(3).steps, 3);   // and can go on
+}
+
 TEST(Profile, MeasuresAndFindsEqualStates) {
     MeasureOptions options;
     options.rounds = 2;
