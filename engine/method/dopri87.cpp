@@ -1,4 +1,4 @@
-/// RK8(7)13M of Prince and Dormand: order 8, embedded order 7. The fractions are approximations good to 1e-17.
+/// RK8(7)13M of Prince and Dormand: order 8, embedded order 7. The fractions are approximations; the order conditions hold to 2e-15.
 
 #include "engine/method/stage_plan.hpp"
 

@@ -2,9 +2,9 @@
 /// Coefficients of DUMKA3, the explicit methods of order 3 with long real stability intervals.
 /// Source: A. A. Medovikov, High order explicit methods for parabolic equations, BIT 38 (1998) 372-390, values as in his published program.
 ///
-/// Degrees 3, 6, 9, 15, 21, 27, 36, 48, 63, 81, 135, 189, 243, 324. The published P13 has two roots twice, misses two others and is neither stable
-/// nor of order 3. Here the missing roots 3.928550119760627e-05 and 1.9737941311788493e-05 are put back in place of the repeated ones, and the finish
-/// is solved anew from the order conditions.
+/// Degrees 3, 6, 9, 15, 21, 27, 36, 48, 63, 81, 135, 189, 243, 324. The published P13 has two roots twice, misses two others
+/// and is neither stable nor of order 3. Here the missing roots 3.928550119760627e-05 and 1.9737941311788493e-05 are put back in
+/// place of the repeated ones, and the finish is solved anew from the order conditions.
 
 #include <array>
 #include <span>

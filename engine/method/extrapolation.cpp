@@ -1,7 +1,7 @@
 /// Extrapolation methods as plans: the sequences of sub-steps are unrolled, the extrapolated result is one set of weights.
-/// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.9. Results T_j of n_j sub-steps, combined by Lagrange's formula at
-/// step zero: T = Σ_j T_j Π_{i≠j} n_j^q / (n_j^q - n_i^q), q = 1 for Euler's method, 2 for the midpoint rule, whose error has even powers only.
-/// Error estimate: the difference to the result without the coarsest sequence.
+/// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.9. Results T_j of n_j sub-steps are combined by
+/// Lagrange's formula at step zero: T = Σ_j T_j Π_{i≠j} n_j^q / (n_j^q - n_i^q), q = 1 for Euler's method, 2 for the midpoint rule,
+/// whose error has even powers only. Error estimate: the difference to the result without the coarsest sequence.
 
 #include <cmath>
 #include <cstddef>
