@@ -21,4 +21,11 @@ namespace cvtflow::engine {
 /// Reach along the imaginary axis. A method that grows slowly there (|R| - 1 ~ y⁴, say) has a tiny positive reach.
 [[nodiscard]] double imaginary_stability(const StagePlan& plan, double tolerance = 1e-9);
 
+/// Largest stage value |Y| / |y| for h λ in [-length, 0]: what a saturating law sees of a stiff component within a step.
+[[nodiscard]] double stage_growth(const StagePlan& plan, double length);
+
+/// Largest factor, for h λ in [-length, 0], by which an error made in one stage (a kink of the law, say) reaches the step's end.
+/// A long chain can be stable as a whole and still have a large gain.
+[[nodiscard]] double perturbation_gain(const StagePlan& plan, double length);
+
 }  // namespace cvtflow::engine

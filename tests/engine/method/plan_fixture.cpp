@@ -79,12 +79,12 @@ State integrate(const StagePlan& plan, const Problem& problem, int steps) {
     return states[0];
 }
 
-double measured_order(const StagePlan& plan, const Problem& problem) {
+double measured_order(const StagePlan& plan, const Problem& problem, double clear) {
     double order = 0.0;
-    double coarse = error_of(plan, problem, 8);
-    for (int steps = 16; steps <= 8192; steps *= 2) {
+    double coarse = error_of(plan, problem, 4);
+    for (int steps = 8; steps <= 8192; steps *= 2) {
         const double fine = error_of(plan, problem, steps);
-        if (fine < 1e-11) break;
+        if (fine < clear) break;
         order = std::log2(coarse / fine);
         coarse = fine;
     }

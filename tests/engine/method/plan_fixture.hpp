@@ -25,7 +25,8 @@ struct Problem {
 /// Integrates with `steps` equal steps; sizes as the problem.
 [[nodiscard]] State integrate(const StagePlan& plan, const Problem& problem, int steps);
 /// Order seen when the step is halved, at the finest step whose error still stands clear of rounding.
-[[nodiscard]] double measured_order(const StagePlan& plan, const Problem& problem);
+/// @param clear errors below are taken for rounding
+[[nodiscard]] double measured_order(const StagePlan& plan, const Problem& problem, double clear);
 
 /// Two Euler steps of h/2 in one plan, chained by a kept state: by hand c = (0, 1/2), b = (1/2, 1/2), order 1.
 [[nodiscard]] StagePlan two_half_euler_steps();
