@@ -34,9 +34,35 @@ namespace {
 
 int usable_threads() { return std::max(1, std::min({engine::usable_processors(), quota_processors(), granted_processors()})); }
 
+namespace {
+
+const std::pair<const char*, AssemblyOptions> assemblies[] = {
+    {"fused", {Assembly::fused, true, true}},
+    {"staged", {Assembly::staged, true, true}},
+    {"staged-serial-cholesky", {Assembly::staged, false, true}},
+    {"staged-serial-transition", {Assembly::staged, true, false}},
+    {"staged-serial-both", {Assembly::staged, false, false}},
+};
+
+}  // namespace
+
+std::string assembly_name(const AssemblyOptions& assembly) {
+    const auto row = std::find_if(std::begin(assemblies), std::end(assemblies), [&](const auto& each) { return each.second == assembly; });
+    return row != std::end(assemblies) ? row->first : "fused";
+}
+
+AssemblyOptions assembly_named(const std::string& name) {
+    std::string names;
+    for (const auto& [known, options] : assemblies) {
+        if (name == known) return options;
+        names += (names.empty() ? "" : ", ") + std::string(known);
+    }
+    throw SceneError(fmt::format("'{}' is no assembly: {}", name, names));
+}
+
 std::string Schedule::text() const {
-    if (executor == "serial") return segments == 1 && assembly.kind == Assembly::fused ? "serial" : fmt::format("serial, {}, {} segments", assembly.kind == Assembly::fused ? "fused" : "staged", segments);
-    return fmt::format("{}, {}, {} segments, {} threads", executor, assembly.kind == Assembly::fused ? "fused" : "staged", segments, threads);
+    if (executor == "serial" && segments == 1 && assembly.kind == Assembly::fused) return "serial";
+    return fmt::format("{}, {}, {} segments, {} threads", executor, assembly_name(assembly), segments, threads);
 }
 
 Schedule schedule_of(const RunSettings& run, int links) {

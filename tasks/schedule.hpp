@@ -28,6 +28,12 @@ struct Schedule {
     [[nodiscard]] std::string text() const;
 };
 
+/// Assemblies by name: "fused", "staged", and staged with parts left in one task: "staged-serial-cholesky" (forward and reverse pass),
+/// "staged-serial-transition" (detection), "staged-serial-both".
+[[nodiscard]] std::string assembly_name(const AssemblyOptions& assembly);
+/// @throws SceneError for a name that is none of these
+[[nodiscard]] AssemblyOptions assembly_named(const std::string& name);
+
 /// What a scene's run settings ask for. Serial with one segment if run.schedule is "auto" (see auto_schedule.hpp).
 /// Zero segments: as many as threads.
 /// @throws SceneError for an unknown executor, with the one that was probably meant

@@ -25,6 +25,7 @@ struct AssemblyOptions {
     Assembly kind = Assembly::fused;
     bool parallel_cholesky = true;      ///< staged only: forward and reverse pass by segments, else one task each
     bool parallel_transitions = true;   ///< staged only: detection by segments, else one task
+    bool operator==(const AssemblyOptions&) const = default;
 };
 
 [[nodiscard]] engine::TaskGraph step_graph(const Workspace& workspace, const AssemblyOptions& options);

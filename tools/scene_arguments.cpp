@@ -16,7 +16,7 @@ namespace cvtflow::tools {
 namespace {
 
 /// Keys that decide what the state vector is made of, or what the same numbers mean.
-constexpr std::string_view state_keys[] = {"detail.order", "detail.plates", "detail.joint_points", "detail.pulleys", "chain.pins"};
+constexpr std::string_view state_keys[] = {"detail.order", "detail.plates", "detail.pulleys", "chain.pins"};
 
 std::vector<std::string> state_values(const tasks::Scene& scene) {
     std::vector<std::string> values;

@@ -49,7 +49,7 @@ LoadResult load_result(const Samples& samples, int neighbours) {
 }  // namespace
 
 std::string schedule_name(const Schedule& schedule) {
-    return schedule.executor + (schedule.assembly.kind == Assembly::fused ? ":fused" : ":staged");
+    return schedule.executor + ":" + assembly_name(schedule.assembly);
 }
 
 std::vector<std::string> hash_differences(const std::vector<ScheduleResult>& results, std::uint64_t short_hash) {

@@ -18,10 +18,10 @@ constexpr double cycle_seconds = 0.03;   // for a bare cycle or one of small tas
 
 struct Kind {
     const engine::ExecutorRow* row;
-    Assembly assembly;
+    AssemblyOptions assembly;
 };
 
-Kind kind_of(const std::string& name, Assembly usual) {
+Kind kind_of(const std::string& name, const AssemblyOptions& usual) {
     const std::size_t colon = name.find(':');
     const std::string executor = name.substr(0, colon), assembly = colon == std::string::npos ? "" : name.substr(colon + 1);
     const engine::ExecutorRow* row = engine::find_executor(executor);
@@ -31,23 +31,26 @@ Kind kind_of(const std::string& name, Assembly usual) {
         throw SceneError(fmt::format("--schedules: there is no executor '{}'{} (cvtflow list executors)", executor, did_you_mean(closest(executor, names))));
     }
     if (colon == std::string::npos) return {row, usual};
-    if (assembly != "fused" && assembly != "staged") throw SceneError(fmt::format("--schedules: '{}' is no assembly: fused or staged", assembly));
-    return {row, assembly == "fused" ? Assembly::fused : Assembly::staged};
+    try {
+        return {row, assembly_named(assembly)};
+    } catch (const SceneError& error) {
+        throw SceneError(fmt::format("--schedules: {}", error.what()));
+    }
 }
 
 std::vector<Kind> kinds(const Scene& scene, const std::vector<std::string>& names) {
     std::vector<Kind> list;
-    for (const std::string& name : names) list.push_back(kind_of(name, scene.run.assembly));
+    for (const std::string& name : names) list.push_back(kind_of(name, {scene.run.assembly}));
     if (!names.empty()) return list;
     for (const engine::ExecutorRow& row : engine::executors()) {
-        for (const Assembly assembly : {Assembly::fused, Assembly::staged}) list.push_back({&row, assembly});
+        for (const Assembly assembly : {Assembly::fused, Assembly::staged}) list.push_back({&row, {assembly}});
     }
     return list;
 }
 
 void add_once(std::vector<Schedule>& list, const Schedule& schedule) {
     const bool known = std::any_of(list.begin(), list.end(), [&](const Schedule& other) {
-        return other.executor == schedule.executor && other.assembly.kind == schedule.assembly.kind && other.threads == schedule.threads &&
+        return other.executor == schedule.executor && other.assembly == schedule.assembly && other.threads == schedule.threads &&
                other.segments == schedule.segments;
     });
     if (!known) list.push_back(schedule);
@@ -66,7 +69,7 @@ std::vector<Schedule> chosen_schedules(const Scene& scene, const ScheduleChoice&
                 if (number < 1 || parts < 0 || parts > links) throw SceneError(fmt::format("--threads {}, --segments {}: at least 1 thread and 1 to {} segments", number, parts, links));
                 Schedule schedule;
                 schedule.executor = std::string(kind.row->name);
-                schedule.assembly.kind = kind.assembly;
+                schedule.assembly = kind.assembly;
                 schedule.threads = number;
                 schedule.segments = !kind.row->parallel ? 1 : parts > 0 ? parts : std::min(number, links);
                 schedule.balanced = scene.run.partition == PartitionKind::balanced;

@@ -15,8 +15,6 @@ using nlohmann::ordered_json;
 
 namespace {
 
-std::string assembly_name(const Schedule& schedule) { return schedule.assembly.kind == Assembly::fused ? "fused" : "staged"; }
-
 /// As CSV wants it: quotes doubled.
 std::string quoted(const std::string& text) {
     std::string result = "\"";
@@ -72,7 +70,7 @@ ordered_json result_json(const ScheduleResult& result) {
     for (const LoadResult& load : result.loads) loads.push_back(load_json(load));
     ordered_json json{{"schedule", result.name},
                       {"executor", result.schedule.executor},
-                      {"assembly", assembly_name(result.schedule)},
+                      {"assembly", assembly_name(result.schedule.assembly)},
                       {"threads", result.schedule.threads},
                       {"segments", result.schedule.segments},
                       {"hash", engine::hex(result.hash)},
@@ -129,7 +127,7 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
         const RecordedPass& pass = result.recording.pass;
         const std::string alone = result.cycle.active == result.schedule.threads ? fmt::format("{:.4f}", 1e6 * result.cycle.seconds) : "";
         for (const LoadResult& load : result.loads) {
-            text += fmt::format("{},{},{},{},{},{},{},", quoted(scene.name), result.name, result.schedule.executor, assembly_name(result.schedule),
+            text += fmt::format("{},{},{},{},{},{},{},", quoted(scene.name), result.name, result.schedule.executor, assembly_name(result.schedule.assembly),
                                 result.schedule.threads, result.schedule.segments, load.neighbours);
             text += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{},{},", 1e6 * load.step.median, 1e6 * load.step.lower_quartile,
                                 1e6 * load.step.upper_quartile, 1e6 * load.evaluation, load.speed_up, load.cpu_per_wall, load.rounds, quoted(load.dropped));

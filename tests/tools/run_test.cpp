@@ -143,7 +143,7 @@ TEST_F(Run, OfAnotherDetailDropsTheStateFileAndSaysSo) {
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(
         outcome.err,
-        StartsWith("cvtflow: detail.order = 0 (was 1), detail.joint_points = 1 (was 2), detail.pulleys = \"rigid\" (was \"elastic\"): "
+        StartsWith("cvtflow: detail.order = 0 (was 1), detail.pulleys = \"rigid\" (was \"elastic\"): "
                    "the state in " +
                    folder_.string() + "/state.h5 does not fit any more, the run settles anew\nsettling: "));
 }

@@ -98,7 +98,7 @@ Action declare_profile(CLI::App& app) {
     const auto arguments = std::make_shared<ProfileArguments>();
     tasks::MeasureOptions& measure = arguments->measure;
     declare_scene(app, arguments->scene);
-    app.add_option("--schedules", arguments->choice.names, "EXECUTOR[:ASSEMBLY], separated by commas (default: all, fused and staged)")
+    app.add_option("--schedules", arguments->choice.names, "EXECUTOR[:ASSEMBLY], separated by commas (default: all, fused and staged; staged-serial-cholesky, -transition, -both leave parts in one task)")
         ->type_name("LIST")
         ->delimiter(',');
     app.add_option("--threads", arguments->choice.threads, "Numbers of threads (default: all usable)")->type_name("LIST")->delimiter(',')->check(CLI::Range(1, 1024));
