@@ -101,7 +101,7 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"run", "tiny", "--until=-1"}, 1, "--until -1: -1 s is outside [1e-9, 1e4] s"},
         {{"run", "tiny", "--until", ""}, 1, "--until : \"\" does not begin with a number"},
         {{"run", "tiny", "--step", "1"}, 1, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
-        {{"run", "tiny", "--threads", "0"}, 1, "--threads 0: 0 is outside [1, 1024]"},
+        {{"run", "tiny", "--threads=-1"}, 1, "--threads -1: -1 is outside [0, 1024]"},
         {{"run", "tiny", "--segments", "30"}, 1, "--segments 30: 30 segments for chain.pins = 24"},
         {{"settle", "tiny", "--time", "3ms"}, 1, "--time 3ms: start.ramp_time: 5e-3 s is longer than start.settling_time = 3e-3 s"},
         {{"local-error", "tiny", "--settle", "--steps", "3mm"}, 1, "--steps 3mm: '3mm' is not a time above 0, such as 40ns"},
