@@ -10,6 +10,7 @@
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
 #include "model/force/tips.hpp"
+#include "model/inertia/link_solve.hpp"
 #include "tasks/simulation.hpp"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "model/chain_layout.hpp"
-#include "model/friction/friction.hpp"
+#include "model/friction/friction_curve.hpp"
 #include "model/parameters.hpp"
 
 namespace cvtflow::model {

@@ -41,6 +41,7 @@ struct StagedFunctions {
     /// Lᵀ a = y for links [first, last).
     void (*reverse)(const ChainModel&, const StagedChain&, int first, int last) noexcept;
 };
-[[nodiscard]] StagedFunctions staged_functions(int order, bool observe) noexcept;
+/// Those of the model's order and instruction set.
+[[nodiscard]] StagedFunctions staged_functions(const ChainModel& model, bool observe);
 
 }  // namespace cvtflow::model

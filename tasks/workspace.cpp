@@ -16,7 +16,7 @@ model::PhaseRule rule_of(const model::Parameters& p) {
 }  // namespace
 
 Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
-    : parameters(p), variator(p), plan(stage_plan), rule(rule_of(p)), stages(model::staged_functions(p.detail.order, p.ledger)),
+    : parameters(p), variator(p), plan(stage_plan), rule(rule_of(p)), stages(model::staged_functions(variator.chain(), p.ledger)),
       staged(variator.layout()) {
     const std::size_t size = static_cast<std::size_t>(layout().size());
     const std::size_t stride = (size + 7) / 8 * 8;   // every slot begins on a cache line of its own

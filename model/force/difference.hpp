@@ -1,10 +1,12 @@
 #pragma once
 /// Difference between the axes of two pin halves: all that plates and joints depend on.
 
+#include "model/basis/lanes.hpp"
 #include "model/coefficients.hpp"
 #include "model/force/link_frame.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Coordinates (or velocities, or generalized forces) of one half minus those of another.
 template <int P>
@@ -61,4 +63,5 @@ struct AxisPoints {
     }
 };
 
+}  // namespace
 }  // namespace cvtflow::model

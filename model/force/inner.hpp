@@ -7,6 +7,7 @@
 #include "model/force/link_frame.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Force k u + c u' of an element with deflection u and rate u'.
 template <bool Observe>
@@ -85,4 +86,5 @@ template <int P, bool Observe>
     return moment;
 }
 
+}  // namespace
 }  // namespace cvtflow::model

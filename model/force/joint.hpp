@@ -6,8 +6,10 @@
 
 #include "model/account.hpp"
 #include "model/force/difference.hpp"
+#include "model/friction/friction.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Forces of the joint of pin i. The front half of link i-1 gets `on_front` (and the moment `before` on that link),
 /// the rear half of link i gets the opposite (and the moment `after` on that link).
@@ -83,7 +85,8 @@ template <int W>
         const Lanes<W> elastic = j.stiffness * weight * pressed;
         return {elastic, 0.5 * elastic * pressed};
     }
-    const Lanes<W> grown([&](auto lane) { return std::pow(pressed[lane] / j.reference_depth, 10.0 / 9.0); });
+    Lanes<W> grown;
+    for (int lane = 0; lane < W; ++lane) grown.set(lane, std::pow(pressed[lane] / j.reference_depth, 10.0 / 9.0));
     const Lanes<W> elastic = j.stiffness * j.reference_depth * weight * grown;
     return {elastic, (9.0 / 19.0) * elastic * pressed};
 }
@@ -145,4 +148,5 @@ inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFram
     confine<P, W, Observe>(c.joint, frames, points, weight, motion, out, account);
 }
 
+}  // namespace
 }  // namespace cvtflow::model

@@ -4,8 +4,10 @@
 
 #include "model/account.hpp"
 #include "model/force/difference.hpp"
+#include "model/friction/friction.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// One chunk of W plates; adds the force on the front half to `pull`.
 template <int P, int W, bool Observe>
@@ -43,4 +45,5 @@ inline void plates(const Coefficients& c, const LinkKind& kind, const double* q,
     pull.apply(-1.0, f, End::rear);
 }
 
+}  // namespace
 }  // namespace cvtflow::model

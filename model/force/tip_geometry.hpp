@@ -2,11 +2,13 @@
 /// Sphere against torus: the four tips of a link and the flanks of its two sheaves. Lanes: rear-, rear+, front-, front+ (side -z, +z).
 /// (model/EQUATIONS.md section 6)
 
+#include "model/basis/lanes.hpp"
 #include "model/coefficients.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/force/sheave_motion.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 using TipLanes = Lanes<tips_per_link>;
 
@@ -115,4 +117,5 @@ template <int P>
     return g;
 }
 
+}  // namespace
 }  // namespace cvtflow::model

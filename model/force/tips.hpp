@@ -4,8 +4,10 @@
 
 #include "model/account.hpp"
 #include "model/force/tip_geometry.hpp"
+#include "model/friction/friction.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Velocities at the contact of every tip.
 struct TipMotion {
@@ -50,8 +52,8 @@ template <int P>
 [[nodiscard]] inline TipLanes phase_slip_factor(const FrictionCurve& curve, const TipLanes& speed, const Phase* phases) noexcept {
     TipLanes factor = slip_factor<tips_per_link>(curve, speed);
     for (int tip = 0; tip < tips_per_link; ++tip) {
-        if (phases[tip] == Phase::stick) factor[tip] = 1.0 / curve.saturation_speed;
-        if (phases[tip] == Phase::slip) factor[tip] = 1.0 / speed[tip];
+        if (phases[tip] == Phase::stick) factor.set(tip, 1.0 / curve.saturation_speed);
+        if (phases[tip] == Phase::slip) factor.set(tip, 1.0 / speed[tip]);
     }
     return factor;
 }
@@ -76,7 +78,7 @@ struct TipForces {
 template <bool Observe>
 [[nodiscard]] inline TipForces tip_forces(const TipCoefficients& tip, const TipGeometry& g, const TipMotion& motion, const Phase* phases, Account* account) noexcept {
     TipLanes touching;
-    for (int lane = 0; lane < tips_per_link; ++lane) touching[lane] = phases[lane] == Phase::free ? 0.0 : 1.0;
+    for (int lane = 0; lane < tips_per_link; ++lane) touching.set(lane, phases[lane] == Phase::free ? 0.0 : 1.0);
     const TipLanes depth = touching * positive_part<tips_per_link>(g.depth);
     const TipLanes elastic = tip.hertz * depth * sqrt(depth);
     const TipLanes normal = positive_part<tips_per_link>(elastic * (1.0 + tip.damping * motion.closing));
@@ -98,12 +100,11 @@ template <int P>
     const TipLanes sideways = (c.tip.radius * c.tip.cosine) * g.side;
     const Vector3Lanes push{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
     alignas(64) double total_x[4], total_y[4], total_z[4], tilt_x[4], tilt_y[4];
-    namespace stdx = std::experimental;
-    TipLanes(push.x + t.friction.x).copy_to(total_x, stdx::vector_aligned);
-    TipLanes(push.y + t.friction.y).copy_to(total_y, stdx::vector_aligned);
-    TipLanes(push.z + t.friction.z).copy_to(total_z, stdx::vector_aligned);
-    TipLanes(c.slope_scale * (-outward * frame.ty * push.z - sideways * push.x)).copy_to(tilt_x, stdx::vector_aligned);
-    TipLanes(c.slope_scale * (outward * frame.tx * push.z - sideways * push.y)).copy_to(tilt_y, stdx::vector_aligned);
+    TipLanes(push.x + t.friction.x).copy_to(total_x);
+    TipLanes(push.y + t.friction.y).copy_to(total_y);
+    TipLanes(push.z + t.friction.z).copy_to(total_z);
+    TipLanes(c.slope_scale * (-outward * frame.ty * push.z - sideways * push.x)).copy_to(tilt_x);
+    TipLanes(c.slope_scale * (outward * frame.tx * push.z - sideways * push.y)).copy_to(tilt_y);
     for (const End end : {End::rear, End::front}) {
         const int tip = 2 * static_cast<int>(end);
         spread_end<P>(total_x, tilt_x, tip, f + at<P>.x(end, 0));
@@ -144,4 +145,5 @@ template <int P, bool Observe>
     return load_link<P>(c, frame, geometry, motion, forces, f);
 }
 
+}  // namespace
 }  // namespace cvtflow::model

@@ -1,24 +1,11 @@
 #pragma once
-/// Regularised Coulomb friction. A contact with normal force N, coefficient μ and slip velocity v gives the force -μ N g(|v|) v,
-/// g(v) = s(v/v0)/v, where s rises from 0 to 1 around the saturation speed v0. (model/EQUATIONS.md section 7)
+/// The slope of regularised Coulomb friction, over lanes. (model/EQUATIONS.md section 7)
 
 #include "model/basis/lanes.hpp"
-#include "model/parameters.hpp"
+#include "model/friction/friction_curve.hpp"
 
 namespace cvtflow::model {
-
-/// One friction law with its numbers, ready for kernels.
-struct FrictionCurve {
-    double coefficient = 0.0;       ///< μ
-    double saturation_speed = 1.0;  ///< v0 > 0 [m/s]
-    double smoothing = 0.0;         ///< half-width d of the parabola in units of v0; 0 is the piecewise law
-
-    FrictionCurve() = default;
-    FrictionCurve(const Friction& friction, const Detail& detail) noexcept
-        : coefficient(friction.coefficient),
-          saturation_speed(friction.saturation_speed),
-          smoothing(detail.friction == FrictionLaw::smoothed ? detail.smoothing : 0.0) {}
-};
+namespace {
 
 /// g(v) [s/m] for speeds v ≥ 0: 1/max(v, v0) for the piecewise law, and the parabola between (1-d) v0 and (1+d) v0 for the smoothed one.
 /// Continuous; never divides by less than (1-d) v0.
@@ -35,4 +22,5 @@ template <int W>
     return select_greater<W>(Lanes<W>(2.0 * d), above, rising, saturated);
 }
 
+}  // namespace
 }  // namespace cvtflow::model

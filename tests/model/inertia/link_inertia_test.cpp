@@ -1,4 +1,4 @@
-#include "model/inertia/link_inertia.hpp"
+#include "model/inertia/link_solve.hpp"
 
 #include <gtest/gtest.h>
 

@@ -10,8 +10,10 @@
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
 #include "model/force/tips.hpp"
+#include "model/inertia/link_solve.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Calls body with the smallest compiled lane count that holds `width`.
 template <class Body>
@@ -80,4 +82,5 @@ inline void assemble(const LinkFrame& frame, double moment, const JointForce<P>&
     add_moment<P>(frame, moment, f);
 }
 
+}  // namespace
 }  // namespace cvtflow::model

@@ -1,0 +1,22 @@
+#pragma once
+/// Regularised Coulomb friction. A contact with normal force N, coefficient μ and slip velocity v gives the force -μ N g(|v|) v,
+/// g(v) = s(v/v0)/v, where s rises from 0 to 1 around the saturation speed v0. (model/EQUATIONS.md section 7)
+
+#include "model/parameters.hpp"
+
+namespace cvtflow::model {
+
+/// One friction law with its numbers, ready for kernels.
+struct FrictionCurve {
+    double coefficient = 0.0;       ///< μ
+    double saturation_speed = 1.0;  ///< v0 > 0 [m/s]
+    double smoothing = 0.0;         ///< half-width d of the parabola in units of v0; 0 is the piecewise law
+
+    FrictionCurve() = default;
+    FrictionCurve(const Friction& friction, const Detail& detail) noexcept
+        : coefficient(friction.coefficient),
+          saturation_speed(friction.saturation_speed),
+          smoothing(detail.friction == FrictionLaw::smoothed ? detail.smoothing : 0.0) {}
+};
+
+}  // namespace cvtflow::model
