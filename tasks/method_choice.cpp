@@ -3,12 +3,17 @@
 #include <stdexcept>
 
 #include "engine/method/catalogue.hpp"
+#include "tasks/friction/friction_methods.hpp"
 #include "tasks/stage_method.hpp"
 
 namespace cvtflow::tasks {
 
 const std::vector<MethodProgram>& method_programs() {
-    static const std::vector<MethodProgram> all;
+    static const std::vector<MethodProgram> all = [] {
+        std::vector<MethodProgram> programs;
+        for (const auto& family : {friction_methods()}) programs.insert(programs.end(), family.begin(), family.end());
+        return programs;
+    }();
     return all;
 }
 

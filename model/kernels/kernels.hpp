@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "model/friction/contact_field.hpp"
 #include "model/kernels/isa.hpp"
 #include "model/staged_chain.hpp"
 
@@ -28,10 +29,21 @@ StagedFunctions staged_kernels<Isa::avx2>(int order, bool observe) noexcept;
 template <>
 StagedFunctions staged_kernels<Isa::avx512>(int order, bool observe) noexcept;
 
+/// Defined in friction_kernels.cpp, likewise.
+template <Isa isa>
+FrictionKernels friction_kernels(int order) noexcept;
+template <>
+FrictionKernels friction_kernels<Isa::baseline>(int order) noexcept;
+template <>
+FrictionKernels friction_kernels<Isa::avx2>(int order) noexcept;
+template <>
+FrictionKernels friction_kernels<Isa::avx512>(int order) noexcept;
+
 struct CompiledKernels {
     Isa isa;
     ChainKernels (*chain)(int order) noexcept;
     StagedFunctions (*staged)(int order, bool observe) noexcept;
+    FrictionKernels (*friction)(int order) noexcept;
 };
 /// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).
 [[nodiscard]] std::vector<CompiledKernels> compiled_kernels();

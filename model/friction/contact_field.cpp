@@ -1,0 +1,41 @@
+#include "model/friction/contact_field.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <cstdint>
+
+#include "model/kernels/kernels.hpp"
+
+namespace cvtflow::model {
+
+Columns::Columns(int components, int columns) : stride_((columns + 7) / 8 * 8 + 8) {
+    memory_.assign(static_cast<std::size_t>(components * stride_ + 8), 0.0);
+    data_ = memory_.data();
+    while (reinterpret_cast<std::uintptr_t>(data_) % 64 != 0) ++data_;
+}
+
+ContactField::ContactField(const ChainModel& chain)
+    : components{chain.coefficients().joint_points.count, chain.coefficients().plates.count}, columns(components.count(), chain.layout().links + 2),
+      arms(static_cast<std::size_t>(chain.layout().links)) {
+    for (int corner = 0; corner < tips_per_link; ++corner) {   // a tip that has never touched must not divide by zero
+        for (int column = 0; column < columns.stride(); ++column) *columns.at(components.tip(corner) + ContactComponents::Tip::least, column) = 1.0;
+    }
+}
+
+namespace {
+
+std::vector<double> inverse_of(const double* rows, int size) {
+    const Eigen::MatrixXd inverse = Eigen::Map<const Eigen::MatrixXd>(rows, size, size).inverse();
+    return {inverse.data(), inverse.data() + size * size};
+}
+
+}  // namespace
+
+FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
+    : chain_(chain), lateral_inverse_(inverse_of(chain.inertia().lateral_matrix.data(), 2 * chain.layout().lateral())),
+      axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 4)), by_phase_(by_phase),
+      kernels_(kernels_of(chain.isa()).friction(chain.layout().order)) {}
+
+int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 4) * joint_stride(links); }
+
+}  // namespace cvtflow::model

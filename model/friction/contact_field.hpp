@@ -1,0 +1,129 @@
+#pragma once
+/// Every friction contact of the chain with all frozen but velocities, laid out component by component so that lanes can run over links:
+/// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first.
+
+#include <vector>
+
+#include "model/chain_model.hpp"
+
+namespace cvtflow::model {
+
+/// Numbers of the components of a contact field.
+struct ContactComponents {
+    int joint_points;   ///< integration points of a joint
+    int plates;         ///< plates of a link
+
+    /// Frame of the link: t_x, t_y, 1/|d0|.
+    static constexpr int frame_x = 0, frame_y = 1, inverse_length = 2;
+    /// Of one joint point; the joint is that of the link's rear pin.
+    struct Joint {
+        static constexpr int normal_x = 0, normal_y = 1, lever_before = 2, lever_after = 3, grip = 4, count = 5;
+    };
+    /// Of one tip; drift: change of the sheave's velocity where the tip touches, over the step, along with the tip.
+    struct Tip {
+        static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, grip = 11, least = 12, most = 13, count = 14;
+    };
+    [[nodiscard]] constexpr int joint(int point) const noexcept { return 3 + Joint::count * point; }
+    /// μN of a plate [N].
+    [[nodiscard]] constexpr int plate(int number) const noexcept { return joint(joint_points) + number; }
+    [[nodiscard]] constexpr int tip(int corner) const noexcept { return plate(plates) + Tip::count * corner; }
+    [[nodiscard]] constexpr int count() const noexcept { return tip(tips_per_link); }
+};
+
+/// Columns of doubles, one row per component, rows on cache lines of their own.
+class Columns {
+public:
+    Columns() = default;
+    Columns(int components, int columns);
+
+    [[nodiscard]] double* at(int component, int column) noexcept { return data_ + component * stride_ + column; }
+    [[nodiscard]] const double* at(int component, int column) const noexcept { return data_ + component * stride_ + column; }
+    [[nodiscard]] int stride() const noexcept { return stride_; }
+    [[nodiscard]] const double* data() const noexcept { return data_; }
+    [[nodiscard]] double* data() noexcept { return data_; }
+
+private:
+    std::vector<double> memory_;
+    double* data_ = nullptr;
+    int stride_ = 0;
+};
+
+/// Arms from a sheave's origin to the contact points of a link's tips, for reactions on the sheaves [m].
+struct TipArms {
+    double x[tips_per_link], y[tips_per_link], z[tips_per_link];
+};
+
+struct ContactField {
+    explicit ContactField(const ChainModel& chain);
+
+    ContactComponents components;
+    Columns columns;
+    std::vector<TipArms> arms;   ///< [links], where a tip touches
+};
+
+class FrictionOperator;
+
+struct FrictionRange {
+    int first, last;          ///< links [first, last)
+    const double* velocity;   ///< [link_size()][stride] of links first - 1 … last
+    int stride;               ///< of velocity
+    double* scratch;          ///< FrictionOperator::scratch_size(last - first)
+    bool tips;                ///< whether any tip of the range touches
+    double time;              ///< of the velocities, from the middle of the step, in steps
+};
+
+/// What a field has to know of the step in whose middle it is recorded.
+struct ContactDrift {
+    double step = 0.0;          ///< h [s]
+    SheaveMotion change[4]{};   ///< of the sheaves' velocities over the step
+};
+
+/// Functions of one order and one instruction set.
+struct FrictionKernels {
+    using Record = void (*)(const ChainModel&, const ChainRange&, const ContactDrift&, ContactField&, LinkLoad*) noexcept;
+    using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const Columns*, Columns&, double, Columns*) noexcept;
+    Record record;
+    Evaluate slopes, steepest;
+};
+
+/// Friction as a function of velocities, for fields that record() has written. Velocities, forces and slopes of links are
+/// [link_size()][stride] columns that begin at a range's first link - 1.
+class FrictionOperator {
+public:
+    FrictionOperator(const ChainModel& chain, bool by_phase);
+
+    /// Doubles of scratch for a range of so many links.
+    [[nodiscard]] int scratch_size(int links) const noexcept;
+
+    /// Columns of a joint's rows in scratch.
+    [[nodiscard]] static constexpr int joint_stride(int links) noexcept { return links + 1 + 8; }
+
+    /// Notes the contacts of the links of a range, and replaces their reactions on the sheaves by those of the normal forces alone.
+    /// Ghost columns are written with the links that they repeat.
+    /// @param loads of the range's first link on
+    void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, LinkLoad* loads) const noexcept {
+        kernels_.record(chain_, range, drift, field, loads);
+    }
+    /// slope = base + A⁻¹ friction(velocity), rows of links first … last - 1. Adds weight times the force of every tip to impulses.
+    /// @param base, slope columns over links (column = link + 1)   @param impulses [3 tips_per_link] rows: x, y, z of each tip, or nullptr
+    void slopes(const ContactField& field, const FrictionRange& range, const Columns* base, Columns& slope, double weight, Columns* impulses) const noexcept {
+        kernels_.slopes(*this, field, range, base, slope, weight, impulses);
+    }
+    /// The same for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
+    void steepest(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept { kernels_.steepest(*this, field, range, nullptr, slope, 0.0, nullptr); }
+
+    [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
+    /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
+    [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }
+    [[nodiscard]] const std::vector<double>& lateral_inverse() const noexcept { return lateral_inverse_; }
+    [[nodiscard]] const std::vector<double>& axial_inverse() const noexcept { return axial_inverse_; }
+
+private:
+    const ChainModel& chain_;
+    std::vector<double> lateral_inverse_;   ///< inverse of the mass matrix of x, and of y, row by row
+    std::vector<double> axial_inverse_;     ///< of z and e
+    bool by_phase_;
+    FrictionKernels kernels_;
+};
+
+}  // namespace cvtflow::model

@@ -1,0 +1,189 @@
+#include "tasks/friction/friction_system.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace cvtflow::tasks {
+
+namespace {
+
+[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
+
+/// Stage states of links first - 1 … last, wherever the assembly at work has left them.
+[[nodiscard]] const double* stage_window(Workspace& w, int segment) noexcept { return w.windows[at(segment)].data(); }
+
+[[nodiscard]] bool any_tip(const Workspace& w, const Segment& own) noexcept {
+    const model::Phase* begin = w.phases.data() + model::tips_per_link * own.first;
+    return std::any_of(begin, begin + model::tips_per_link * own.size(), [](model::Phase phase) { return phase != model::Phase::free; });
+}
+
+}  // namespace
+
+FrictionSystem::FrictionSystem(const Workspace& w, int states, int slopes)
+    : friction_(w.variator.chain(), w.parameters.detail.stick_slip), field_(w.variator.chain()) {
+    const int rows = w.layout().link_size();
+    const int columns = w.layout().links + 2;
+    for (int slot = 0; slot < states; ++slot) states_.emplace_back(rows, columns);
+    for (int slot = 0; slot < slopes; ++slot) slopes_.emplace_back(rows, columns);
+    for (const model::Columns& slot : states_) state_views_.push_back(slot.data());
+    for (const model::Columns& slot : slopes_) slope_views_.push_back(slot.data());
+    for (model::Columns* field : {&base_, &base_before_, &probe_, &mode_, &image_}) *field = model::Columns(rows, columns);
+    impulses_ = model::Columns(3 * model::tips_per_link, columns);
+    for (int row = 0; row < rows; ++row) {   // a mode without symmetry, to begin power iterations with
+        for (int link = 0; link < w.layout().links; ++link) *mode_.at(row, link + 1) = std::sin(1.0 + 0.7 * row + 2.399 * link);
+    }
+    normal_loads_.resize(at(w.layout().links));
+    repartition(w.partition);
+}
+
+void FrictionSystem::repartition(const Partition& partition) {
+    segments_.resize(at(partition.size()));
+    for (int s = 0; s < partition.size(); ++s) {
+        SegmentMemory& memory = segments_[at(s)];
+        memory.stride = (partition[s].size() + 2 + 7) / 8 * 8 + 8;
+        memory.window.assign(at(friction_.chain().layout().link_size() * memory.stride), 0.0);
+        memory.scratch.assign(at(friction_.scratch_size(partition[s].size())), 0.0);
+    }
+}
+
+model::FrictionRange FrictionSystem::range_of(const Workspace& w, double time, int segment) noexcept {
+    const Segment& own = w.partition[segment];
+    SegmentMemory& memory = segments_[at(segment)];
+    return {own.first, own.last, memory.window.data(), memory.stride, memory.scratch.data(), any_tip(w, own), time};
+}
+
+void FrictionSystem::record(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
+    const Segment& own = w.partition[segment];
+    friction_.record({own.first, own.last, stage_window(w, segment), w.sheaves, w.phases.data()}, drift, field_, normal_loads_.data() + own.first);
+}
+
+void FrictionSystem::begin_from(const Workspace& w, const double* state, int segment) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int size = layout.link_size();
+    for (int link = w.partition[segment].first; link < w.partition[segment].last; ++link) {
+        const double* v = state + layout.link_begin(link) + size;
+        for (int row = 0; row < size; ++row) *states_[0].at(row, link + 1) = v[row];
+    }
+    const Segment& own = w.partition[segment];
+    for (int row = 0; row < 3 * model::tips_per_link; ++row) std::fill_n(impulses_.at(row, own.first + 1), own.size(), 0.0);
+}
+
+void FrictionSystem::load(const Workspace& w, const double* whole_slope, int segment) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    const int size = layout.link_size();
+    for (int link = own.first; link < own.last; ++link) {
+        const double* slope = whole_slope + layout.link_begin(link);
+        for (int row = 0; row < size; ++row) {
+            *probe_.at(row, link + 1) = slope[row];
+            *base_.at(row, link + 1) = slope[size + row];
+        }
+    }
+}
+
+void FrictionSystem::fill(const model::Columns& velocity, const Workspace& w, int segment) noexcept {
+    const Segment& own = w.partition[segment];
+    SegmentMemory& memory = segments_[at(segment)];
+    for (int row = 0; row < w.layout().link_size(); ++row) {
+        double* to = memory.window.data() + row * memory.stride;
+        to[0] = *velocity.at(row, w.layout().previous(own.first) + 1);
+        std::memcpy(to + 1, velocity.at(row, own.first + 1), at(own.size()) * sizeof(double));
+        to[own.size() + 1] = *velocity.at(row, w.layout().next(own.last - 1) + 1);
+    }
+}
+
+void FrictionSystem::combine(const Workspace& w, const engine::PlanStep& row, double h, int segment) noexcept {
+    const Segment& own = w.partition[segment];
+    SegmentMemory& memory = segments_[at(segment)];
+    const engine::SlotView slots{state_views_.data(), slope_views_.data()};
+    const auto combine = [&](int begin, int links, double* to) { engine::combine(row, h, slots, begin, begin + links, to); };
+    for (int component = 0; component < w.layout().link_size(); ++component) {
+        const int begin = component * states_[0].stride() + 1;
+        double* to = memory.window.data() + component * memory.stride;
+        combine(begin + w.layout().previous(own.first), 1, to);
+        combine(begin + own.first, own.size(), to + 1);
+        combine(begin + w.layout().next(own.last - 1), 1, to + own.size() + 1);
+        if (row.keep >= 0) std::memcpy(states_[at(row.keep)].at(component, own.first + 1), to + 1, at(own.size()) * sizeof(double));
+    }
+}
+
+void FrictionSystem::subtract(const Workspace& w, int segment) noexcept {
+    fill(probe_, w, segment);
+    const Segment& own = w.partition[segment];
+    // F(v̂) = base' + A⁻¹f(v̂) with base' = 0 here; base ← base - F.
+    friction_.slopes(field_, range_of(w, 0.0, segment), nullptr, image_, 0.0, nullptr);
+    for (int row = 0; row < w.layout().link_size(); ++row) {
+        double* base = base_.at(row, own.first + 1);
+        const double* friction = image_.at(row, own.first + 1);
+        for (int k = 0; k < own.size(); ++k) base[k] -= friction[k];
+    }
+}
+
+void FrictionSystem::stage(const Workspace& w, const engine::PlanStep& row, double h, double lean, double weight, int segment) noexcept {
+    combine(w, row, h, segment);
+    const Segment& own = w.partition[segment];
+    model::Columns& slope = slopes_[at(row.slope)];
+    for (int component = 0; component < w.layout().link_size(); ++component) {
+        const double* now = base_.at(component, own.first + 1);
+        const double* before = base_before_.at(component, own.first + 1);
+        double* to = image_.at(component, own.first + 1);
+        for (int k = 0; k < own.size(); ++k) to[k] = now[k] + lean * (now[k] - before[k]);
+    }
+    friction_.slopes(field_, range_of(w, row.time - 0.5, segment), &image_, slope, weight, weight != 0.0 ? &impulses_ : nullptr);
+}
+
+void FrictionSystem::result(const Workspace& w, const engine::PlanStep& row, double h, int slot, int segment) noexcept {
+    const Segment& own = w.partition[segment];
+    const engine::SlotView slots{state_views_.data(), slope_views_.data()};
+    for (int component = 0; component < w.layout().link_size(); ++component) {
+        const int begin = component * states_[0].stride() + 1 + own.first;
+        engine::combine(row, h, slots, begin, begin + own.size(), states_[at(slot)].at(component, own.first + 1));
+    }
+}
+
+void FrictionSystem::react(Workspace& w, int segment) const noexcept {
+    const Segment& own = w.partition[segment];
+    for (int link = own.first; link < own.last; ++link) {
+        w.loads[at(link)] = normal_loads_[at(link)];
+        model::SheaveLoad& load = w.loads[at(link)].load;
+        const model::TipArms& p = field_.arms[at(link)];
+        for (int corner = 0; corner < model::tips_per_link; ++corner) {
+            if (w.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
+            const int side = corner % 2;
+            const double fx = *impulses_.at(3 * corner, link + 1), fy = *impulses_.at(3 * corner + 1, link + 1), fz = *impulses_.at(3 * corner + 2, link + 1);
+            load.fx[side] -= fx;
+            load.fy[side] -= fy;
+            load.fz[side] -= fz;
+            load.mx[side] -= p.y[corner] * fz - p.z[corner] * fy;
+            load.my[side] -= p.z[corner] * fx - p.x[corner] * fz;
+            load.mz[side] -= p.x[corner] * fy - p.y[corner] * fx;
+        }
+    }
+}
+
+double FrictionSystem::spectral_radius(const Workspace& w, int iterations) noexcept {
+    double radius = 0.0;
+    for (int k = 0; k < iterations; ++k) {
+        double before = 0.0, after = 0.0;
+        for (int s = 0; s < w.partition.size(); ++s) {
+            fill(mode_, w, s);
+            friction_.steepest(field_, range_of(w, 0.0, s), image_);
+        }
+        for (int row = 0; row < w.layout().link_size(); ++row) {
+            for (int column = 1; column <= w.layout().links; ++column) {
+                before += *mode_.at(row, column) * *mode_.at(row, column);
+                after += *image_.at(row, column) * *image_.at(row, column);
+            }
+        }
+        radius = std::sqrt(after / before);
+        if (radius == 0.0) return 0.0;
+        const double scale = 1.0 / std::sqrt(after);
+        for (int row = 0; row < w.layout().link_size(); ++row) {
+            for (int column = 1; column <= w.layout().links; ++column) *mode_.at(row, column) = scale * *image_.at(row, column);
+        }
+    }
+    return radius;
+}
+
+}  // namespace cvtflow::tasks
