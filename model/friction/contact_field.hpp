@@ -68,7 +68,7 @@ struct FrictionRange {
     const double* velocity;   ///< [link_size()][stride] of links first - 1 … last
     int stride;               ///< of velocity
     double* scratch;          ///< FrictionOperator::scratch_size(last - first)
-    bool tips;                ///< whether any tip of the range touches
+    const Phase* phases;      ///< [links * 4], of the whole chain
     double time;              ///< of the velocities, from the middle of the step, in steps
 };
 

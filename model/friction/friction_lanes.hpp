@@ -70,7 +70,7 @@ public:
         add_joints(own, f);
         V moment = joint(2 * n + 3, own) + joint(2 * n + 2, own + 1);
         plates(own, f);
-        if (range_.tips) tips(own, f, moment, weight, impulses);
+        if (touching(own)) tips(own, f, moment, weight, impulses);
         const V couple = moment * contact(ContactComponents::inverse_length, own);
         const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
         f[at<P>.x(End::front, 0)] = f[at<P>.x(End::front, 0)] - couple * ty;
@@ -102,6 +102,14 @@ private:
         return slip_factor<W>(curve, sqrt(square));
     }
 
+    /// s(v/v0) sign v of a sliding velocity along one axis: without division where the law is piecewise.
+    [[nodiscard]] static V held(const FrictionCurve& curve, const V& speed) noexcept {
+        const V share = (1.0 / curve.saturation_speed) * speed;
+        if (Steepest) return share;
+        if (curve.smoothing != 0.0) return slip_factor<W>(curve, abs(speed)) * speed;
+        return larger<W>(smaller<W>(share, V(1.0)), V(-1.0));
+    }
+
     void add_joints(int own, V* f) const noexcept {
         for (int m = 0; m < n; ++m) {
             f[at<P>.x(End::rear, m)] = -joint(m, own);
@@ -122,9 +130,7 @@ private:
         for (int j = 0; j < field_.components.plates; ++j) {
             const double xi = c_.plates.position[static_cast<std::size_t>(j)];
             const V sliding = gap_z + xi * gap_e;
-            V share(1.0 / c_.plate_friction.saturation_speed);
-            if constexpr (!Steepest) share = slip_factor<W>(c_.plate_friction, abs(sliding));
-            const V slide = contact(field_.components.plate(j), own) * share * sliding;
+            const V slide = contact(field_.components.plate(j), own) * held(c_.plate_friction, sliding);
             fz += slide;
             fe += xi * slide;
         }
@@ -132,6 +138,14 @@ private:
         f[at<P>.e(End::front)] = f[at<P>.e(End::front)] - fe;
         f[at<P>.z(End::rear)] += fz;
         f[at<P>.e(End::rear)] += fe;
+    }
+
+    /// Whether a tip of the links side by side touches.
+    [[nodiscard]] bool touching(int own) const noexcept {
+        const Phase* phases = range_.phases + tips_per_link * (range_.first + own);
+        bool any = false;
+        for (int tip = 0; tip < tips_per_link * W; ++tip) any = any || phases[tip] != Phase::free;
+        return any;
     }
 
     void tips(int own, V* f, V& moment, double weight, Columns* impulses) const noexcept {

@@ -13,11 +13,6 @@ namespace {
 /// Stage states of links first - 1 … last, wherever the assembly at work has left them.
 [[nodiscard]] const double* stage_window(Workspace& w, int segment) noexcept { return w.windows[at(segment)].data(); }
 
-[[nodiscard]] bool any_tip(const Workspace& w, const Segment& own) noexcept {
-    const model::Phase* begin = w.phases.data() + model::tips_per_link * own.first;
-    return std::any_of(begin, begin + model::tips_per_link * own.size(), [](model::Phase phase) { return phase != model::Phase::free; });
-}
-
 }  // namespace
 
 FrictionSystem::FrictionSystem(const Workspace& w, int states, int slopes)
@@ -41,16 +36,24 @@ void FrictionSystem::repartition(const Partition& partition) {
     segments_.resize(at(partition.size()));
     for (int s = 0; s < partition.size(); ++s) {
         SegmentMemory& memory = segments_[at(s)];
-        memory.stride = (partition[s].size() + 2 + 7) / 8 * 8 + 8;
-        memory.window.assign(at(friction_.chain().layout().link_size() * memory.stride), 0.0);
+        memory.window = model::Columns(friction_.chain().layout().link_size(), friction_.chain().layout().links + 2);
         memory.scratch.assign(at(friction_.scratch_size(partition[s].size())), 0.0);
     }
 }
 
-model::FrictionRange FrictionSystem::range_of(const Workspace& w, double time, int segment) noexcept {
+model::FrictionRange FrictionSystem::range_of(const Workspace& w, double time, const model::Columns& velocity, int segment) noexcept {
     const Segment& own = w.partition[segment];
-    SegmentMemory& memory = segments_[at(segment)];
-    return {own.first, own.last, memory.window.data(), memory.stride, memory.scratch.data(), any_tip(w, own), time};
+    return {own.first, own.last, velocity.at(0, own.first), velocity.stride(), segments_[at(segment)].scratch.data(), w.phases.data(), time};
+}
+
+/// Ghost columns next to a segment's own, where it holds the link that they repeat.
+void FrictionSystem::repeat(const Workspace& w, model::Columns& field, int segment) noexcept {
+    const Segment& own = w.partition[segment];
+    const int links = w.layout().links;
+    for (int row = 0; row < w.layout().link_size(); ++row) {
+        if (own.first == 0) *field.at(row, links + 1) = *field.at(row, 1);
+        if (own.last == links) *field.at(row, 0) = *field.at(row, links);
+    }
 }
 
 void FrictionSystem::record(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
@@ -65,6 +68,7 @@ void FrictionSystem::begin_from(const Workspace& w, const double* state, int seg
         const double* v = state + layout.link_begin(link) + size;
         for (int row = 0; row < size; ++row) *states_[0].at(row, link + 1) = v[row];
     }
+    repeat(w, states_[0], segment);
     const Segment& own = w.partition[segment];
     for (int row = 0; row < 3 * model::tips_per_link; ++row) std::fill_n(impulses_.at(row, own.first + 1), own.size(), 0.0);
 }
@@ -80,39 +84,35 @@ void FrictionSystem::load(const Workspace& w, const double* whole_slope, int seg
             *base_.at(row, link + 1) = slope[size + row];
         }
     }
+    repeat(w, probe_, segment);
 }
 
-void FrictionSystem::fill(const model::Columns& velocity, const Workspace& w, int segment) noexcept {
+/// A row's velocities of a segment's links and their neighbours, into its window.
+void FrictionSystem::combine(const engine::PlanStep& row, double h, const Workspace& w, int segment) noexcept {
     const Segment& own = w.partition[segment];
-    SegmentMemory& memory = segments_[at(segment)];
-    for (int row = 0; row < w.layout().link_size(); ++row) {
-        double* to = memory.window.data() + row * memory.stride;
-        to[0] = *velocity.at(row, w.layout().previous(own.first) + 1);
-        std::memcpy(to + 1, velocity.at(row, own.first + 1), at(own.size()) * sizeof(double));
-        to[own.size() + 1] = *velocity.at(row, w.layout().next(own.last - 1) + 1);
-    }
-}
-
-void FrictionSystem::combine(const Workspace& w, const engine::PlanStep& row, double h, int segment) noexcept {
-    const Segment& own = w.partition[segment];
-    SegmentMemory& memory = segments_[at(segment)];
     const engine::SlotView slots{state_views_.data(), slope_views_.data()};
-    const auto combine = [&](int begin, int links, double* to) { engine::combine(row, h, slots, begin, begin + links, to); };
-    for (int component = 0; component < w.layout().link_size(); ++component) {
-        const int begin = component * states_[0].stride() + 1;
-        double* to = memory.window.data() + component * memory.stride;
-        combine(begin + w.layout().previous(own.first), 1, to);
-        combine(begin + own.first, own.size(), to + 1);
-        combine(begin + w.layout().next(own.last - 1), 1, to + own.size() + 1);
-        if (row.keep >= 0) std::memcpy(states_[at(row.keep)].at(component, own.first + 1), to + 1, at(own.size()) * sizeof(double));
+    model::Columns& window = segments_[at(segment)].window;
+    const int stride = window.stride();
+    if (own.size() == w.layout().links) {
+        engine::combine(row, h, slots, 0, w.layout().link_size() * stride, window.data());
+    } else {
+        for (int component = 0; component < w.layout().link_size(); ++component) {
+            const int begin = component * stride + own.first;
+            engine::combine(row, h, slots, begin, begin + own.size() + 2, window.at(component, own.first));
+        }
     }
+    if (row.keep < 0) return;
+    model::Columns& kept = states_[at(row.keep)];
+    for (int component = 0; component < w.layout().link_size(); ++component) {
+        std::memcpy(kept.at(component, own.first + 1), window.at(component, own.first + 1), at(own.size()) * sizeof(double));
+    }
+    repeat(w, kept, segment);
 }
 
 void FrictionSystem::subtract(const Workspace& w, int segment) noexcept {
-    fill(probe_, w, segment);
     const Segment& own = w.partition[segment];
     // F(v̂) = base' + A⁻¹f(v̂) with base' = 0 here; base ← base - F.
-    friction_.slopes(field_, range_of(w, 0.0, segment), nullptr, image_, 0.0, nullptr);
+    friction_.slopes(field_, range_of(w, 0.0, probe_, segment), nullptr, image_, 0.0, nullptr);
     for (int row = 0; row < w.layout().link_size(); ++row) {
         double* base = base_.at(row, own.first + 1);
         const double* friction = image_.at(row, own.first + 1);
@@ -121,7 +121,7 @@ void FrictionSystem::subtract(const Workspace& w, int segment) noexcept {
 }
 
 void FrictionSystem::stage(const Workspace& w, const engine::PlanStep& row, double h, double lean, double weight, int segment) noexcept {
-    combine(w, row, h, segment);
+    combine(row, h, w, segment);
     const Segment& own = w.partition[segment];
     model::Columns& slope = slopes_[at(row.slope)];
     for (int component = 0; component < w.layout().link_size(); ++component) {
@@ -130,7 +130,8 @@ void FrictionSystem::stage(const Workspace& w, const engine::PlanStep& row, doub
         double* to = image_.at(component, own.first + 1);
         for (int k = 0; k < own.size(); ++k) to[k] = now[k] + lean * (now[k] - before[k]);
     }
-    friction_.slopes(field_, range_of(w, row.time - 0.5, segment), &image_, slope, weight, weight != 0.0 ? &impulses_ : nullptr);
+    friction_.slopes(field_, range_of(w, row.time - 0.5, segments_[at(segment)].window, segment), &image_, slope, weight, weight != 0.0 ? &impulses_ : nullptr);
+    repeat(w, slope, segment);
 }
 
 void FrictionSystem::result(const Workspace& w, const engine::PlanStep& row, double h, int slot, int segment) noexcept {
@@ -167,8 +168,8 @@ double FrictionSystem::spectral_radius(const Workspace& w, int iterations) noexc
     for (int k = 0; k < iterations; ++k) {
         double before = 0.0, after = 0.0;
         for (int s = 0; s < w.partition.size(); ++s) {
-            fill(mode_, w, s);
-            friction_.steepest(field_, range_of(w, 0.0, s), image_);
+            repeat(w, mode_, s);
+            friction_.steepest(field_, range_of(w, 0.0, mode_, s), image_);
         }
         for (int row = 0; row < w.layout().link_size(); ++row) {
             for (int column = 1; column <= w.layout().links; ++column) {

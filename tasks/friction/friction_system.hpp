@@ -49,14 +49,13 @@ public:
 
 private:
     struct SegmentMemory {
-        std::vector<double> window;    ///< velocities of the segment's links and their neighbours
+        model::Columns window;         ///< velocities of the segment's links and their neighbours, in the columns that slots have them in
         std::vector<double> scratch;
-        int stride = 0;
     };
 
-    [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, int segment) noexcept;
-    void combine(const Workspace& workspace, const engine::PlanStep& row, double h, int segment) noexcept;
-    void fill(const model::Columns& velocity, const Workspace& workspace, int segment) noexcept;
+    [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::Columns& velocity, int segment) noexcept;
+    void combine(const engine::PlanStep& row, double h, const Workspace& workspace, int segment) noexcept;
+    void repeat(const Workspace& workspace, model::Columns& field, int segment) noexcept;
 
     model::FrictionOperator friction_;
     model::ContactField field_;
