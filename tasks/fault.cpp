@@ -10,6 +10,7 @@ std::string Fault::name() const {
         case FaultKind::non_finite: return "non_finite";
         case FaultKind::penetration: return "penetration";
         case FaultKind::left_sheave: return "left_sheave";
+        case FaultKind::too_stiff: return "too_stiff";
         case FaultKind::max_steps: return "max_steps";
         case FaultKind::max_wall: return "max_wall";
         case FaultKind::cancelled: return "cancelled";
@@ -28,6 +29,9 @@ std::string Fault::message() const {
             return fmt::format("a tip of pin {} is {:.3g} m deep in its sheave {} (limit tip.deepest = {:.3g} m): clamping or step are too large", pin, value, when, limit);
         case FaultKind::left_sheave:
             return fmt::format("pin {} runs on a radius of {:.4g} m {}, off the sheave (limit {:.4g} m)", pin, value, when, limit);
+        case FaultKind::too_stiff:
+            return fmt::format("friction is too stiff for the step {}: h lambda = {:.3g}, the method reaches {:.3g}; take a shorter step or a larger saturation speed", when,
+                               value, limit);
         case FaultKind::max_steps: return fmt::format("the budget of {:.0f} steps (run.max_steps) is used up {}", limit, when);
         case FaultKind::max_wall: return fmt::format("the budget of {:.3g} s of wall time (run.max_wall) is used up {}", limit, when);
         case FaultKind::cancelled: return fmt::format("cancelled {}", when);

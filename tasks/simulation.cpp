@@ -32,6 +32,7 @@ std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) 
 
 engine::TaskGraph graph_of(Workspace& workspace, StepMethod& method, const AssemblyOptions& assembly) {
     workspace.method = &method;
+    workspace.staged_states = assembly.kind == Assembly::staged;
     return step_graph(workspace, assembly);
 }
 

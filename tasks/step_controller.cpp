@@ -30,7 +30,6 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
     w_.dwell = dwell_steps * grid_step_;
     w_.secant = method_.retakes();
     w_.evaluations = 0;
-    method_.restart();
     probe_start();
 }
 
@@ -210,7 +209,7 @@ int StepController::finish_truncate() {
     w_.time += w_.theta * w_.h;
     ++counters_.truncated;
     ++counters_.steps;
-    method_.restart();
+    method_.transition();
     w_.list_touching();
     record_transitions();
     return begin_step();

@@ -22,14 +22,16 @@ public:
 
     /// Adds the method's own cycles to a graph that is not frozen yet, numbered from method_cycles on. Bodies get the workspace as context
     /// and find the method at workspace.method. Called again whenever segments change.
-    virtual void add_tasks(engine::TaskGraph& graph) const { (void)graph; }
+    virtual void add_tasks(engine::TaskGraph& graph) { (void)graph; }
 
     /// true: at a transition the step is taken again up to there, and the search for it uses positions and velocities at both ends only.
     /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the end,
     /// so slopes[0] must hold the slope at the start when the step is done.
     [[nodiscard]] virtual bool retakes() const noexcept { return false; }
-    /// The next step does not begin where the last one ended: a transition has been carried out, or somebody has set the state.
+    /// The next step does not begin where the last one ended: somebody has set the state.
     virtual void restart() noexcept {}
+    /// Tips have changed their phase since the last step.
+    virtual void transition() noexcept { restart(); }
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
 

@@ -76,6 +76,7 @@ public:
     std::vector<double> changed;               ///< [4 links] time of the last change of phase [s]
 
     // Staged assembly only; empty otherwise.
+    bool staged_states = false;                ///< evaluate cycles leave the stage state in stage_state instead of in windows
     double* stage_state = nullptr;             ///< stage state of all links, where later stages read it
     model::StagedBuffers staged;
     std::vector<int> touching;                 ///< links with a touching tip, ascending: [0, touching_count)

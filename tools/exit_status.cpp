@@ -8,7 +8,8 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
         case FaultKind::none: return ExitStatus::finished;
         case FaultKind::non_finite:
         case FaultKind::penetration:
-        case FaultKind::left_sheave: return ExitStatus::fault;
+        case FaultKind::left_sheave:
+        case FaultKind::too_stiff: return ExitStatus::fault;
         case FaultKind::max_steps:
         case FaultKind::max_wall: return ExitStatus::budget;
         case FaultKind::cancelled: return ExitStatus::cancelled;

@@ -1,13 +1,8 @@
 #include "tasks/friction/friction_leapfrog.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <string>
 
-#include "engine/method/catalogue.hpp"
-#include "engine/method/composition.hpp"
-#include "engine/method/tableau.hpp"
 #include "tasks/assembly/link_accesses.hpp"
 #include "tasks/step_graph.hpp"
 
@@ -17,16 +12,17 @@ namespace {
 
 enum FrictionCycle : int { record_cycle = method_cycles, subtract_cycle, stage_cycle, finish_cycle };
 
-constexpr int result_slot = 6;   ///< velocity slot of the result
-
-constexpr int fewest_stages = 2, most_stages = 60;
+constexpr int result_slot = kick_state_slots;   ///< velocity slot of the result
+/// The spectrum moves with the tension: it is looked at every so many steps, and taken with a margin in between.
+constexpr long steps_between_estimates = 64;
+constexpr int first_iterations = 50, next_iterations = 4;
+constexpr double margin = 1.1;
 
 [[nodiscard]] FrictionLeapfrog& method_of(void* workspace) noexcept {
     return *static_cast<FrictionLeapfrog*>(static_cast<Workspace*>(workspace)->method);
 }
 
-/// Change of a sheave's velocities.
-model::SheaveMotion change_of(const model::SheaveMotion& now, const model::SheaveMotion& before, double factor) noexcept {
+[[nodiscard]] model::SheaveMotion change_of(const model::SheaveMotion& now, const model::SheaveMotion& before, double factor) noexcept {
     model::SheaveMotion change{};
     change.vx = factor * (now.vx - before.vx);
     change.vy = factor * (now.vy - before.vy);
@@ -37,56 +33,27 @@ model::SheaveMotion change_of(const model::SheaveMotion& now, const model::Sheav
     return change;
 }
 
-/// First-order Chebyshev, so strongly damped that what is stiff is gone after one step.
-engine::StagePlan damped_chebyshev(int stages, double damping) {
-    const double w0 = 1.0 + damping / (static_cast<double>(stages) * stages);
-    std::vector<double> t{1.0, w0}, d{0.0, 1.0};
-    for (std::size_t j = 2; j <= static_cast<std::size_t>(stages); ++j) {
-        t.push_back(2.0 * w0 * t[j - 1] - t[j - 2]);
-        d.push_back(2.0 * t[j - 1] + 2.0 * w0 * d[j - 1] - d[j - 2]);
-    }
-    const double w1 = t.back() / d.back();
-    engine::StagePlan plan{.name = "chebyshev-s" + std::to_string(stages), .description = {}, .source = {}, .state_slots = 4, .slope_slots = 1, .stages = {}, .result = {}, .error = {}};
-    const auto slot = [](int j) { return j == 0 ? 0 : 1 + (j - 1) % 3; };
-    const auto combination = [&](int j) {   // Y_j
-        engine::Combination c;
-        if (j == 0) return engine::Combination{{{0, 1.0}}, {}};
-        if (j == 1) return engine::Combination{{{0, 1.0}}, {{0, w1 / w0}}};
-        const auto i = static_cast<std::size_t>(j);
-        c.states = {{slot(j - 1), 2.0 * w0 * t[i - 1] / t[i]}, {slot(j - 2), -t[i - 2] / t[i]}};
-        c.slopes = {{j == 1 ? 0 : (j - 1) % 2 + 1, 2.0 * w1 * t[i - 1] / t[i]}};
-        return c;
-    };
-    plan.slope_slots = 3;
-    for (int j = 0; j < stages; ++j) {
-        const engine::Combination c = combination(j);
-        plan.stages.push_back({c.states, c.slopes, j == 0 ? -1 : slot(j), j == 0 ? 0 : j % 2 + 1});
-    }
-    plan.result = combination(stages);
-    return plan;
-}
-
 }  // namespace
 
-FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace) : w_(workspace), system_(workspace, 7, 5) {
-    const char* damping = std::getenv("CVT_EPS");
-    for (int stages = fewest_stages; stages <= most_stages; ++stages) {
-        const char* second = std::getenv("CVT_EPS2");
-        const auto plan = second != nullptr ? *engine::make_method("rkc-s" + std::to_string(stages) + "-e" + second) : damping == nullptr ? *engine::make_method("rkc-s" + std::to_string(stages)) : damped_chebyshev(stages, std::atof(damping));
-        static const int sub = std::getenv("CVT_SUB") ? std::atoi(std::getenv("CVT_SUB")) : 1;
-        const auto all = sub > 1 ? engine::repeated(plan, sub) : plan;
-        tables_.emplace_back(all);
-        weights_.push_back(engine::unroll(all).weights);
-    }
-}
+FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, Kick kick)
+    : w_(workspace), system_(workspace, kick_state_slots + 1, kick_slope_slots), tables_(kick) {}
 
-void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) const {
+void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
+    system_.repartition(w_.partition);
     for (int s = 0; s < w_.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
-        graph.add({"record" + number, record_cycle, [](void* w, int segment) noexcept { method_of(w).record(segment); }, s, {}});
-        graph.add({"subtract" + number, subtract_cycle, [](void* w, int segment) noexcept { method_of(w).subtract(segment); }, s, {}});
-        graph.add({"friction" + number, stage_cycle, [](void* w, int segment) noexcept { method_of(w).stage(segment); }, s, {}});
-        graph.add({"finish" + number, finish_cycle, [](void* w, int segment) noexcept { method_of(w).finish(segment); }, s, {}});
+        const auto own = [&] { return LinkAccesses(w_, s); };
+        graph.add({"record" + number, record_cycle, [](void* w, int segment) noexcept { method_of(w).record(segment); }, s,
+                   own().own(Field::states_read, false).with_halo(Field::stage_state).own(Field::slope_written, false).own(Field::phase, false)
+                       .segment(Field::window, true).own(Field::contact, true).own(Field::velocity_read, true).own(Field::probe, true).own(Field::force, true).list()});
+        graph.add({"subtract" + number, subtract_cycle, [](void* w, int segment) noexcept { method_of(w).subtract(segment); }, s,
+                   own().with_halo(Field::contact).with_halo(Field::probe).own(Field::phase, false).own(Field::force, true).list()});
+        graph.add({"friction" + number, stage_cycle, [](void* w, int segment) noexcept { method_of(w).stage(segment); }, s,
+                   own().with_halo(Field::contact).with_halo(Field::velocity_read).with_halo(Field::velocity_slope_read).own(Field::force, true)
+                       .own(Field::phase, false).own(Field::velocity_kept, true).own(Field::velocity_slope, true).own(Field::impulse, true).list()});
+        graph.add({"finish" + number, finish_cycle, [](void* w, int segment) noexcept { method_of(w).finish(segment); }, s,
+                   own().own(Field::velocity_read, false).own(Field::velocity_slope_read, false).own(Field::impulse, false).own(Field::contact, false)
+                       .own(Field::phase, false).own(Field::states_read, false).own(Field::velocity_kept, true).own(Field::state_kept, true).own(Field::load, true).list()});
     }
 }
 
@@ -105,26 +72,29 @@ void FrictionLeapfrog::extrapolate() {
     std::copy_n(w_.states[0] + at.pulley_begin() + at.pulley_size, at.pulley_size, w_.slopes[1] + at.pulley_begin());
 }
 
+/// What the step before has left becomes history.
+void FrictionLeapfrog::turn_over() {
+    extrapolate();
+    system_.turn_over();
+    std::copy(std::begin(w_.sheaves), std::end(w_.sheaves), sheaves_before_);
+    length_before_ = continues_ ? length_ : 0.0;
+    begun_ = w_.time;
+    continues_ = true;
+}
+
 int FrictionLeapfrog::begin() {
-    if (w_.time != begun_ || !continues_) {   // else the same step once more, only shorter
-        extrapolate();
-        system_.turn_over();
-        std::copy(std::begin(w_.sheaves), std::end(w_.sheaves), sheaves_before_);
-        length_before_ = continues_ ? length_ : 0.0;
-        begun_ = w_.time;
-    }
+    if (w_.time != begun_ || !continues_) turn_over();   // else the same step once more, only shorter
     length_ = w_.h;
-    static const bool plain = std::getenv("CVT_PLAIN") != nullptr;
-    rise_ = length_before_ > 0.0 && !plain ? 2.0 * length_ / (length_ + length_before_) : 0.0;
-    static const engine::Term from{0, 1.0}, along{1, 0.5};
+    rise_ = length_before_ > 0.0 ? 2.0 * length_ / (length_ + length_before_) : 0.0;
+    static constexpr engine::Term from{0, 1.0}, along{1, 0.5};
     w_.evaluate_end = false;
     w_.row = {{&from, 1}, {&along, 1}, -1, 2, 0.5};
     w_.slope_out = w_.slopes[2];
     const model::ChainLayout& at = w_.layout();
     engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.tail.data());
     if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
-    drift_.step = std::getenv("CVT_NODRIFT") ? 0.0 : w_.h;
-    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.sheaves[k], sheaves_before_[k], std::getenv("CVT_NODRIFT") ? 0.0 : rise_);
+    drift_.step = w_.h;
+    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.sheaves[k], sheaves_before_[k], rise_);
     state_ = State::evaluating;
     return evaluate_cycle;
 }
@@ -137,30 +107,31 @@ int FrictionLeapfrog::next() {
         case State::finishing: return end_step();
         case State::stages: break;
     }
-    if (stage_ + 1 < tables_[table_].stages()) {
-        set_row(stage_ + 1);
-        return stage_cycle;
-    }
-    row_ = tables_[table_].result();
+    if (stage_ + 1 < table_->plan.stages()) return start_stage(stage_ + 1);
+    row_ = table_->plan.result();
     state_ = State::finishing;
     return finish_cycle;
 }
 
 int FrictionLeapfrog::start_kick() {
-    choose_table();
+    if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
+    ++steps_;
+    table_ = tables_.reaching(margin * radius_ * w_.h);
+    if (table_ == nullptr) {
+        fault_ = {FaultKind::too_stiff, w_.time, -1, radius_ * w_.h, tables_.longest_reach() / margin};
+        return failed;
+    }
     state_ = State::stages;
-    set_row(0);
-    return stage_cycle;
+    return start_stage(0);
 }
 
-void FrictionLeapfrog::set_row(int stage) {
+int FrictionLeapfrog::start_stage(int stage) {
     stage_ = stage;
-    row_ = tables_[table_].stage(stage);
-    weight_ = weights_[table_][static_cast<std::size_t>(stage)];
-    static const double m = std::getenv("CVT_M") ? std::atof(std::getenv("CVT_M")) : 1.0;
-    double centre = 0.0;
-    for (int k = 0; k < tables_[table_].stages(); ++k) centre += weights_[table_][static_cast<std::size_t>(k)] * tables_[table_].stage(k).time;
-    lean_ = m * rise_ * (row_.time - centre) * 0.5 / (1.0 - centre);
+    row_ = table_->plan.stage(stage);
+    weight_ = table_->weights[static_cast<std::size_t>(stage)];
+    // From the mean of the stages to the end of the step: half a rise, and no impulse.
+    lean_ = 0.5 * rise_ * (row_.time - table_->centre) / (1.0 - table_->centre);
+    return stage_cycle;
 }
 
 int FrictionLeapfrog::end_step() {
@@ -170,26 +141,9 @@ int FrictionLeapfrog::end_step() {
     close_evaluation(w_, w_.time + 0.5 * w_.h, w_.tail.data(), w_.slopes[2]);
     for (int k = begin + half; k < at.size(); ++k) w_.states[1][k] = w_.states[0][k] + w_.h * w_.slopes[2][k];
     for (int k = begin; k < begin + half; ++k) w_.states[1][k] = w_.states[0][k] + 0.5 * w_.h * (w_.states[0][k + half] + w_.states[1][k + half]);
-    continues_ = true;
-    static const engine::Term end{1, 1.0};
+    static constexpr engine::Term end{1, 1.0};
     w_.row = {{&end, 1}, {}, -1, -1, 1.0};
     return done;
-}
-
-void FrictionLeapfrog::choose_table() {
-    if (steps_++ % 64 == 0) {
-        radius_ = system_.spectral_radius(w_, steps_ == 1 ? 50 : 4);
-        static const bool say = std::getenv("CVT_SAY") != nullptr;
-        if (say && steps_ % 640 == 1) std::fprintf(stderr, "radius %.3e h %.3e\n", radius_, w_.h);
-    }
-    static const double factor = std::getenv("CVT_Z") ? std::atof(std::getenv("CVT_Z")) : 1.0;
-    static const double damping = std::getenv("CVT_EPS") ? std::atof(std::getenv("CVT_EPS")) : 0.0;
-    static const int sub = std::getenv("CVT_SUB") ? std::atoi(std::getenv("CVT_SUB")) : 1;
-    const double z = 1.1 * factor * radius_ * w_.h / sub;
-    static const double second = std::getenv("CVT_EPS2") ? std::atof(std::getenv("CVT_EPS2")) : 0.0;
-    const int stages = second > 0.0 ? 1 + static_cast<int>(std::ceil(std::sqrt(0.5 * z * std::sqrt(2.0 * second)))) : damping > 0.0 ? 1 + static_cast<int>(std::ceil(std::sqrt(0.5 * z * std::sqrt(2.0 * damping) / std::tanh(std::sqrt(2.0 * damping)))))
-                                     : 1 + static_cast<int>(std::ceil(std::sqrt(1.0 + 1.54 * z)));
-    table_ = static_cast<std::size_t>(std::clamp(stages, fewest_stages, most_stages) - fewest_stages);
 }
 
 void FrictionLeapfrog::record(int segment) noexcept {

@@ -10,8 +10,19 @@ namespace {
 
 [[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
-/// Stage states of links first - 1 … last, wherever the assembly at work has left them.
-[[nodiscard]] const double* stage_window(Workspace& w, int segment) noexcept { return w.windows[at(segment)].data(); }
+/// Stage states of links first - 1 … last of a segment, wherever the assembly at work has left them.
+[[nodiscard]] const double* stage_window(Workspace& w, int segment) noexcept {
+    double* window = w.windows[at(segment)].data();
+    if (!w.staged_states) return window;
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    const std::size_t block = at(layout.link_block());
+    const auto copy = [&](int link, int links, double* to) { std::memcpy(to, w.stage_state + layout.link_begin(link), at(links) * block * sizeof(double)); };
+    copy(layout.previous(own.first), 1, window);
+    copy(own.first, own.size(), window + block);
+    copy(layout.next(own.last - 1), 1, window + at(own.size() + 1) * block);
+    return window;
+}
 
 }  // namespace
 
@@ -167,8 +178,8 @@ double FrictionSystem::spectral_radius(const Workspace& w, int iterations) noexc
     double radius = 0.0;
     for (int k = 0; k < iterations; ++k) {
         double before = 0.0, after = 0.0;
+        for (int s = 0; s < w.partition.size(); ++s) repeat(w, mode_, s);
         for (int s = 0; s < w.partition.size(); ++s) {
-            repeat(w, mode_, s);
             friction_.steepest(field_, range_of(w, 0.0, mode_, s), image_);
         }
         for (int row = 0; row < w.layout().link_size(); ++row) {
