@@ -7,19 +7,27 @@
 namespace cvtflow::model {
 namespace {
 
+/// The speed that the slope divides by: v, but at least v0 (piecewise) or (1-d) v0 (smoothed), below which s is proportional to v.
+template <int W>
+[[nodiscard]] inline Lanes<W> regular_speed(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
+    return larger<W>(speed, Lanes<W>(curve.proportional_speed));
+}
+
 /// g(v) [s/m] for speeds v ≥ 0: 1/max(v, v0) for the piecewise law, and the parabola between (1-d) v0 and (1+d) v0 for the smoothed one.
-/// Continuous; never divides by less than (1-d) v0.
+/// Continuous. @param inverse 1/regular_speed(speed), which the caller may have from a shared division
+template <int W>
+[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed, const Lanes<W>& inverse) noexcept {
+    if (curve.smoothing == 0.0) return inverse;
+    // c = 1 + d - v/v0, the distance to full saturation: the parabola 1 - c²/4d is between 0 and 2d, and gives 1 and 1 - d at their ends.
+    const double d = curve.smoothing;
+    const Lanes<W> distance = (1.0 + d) - curve.inverse_saturation_speed * speed;
+    const Lanes<W> missing = smaller<W>(positive_part<W>(distance), Lanes<W>(2.0 * d));
+    return (1.0 - curve.curvature * (missing * missing)) * inverse;
+}
+
 template <int W>
 [[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
-    const Lanes<W> v0(curve.saturation_speed);
-    const Lanes<W> saturated = Lanes<W>(1.0) / larger<W>(speed, v0);
-    if (curve.smoothing == 0.0) return saturated;
-    const double d = curve.smoothing;
-    const Lanes<W> above = Lanes<W>(1.0 + d) - speed / v0;   // distance to full saturation, in units of v0: the parabola is between 0 and 2d
-    const Lanes<W> share = Lanes<W>(1.0) - above * above / (4.0 * d);
-    const Lanes<W> parabola = share / larger<W>(speed, (1.0 - d) * v0);
-    const Lanes<W> rising = select_greater<W>(above, Lanes<W>(0.0), parabola, saturated);
-    return select_greater<W>(Lanes<W>(2.0 * d), above, rising, saturated);
+    return slip_factor<W>(curve, speed, 1.0 / regular_speed<W>(curve, speed));
 }
 
 }  // namespace

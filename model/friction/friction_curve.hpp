@@ -12,11 +12,18 @@ struct FrictionCurve {
     double saturation_speed = 1.0;  ///< v0 > 0 [m/s]
     double smoothing = 0.0;         ///< half-width d of the parabola in units of v0; 0 is the piecewise law
 
+    double proportional_speed = 1.0;        ///< (1-d) v0 [m/s]
+    double inverse_saturation_speed = 1.0;  ///< 1/v0 [s/m]
+    double curvature = 0.0;                 ///< 1/(4d), 0 for the piecewise law
+
     FrictionCurve() = default;
     FrictionCurve(const Friction& friction, const Detail& detail) noexcept
         : coefficient(friction.coefficient),
           saturation_speed(friction.saturation_speed),
-          smoothing(detail.friction == FrictionLaw::smoothed ? detail.smoothing : 0.0) {}
+          smoothing(detail.friction == FrictionLaw::smoothed ? detail.smoothing : 0.0),
+          proportional_speed((1.0 - smoothing) * saturation_speed),
+          inverse_saturation_speed(1.0 / saturation_speed),
+          curvature(smoothing > 0.0 ? 0.25 / smoothing : 0.0) {}
 };
 
 }  // namespace cvtflow::model
