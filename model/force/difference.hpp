@@ -15,7 +15,7 @@ struct Difference {
 
     Difference() noexcept : x{}, y{}, z(0.0), e(0.0) {}
     /// Half `plus_end` of the link at `plus` minus half `minus_end` of the link at `minus`.
-    Difference(const double* plus, End plus_end, const double* minus, End minus_end) noexcept
+    [[gnu::always_inline]] Difference(const double* plus, End plus_end, const double* minus, End minus_end) noexcept
         : z(plus[at<P>.z(plus_end)] - minus[at<P>.z(minus_end)]), e(plus[at<P>.e(plus_end)] - minus[at<P>.e(minus_end)]) {
         for (int m = 0; m <= P; ++m) {
             x[m] = plus[at<P>.x(plus_end, m)] - minus[at<P>.x(minus_end, m)];
@@ -23,7 +23,7 @@ struct Difference {
         }
     }
 
-    void add(const double* total) noexcept {
+    [[gnu::always_inline]] void add(const double* total) noexcept {
         for (int m = 0; m <= P; ++m) {
             x[m] += total[m];
             y[m] += total[P + 1 + m];
@@ -32,7 +32,7 @@ struct Difference {
         e += total[2 * P + 3];
     }
     /// Adds this generalized force, times sign, to that of one half of a link.
-    void apply(double sign, double* f, End end) const noexcept {
+    [[gnu::always_inline]] void apply(double sign, double* f, End end) const noexcept {
         for (int m = 0; m <= P; ++m) {
             f[at<P>.x(end, m)] += sign * x[m];
             f[at<P>.y(end, m)] += sign * y[m];

@@ -91,7 +91,7 @@ inline void place_spheres(const Coefficients& c, const LinkFrame& frame, const d
 
 /// Geometry of all four tips of a link against the two sheaves of its pulley.
 template <int P>
-[[nodiscard]] inline TipGeometry tip_geometry(const Coefficients& c, const LinkFrame& frame, const double* q, const SheaveMotion* sheaves) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipGeometry tip_geometry(const Coefficients& c, const LinkFrame& frame, const double* q, const SheaveMotion* sheaves) noexcept {
     TipGeometry g;
     place_spheres<P>(c, frame, q, g);
     const SheaveLanes o(sheaves);

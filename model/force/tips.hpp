@@ -21,7 +21,7 @@ struct TipMotion {
 };
 
 template <int P>
-[[nodiscard]] inline TipMotion tip_motion(const Coefficients& c, const LinkFrame& frame, const double* v, const SheaveMotion* s, const TipGeometry& g) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipMotion tip_motion(const Coefficients& c, const LinkFrame& frame, const double* v, const SheaveMotion* s, const TipGeometry& g) noexcept {
     TipMotion m;
     const double outward = c.tip.radius * c.tip.sine;
     const TipLanes sideways = (c.tip.radius * c.tip.cosine) * g.side;
@@ -88,7 +88,7 @@ struct TipForces {
 };
 
 template <bool Observe>
-[[nodiscard]] inline TipForces tip_forces(const TipCoefficients& tip, const TipGeometry& g, const TipMotion& motion, const Phase* phases, Account* account) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipForces tip_forces(const TipCoefficients& tip, const TipGeometry& g, const TipMotion& motion, const Phase* phases, Account* account) noexcept {
     const auto touching_at = [&](int corner) { return phases[corner] == Phase::free ? 0.0 : 1.0; };
     const TipLanes touching = join<2>(join<1>(touching_at(0), touching_at(1)), join<1>(touching_at(2), touching_at(3)));
     const TipLanes depth = touching * positive_part<tips_per_link>(g.depth);
@@ -129,7 +129,7 @@ template <int P>
 }
 
 /// Reactions on the two sheaves.
-[[nodiscard]] inline SheaveLoad load_sheaves(const TipGeometry& g, const TipMotion& motion, const TipForces& t) noexcept {
+[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry& g, const TipMotion& motion, const TipForces& t) noexcept {
     const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };   // rear + front, by side
     const Vector3Lanes& p = motion.sheave_arm;
     const Vector3Lanes& r = g.arm;

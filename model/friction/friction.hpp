@@ -13,21 +13,22 @@ template <int W>
     return larger<W>(speed, Lanes<W>(curve.proportional_speed));
 }
 
-/// g(v) [s/m] for speeds v ≥ 0: 1/max(v, v0) for the piecewise law, and the parabola between (1-d) v0 and (1+d) v0 for the smoothed one.
-/// Continuous. @param inverse 1/regular_speed(speed), which the caller may have from a shared division
+/// g(v) [s/m]: 1/max(v, v0) for the piecewise law; for the smoothed one, where s = u - (u - 1 + d)²/4d between 1 - d and 1 + d (the parabola of the
+/// equations, written from its lower end: nothing cancels at low speed, nothing is divided). Continuous.
+/// @param regular regular_speed(v)   @param inverse 1/regular, which the caller may have from a shared division
 template <int W>
-[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed, const Lanes<W>& inverse) noexcept {
+[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& regular, const Lanes<W>& inverse) noexcept {
     if (curve.smoothing == 0.0) return inverse;
-    // c = 1 + d - v/v0, the distance to full saturation: the parabola 1 - c²/4d is between 0 and 2d, and gives 1 and 1 - d at their ends.
-    const double d = curve.smoothing;
-    const Lanes<W> distance = (1.0 + d) - curve.inverse_saturation_speed * speed;
-    const Lanes<W> missing = smaller<W>(positive_part<W>(distance), Lanes<W>(2.0 * d));
-    return (1.0 - curve.curvature * (missing * missing)) * inverse;
+    const Lanes<W> beyond = regular - curve.proportional_speed;
+    const Lanes<W> parabola = curve.inverse_saturation_speed - curve.curvature * (beyond * beyond) * inverse;
+    return select_greater<W>(regular, Lanes<W>(curve.full_speed), inverse, parabola);
 }
 
+/// The same for speeds v ≥ 0.
 template <int W>
 [[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
-    return slip_factor<W>(curve, speed, 1.0 / regular_speed<W>(curve, speed));
+    const Lanes<W> regular = regular_speed<W>(curve, speed);
+    return slip_factor<W>(curve, regular, 1.0 / regular);
 }
 
 }  // namespace
