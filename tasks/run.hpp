@@ -33,6 +33,8 @@ struct RunReport {
     double step = 0.0;                    ///< [s]
     std::string method;
     std::string schedule;                 ///< what ran it, and why if it was chosen
+    std::string kernels;                  ///< instruction set that the kernels used
+    std::size_t working_set = 0;          ///< memory that the step loop touches [B]
     Counters counters;                    ///< after settling
     Counters settling;
     double wall = 0.0, settling_wall = 0.0;   ///< [s]

@@ -51,6 +51,13 @@ void Workspace::repartition(Partition parts) {
     for (int s = 0; s < partition.size(); ++s) windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
 }
 
+std::size_t Workspace::bytes() const noexcept {
+    const auto of = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
+    std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + tail.size();
+    for (const auto& window : windows) doubles += window.size();
+    return doubles * sizeof(double) + of(loads) + of(accounts) + of(phases) + of(before) + of(after) + of(changed) + of(verdicts) + sizeof(*this);
+}
+
 void Workspace::list_touching() noexcept {
     touching_count = 0;
     for (int link = 0; link < layout().links; ++link) {

@@ -86,6 +86,30 @@ template <int W>
     }
 }
 
+/// The lanes of both, those of `low` first.
+template <int W>
+[[nodiscard]] inline Lanes<2 * W> join(const Lanes<W>& low, const Lanes<W>& high) noexcept {
+    if constexpr (2 * W <= native_lanes) {
+        return native_join<W>(low.v, high.v);
+    } else {
+        return {low, high};
+    }
+}
+
+/// Lanes [0, W/2) or [W/2, W).
+template <int W>
+[[nodiscard]] inline Lanes<W / 2> half(const Lanes<W>& lanes, int which) noexcept {
+    if constexpr (W <= native_lanes) {
+        return native_half<W>(lanes.v, which);
+    } else {
+        return which == 0 ? lanes.low : lanes.high;
+    }
+}
+
+/// Its two halves added.
+template <int W>
+[[nodiscard]] inline Lanes<W / 2> folded(const Lanes<W>& lanes) noexcept { return half<W>(lanes, 0) + half<W>(lanes, 1); }
+
 /// `chosen` where a > b, else `otherwise`; false for NaN.
 template <int W>
 [[nodiscard]] inline Lanes<W> select_greater(const Lanes<W>& a, const Lanes<W>& b, const Lanes<W>& chosen, const Lanes<W>& otherwise) noexcept {
@@ -139,10 +163,8 @@ template <int W>
 [[nodiscard]] inline double sum(const Lanes<W>& lanes) noexcept {
     if constexpr (W == 1) {
         return lanes.v;
-    } else if constexpr (W <= native_lanes) {
-        return sum<W / 2>(Lanes<W / 2>(native_half<W>(lanes.v, 0)) + Lanes<W / 2>(native_half<W>(lanes.v, 1)));
     } else {
-        return sum<W / 2>(lanes.low + lanes.high);
+        return sum<W / 2>(folded<W>(lanes));
     }
 }
 
@@ -151,18 +173,12 @@ template <int W>
 /// @param totals [count] sums[k] = sum(terms[k])
 template <int W, std::size_t count>
 inline void sums(const std::array<Lanes<W>, count>& terms, double* totals) noexcept {
-    if constexpr (W > native_lanes) {
+    if constexpr (count == 1 || (W <= 2 && count < W) || W == 1) {
+        for (std::size_t k = 0; k < count; ++k) totals[k] = sum<W>(terms[k]);
+    } else if constexpr (W > native_lanes || count < W) {
         std::array<Lanes<W / 2>, count> halves;
-        for (std::size_t k = 0; k < count; ++k) halves[k] = terms[k].low + terms[k].high;
+        for (std::size_t k = 0; k < count; ++k) halves[k] = folded<W>(terms[k]);
         sums<W / 2, count>(halves, totals);
-    } else if constexpr (W == 1 || count < W) {
-        if constexpr (W <= 2 || count == 1) {
-            for (std::size_t k = 0; k < count; ++k) totals[k] = sum<W>(terms[k]);
-        } else {   // fold once, then use narrower vectors
-            std::array<Lanes<W / 2>, count> halves;
-            for (std::size_t k = 0; k < count; ++k) halves[k] = Lanes<W / 2>(native_half<W>(terms[k].v, 0)) + Lanes<W / 2>(native_half<W>(terms[k].v, 1));
-            sums<W / 2, count>(halves, totals);
-        }
     } else {
         std::array<typename NativeVector<W>::Type, W> block;
         for (std::size_t k = 0; k < W; ++k) block[k] = terms[k].v;

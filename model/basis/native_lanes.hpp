@@ -83,10 +83,22 @@ template <int W>
 [[nodiscard]] inline NativeVector<W / 2>::Type native_half(typename NativeVector<W>::Type v, int half) noexcept {
     if constexpr (W == 2) {
         return v[half];
+    } else if constexpr (W == 4) {
+        return half == 0 ? __builtin_shufflevector(v, v, 0, 1) : __builtin_shufflevector(v, v, 2, 3);
     } else {
-        typename NativeVector<W / 2>::Type result;
-        for (int lane = 0; lane < W / 2; ++lane) result[lane] = v[half * (W / 2) + lane];
-        return result;
+        return half == 0 ? __builtin_shufflevector(v, v, 0, 1, 2, 3) : __builtin_shufflevector(v, v, 4, 5, 6, 7);
+    }
+}
+
+/// The lanes of both, those of `low` first.
+template <int W>
+[[nodiscard]] inline NativeVector<2 * W>::Type native_join(typename NativeVector<W>::Type low, typename NativeVector<W>::Type high) noexcept {
+    if constexpr (W == 1) {
+        return typename NativeVector<2>::Type{low, high};
+    } else if constexpr (W == 2) {
+        return __builtin_shufflevector(low, high, 0, 1, 2, 3);
+    } else {
+        return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
     }
 }
 

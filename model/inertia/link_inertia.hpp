@@ -1,8 +1,7 @@
 #pragma once
-/// The constant inertia of a link and its Cholesky factor. x, y and z do not couple: diag(B, B, C). (model/EQUATIONS.md section 2)
+/// The constant inertia of a link and its inverse. x, y and z do not couple: diag(B, B, C). (model/EQUATIONS.md section 2)
 
 #include <array>
-#include <cmath>
 
 #include "model/coefficients.hpp"
 
@@ -10,16 +9,17 @@ namespace cvtflow::model {
 
 inline constexpr int most_lateral_block = 2 * most_lateral;
 
-/// Lower Cholesky factor of a small symmetric positive definite matrix, row by row, with the reciprocals of its diagonal.
-struct SmallCholesky {
+/// Inverse of a small symmetric positive definite matrix, column by column, each padded with zeros to a whole number of lanes.
+struct SmallInverse {
     int size = 0;
-    alignas(64) std::array<double, most_lateral_block * most_lateral_block> factor{};
-    std::array<double, most_lateral_block> inverse_diagonal{};
+    alignas(64) std::array<double, most_lateral_block * most_lateral_block> column{};   ///< [size][padded(size)]
 };
+/// Lanes that hold one column: a power of two.
+[[nodiscard]] constexpr int padded(int size) noexcept { return size <= 2 ? 2 : size <= 4 ? 4 : 8; }
 
 struct LinkInertia {
-    SmallCholesky lateral;   ///< B, for x and for y: [a_0…a_p, b_0…b_p]
-    SmallCholesky axial;     ///< C: [a.z, a.e, b.z, b.e]
+    SmallInverse lateral;    ///< of B, for x and for y: [a_0…a_p, b_0…b_p]
+    SmallInverse axial;      ///< of C: [a.z, a.e, b.z, b.e]
     std::array<double, most_lateral_block * most_lateral_block> lateral_matrix{};  ///< B itself, rows of 2(p+1)
     std::array<double, 16> axial_matrix{};                                         ///< C itself
 };

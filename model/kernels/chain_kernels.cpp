@@ -17,16 +17,16 @@ public:
     void run(double* slope, LinkLoad* loads, Account* accounts) noexcept {
         Account neighbour;   // the joint behind the last link is booked by the next range
         LinkFrame here = frame_of(range_.first);
-        JointForce<P> rear;
-        joint_between(range_.first, frame_, here, rear, accounts);
+        JointForce<P> joints[2];   // of the pins behind and before a link, taking turns
+        joint_between(range_.first, frame_, here, joints[0], accounts);
         for (int link = range_.first; link < range_.last; ++link) {
             const int own = link - range_.first;
             const LinkFrame ahead = frame_of(link + 1);
-            JointForce<P> front;
+            const JointForce<P>& rear = joints[own & 1];
+            JointForce<P>& front = joints[(own & 1) ^ 1];
             joint_between(link + 1, here, ahead, front, link + 1 < range_.last ? part_of(accounts, own + 1, AccountPart::joint) : &neighbour);
             link_slope(link, here, rear, front, slope + own * at<P>.link_block(), loads[own], part_of(accounts, own, AccountPart::joint));
             here = ahead;
-            rear = front;
         }
     }
 

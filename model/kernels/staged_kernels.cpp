@@ -73,13 +73,12 @@ void forward_links(const ChainModel& model, const StagedChain& chain, int first,
         const auto share = kept<TipShare<P>>(buffers.tips.data() + link * buffers.tip_stride);
         double* f = force_of<P>(chain, link);
         assemble<P>(frame_of<P>(chain, link), buffers.moments[static_cast<std::size_t>(link)], rear, front, touching ? &share : nullptr, f);
-        forward_pass<P>(model.inertia(), f);
     }
 }
 
 template <int P>
 void reverse_links(const ChainModel& model, const StagedChain& chain, int first, int last) noexcept {
-    for (int link = first; link < last; ++link) reverse_pass<P>(model.inertia(), force_of<P>(chain, link));
+    for (int link = first; link < last; ++link) accelerate<P>(model.inertia(), force_of<P>(chain, link));
 }
 
 template <int P>
