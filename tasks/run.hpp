@@ -37,6 +37,9 @@ struct RunReport {
     std::size_t working_set = 0;          ///< memory that the step loop touches [B]
     Counters counters;                    ///< after settling
     Counters settling;
+    StepControl step_control = StepControl::fixed;
+    double tolerance = 0.0;
+    LocalErrorStatistics local_errors;    ///< after settling
     double wall = 0.0, settling_wall = 0.0;   ///< [s]
     std::uint64_t hash = 0;
     long outputs = 0;

@@ -9,6 +9,7 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
         case FaultKind::non_finite:
         case FaultKind::penetration:
         case FaultKind::left_sheave:
+        case FaultKind::step_size:
         case FaultKind::too_stiff: return ExitStatus::fault;
         case FaultKind::max_steps:
         case FaultKind::max_wall: return ExitStatus::budget;
