@@ -45,7 +45,7 @@ void Settled::stir(double amount) {
     evaluate();
 }
 
-std::vector<double> Settled::dense() const {
+std::vector<double> Settled::dense(double sign) const {
     const model::ChainLayout& at = variator_.layout();
     const std::size_t n = start_.state.size();
     model::EvaluationScratch scratch(at);
@@ -54,7 +54,7 @@ std::vector<double> Settled::dense() const {
         const int index = static_cast<int>(k);
         const bool chain = index < at.pulley_begin();
         const bool position = chain ? index % at.link_block() < at.link_size() : index < at.pulley_begin() + at.pulley_size;
-        moved[k] += position ? ColouredJacobian::position_step : ColouredJacobian::velocity_step;
+        moved[k] += sign * (position ? ColouredJacobian::position_step : ColouredJacobian::velocity_step);
         model::right_hand_side(variator_, start_.time, moved.data(), start_.phases.data(), slope.data(), scratch);
         for (std::size_t row = 0; row < n; ++row) matrix[k * n + row] = (slope[row] - slope_[row]) / (moved[k] - start_.state[k]);
         moved[k] = start_.state[k];
