@@ -21,6 +21,7 @@ void update_segment(void* workspace, int segment) noexcept {
     method_of(workspace).update(own.first, own.last);
 }
 void jacobian_task(void* workspace, int batch) noexcept { method_of(workspace).jacobian_batch(batch); }
+void corner_task(void* workspace, int) noexcept { method_of(workspace).jacobian_corner(); }
 void eliminate_task(void* workspace, int chunk) noexcept { method_of(workspace).eliminate(chunk); }
 void join_task(void* workspace, int) noexcept { method_of(workspace).join(); }
 void forward_task(void* workspace, int chunk) noexcept { method_of(workspace).forward(chunk); }
@@ -37,7 +38,7 @@ enum ImplicitField { jacobian_field = 1000, chunk_field, joint_field, right_side
 ImplicitMethod::ImplicitMethod(Workspace& workspace)
     : w_(workspace), size_(w_.layout().link_size()), half_(w_.layout().pulley_size), border_size_(half_ + (w_.layout().control ? 1 : 0)),
       q_tail_(w_.layout().pulley_begin()), jacobian_(w_.layout()), matrix_(w_.variator), right_side_(static_cast<std::size_t>(matrix_.unknowns())),
-      solution_(right_side_), differences_(w_.variator, most_batches) {}
+      solution_(right_side_), differences_(w_.variator, most_batches), derivatives_(w_.variator) {}
 
 void ImplicitMethod::add_tasks(engine::TaskGraph& graph) const {
     const int links = w_.layout().links, batches = differences_.batches(), chunks = matrix_.chunks();
@@ -46,7 +47,8 @@ void ImplicitMethod::add_tasks(engine::TaskGraph& graph) const {
         graph.add({numbered("prepare", s), prepare_cycle, prepare_segment, s, {{right_side_field, own.first, own.last, true}}});
         graph.add({numbered("update", s), update_cycle, update_segment, s, {{jacobian_field, own.first, own.last, true}}});
     }
-    for (int b = 0; b < batches; ++b) graph.add({numbered("jacobian", b), jacobian_cycle, jacobian_task, b, {{jacobian_field, b, b + 1, true}}});
+    const int corner = graph.add({"corner", jacobian_cycle, corner_task, 0, {{jacobian_field, 0, links, true}}});
+    for (int b = 0; b < batches; ++b) graph.order(graph.add({numbered("jacobian", b), jacobian_cycle, jacobian_task, b, {{jacobian_field, b, b + 1, true}}}), corner);
     const int join = graph.add({"join", factor_cycle, join_task, 0, {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
     const int join_solution = graph.add({"join", solve_cycle, join_solution_task, 0, {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
     for (int c = 0; c < chunks; ++c) {
@@ -59,7 +61,15 @@ void ImplicitMethod::add_tasks(engine::TaskGraph& graph) const {
     }
 }
 
-void ImplicitMethod::jacobian_batch(int batch) noexcept { differences_.evaluate(batch, base_, jacobian_); }
+void ImplicitMethod::jacobian_batch(int batch) noexcept {
+    if (!exact_) return differences_.evaluate(batch, base_, jacobian_);
+    const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(w_.layout().links) * k / differences_.batches()); };
+    derivatives_.links(base_.state, base_.phases, cut(batch), cut(batch + 1), jacobian_);
+}
+
+void ImplicitMethod::jacobian_corner() noexcept {
+    if (exact_) derivatives_.corner(base_.time, base_.state, base_.phases, jacobian_);
+}
 
 void ImplicitMethod::eliminate(int chunk) noexcept { matrix_.eliminate(chunk, theta_, jacobian_, {w_.phases.data(), w_.loads.data()}); }
 
@@ -100,7 +110,7 @@ void ImplicitMethod::close_evaluate() noexcept { close_evaluation(w_, w_.time + 
 int ImplicitMethod::take_jacobian(double c, int state_slot, int slope_slot) noexcept {
     base_ = {w_.time + c * w_.h, state(state_slot), slope(slope_slot), w_.phases.data(), w_.loads.data(), w_.accounts.data()};
     ++jacobians_;
-    w_.evaluations += differences_.groups();
+    if (!exact_) w_.evaluations += differences_.groups();
     return jacobian_cycle;
 }
 

@@ -2,7 +2,7 @@
 /// What all methods that solve with the whole state share: the Jacobian, the matrix of a stage, and the cycles that evaluate, factorise and
 /// solve in parallel.
 ///
-///     jacobian    columns by batches                                    (differences, or exact derivatives link by link)
+///     jacobian    [batch] ─► corner                                     columns by differences, or exact derivatives link by link
 ///     factor      eliminate[chunk] ─► join                              I - θ D - θ² K at the base point
 ///     prepare     [segment]                                             right-hand side of the solve, as the method says
 ///     solve       forward[chunk] ─► join ─► backward[chunk]             velocities; the method then finishes the links of the chunk
@@ -11,7 +11,7 @@
 
 #include <vector>
 
-#include "model/jacobian/acceleration_jacobian.hpp"
+#include "model/jacobian/exact_jacobian.hpp"
 #include "tasks/implicit/coloured_jacobian.hpp"
 #include "tasks/implicit/implicit_matrix.hpp"
 #include "tasks/step_graph.hpp"
@@ -36,6 +36,7 @@ public:
     virtual void finish(int first, int last) noexcept = 0;
     virtual void update(int first, int last) noexcept { (void)first, (void)last; }
     void jacobian_batch(int batch) noexcept;
+    void jacobian_corner() noexcept;
     void eliminate(int chunk) noexcept;
     void join() noexcept;
     void forward(int chunk) noexcept { matrix_.forward(chunk, right_side_.data()); }
@@ -73,8 +74,8 @@ protected:
 
 private:
     ColouredJacobian differences_;
+    model::ExactJacobian derivatives_;
     BasePoint base_;
-    model::SheaveMotion sheaves_[4]{};
 };
 
 }  // namespace cvtflow::tasks
