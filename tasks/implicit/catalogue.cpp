@@ -10,13 +10,15 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::array<NewtonVariant, 6> variants{{
+constexpr std::array<NewtonVariant, 7> variants{{
     {"trapezoidal-analytic", "Newton with exact derivatives in every iteration", {.matrix = NewtonMatrix::every_iteration, .exact = true}},
     {"trapezoidal-full", "Newton, Jacobian by coloured differences in every iteration", {.matrix = NewtonMatrix::every_iteration, .exact = false}},
     {"trapezoidal-once", "Newton, Jacobian by differences once per step", {.matrix = NewtonMatrix::once_per_step, .exact = false}},
     {"trapezoidal-frozen", "Newton, Jacobian by differences kept over steps until it serves no longer", {.matrix = NewtonMatrix::frozen, .exact = false}},
     {"trapezoidal-broyden", "Broyden's updates of a Jacobian kept over steps", {.matrix = NewtonMatrix::broyden, .exact = false}},
     {"trapezoidal-schubert", "Broyden's updates within the sparsity (Schubert) of a Jacobian kept over steps", {.matrix = NewtonMatrix::schubert, .exact = false}},
+    {"trapezoidal-plain", "Newton from the explicit Euler step without backtracking: how it fails on friction",
+     {.matrix = NewtonMatrix::every_iteration, .exact = true, .start = NewtonStart::euler, .backtracking = false}},
 }};
 
 template <std::size_t Variant>

@@ -9,8 +9,8 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr int increment_slot = 2, trial_slope = 1, start_slope = 2;
-/// Least share of a Newton step that is tried.
-constexpr double shortest = 1.0 / 256.0;
+/// Least share of a Newton step that is tried: with a matrix of this iterate, and with an older one.
+constexpr double shortest = 1.0 / 256.0, shortest_with_old = 1.0 / 8.0;
 /// A matrix is given up when the residual falls by less than this factor, once it has had some iterations to show what it can: few if it is
 /// kept over steps, many if it is of this step.
 constexpr double poor_contraction = 0.5;
@@ -151,7 +151,7 @@ int TrapezoidalMethod::judge() noexcept {
     const bool falls = norm <= (1.0 - 1e-4 * lambda_) * norm_ || norm <= options_.tolerance;
     if (first_ || falls || !options_.backtracking) return accept_trial(norm);
     ++statistics_.backtracks;
-    return lambda_ > shortest ? evaluate_trial(0.5 * lambda_) : stuck();
+    return lambda_ > (since_jacobian_ == 0 ? shortest : shortest_with_old) ? evaluate_trial(0.5 * lambda_) : stuck();
 }
 
 int TrapezoidalMethod::accept_trial(double norm) noexcept {
