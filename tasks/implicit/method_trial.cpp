@@ -30,6 +30,7 @@ TrialEnd try_method(const model::Parameters& parameters, const FrozenStart& star
     end.step = controller.step();
     end.report = method->report();
     if (const auto* trapezoidal = dynamic_cast<const TrapezoidalMethod*>(method.get())) end.newton = trapezoidal->statistics();
+    end.state.assign(workspace.states[0], workspace.states[0] + workspace.layout().size());
     model::Observer observer(workspace.variator);
     const model::Observation& seen = observer.observe(controller.time(), workspace.states[0], workspace.phases.data());
     end.axial_force = seen.tip_axial;

@@ -18,6 +18,7 @@ struct TrialEnd {
     double wall = 0.0;                          ///< [s]
     std::optional<NewtonStatistics> newton;     ///< of trapezoidal methods
     std::string report;                         ///< what the method says of its work
+    std::vector<double> state;                  ///< [layout.size()]
     std::vector<double> axial_force, tension;   ///< of every tip, of every link [N]
 };
 

@@ -14,6 +14,7 @@ class Settled {
 public:
     explicit Settled(const std::vector<std::string>& extra = {});
 
+    [[nodiscard]] const model::Parameters& parameters() const { return scene_.parameters; }
     [[nodiscard]] const model::Variator& variator() const { return variator_; }
     [[nodiscard]] const FrozenStart& start() const { return start_; }
     [[nodiscard]] BasePoint base() const;
