@@ -9,6 +9,7 @@
 #include "engine/method/compiled_plan.hpp"
 #include "engine/method/order.hpp"
 #include "tasks/friction/friction_methods.hpp"
+#include "tasks/implicit/catalogue.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tasks/spectral_method.hpp"
 #include "tasks/stage_method.hpp"
@@ -25,7 +26,7 @@ const std::vector<MethodProgram>& method_programs() {
             {"fitted", "polynomial fitted to the spectrum, again when it moves", "weights by Lawson's iteration", 3, 0, FittedMethod::most_stages + 1, 3,
              fitted_by_spectrum},
         };
-        for (const auto& family : {friction_methods()}) programs.insert(programs.end(), family.begin(), family.end());
+        for (const auto& family : {friction_methods(), implicit_programs()}) programs.insert(programs.end(), family.begin(), family.end());
         return programs;
     }();
     return all;

@@ -59,6 +59,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     }
     report.end = simulation.time();
     report.step = simulation.step();
+    report.method_report = simulation.method_report();
     report.hash = simulation.hash();
     recorder.finish(report);
     return report;
@@ -123,6 +124,7 @@ std::string summary(const RunReport& r) {
     if (r.outputs > 0) text += operating_point(r);
     text += fmt::format("  method              {}, step {:.4g} s: {} steps, {} evaluations\n", r.method, r.step, r.counters.steps, r.counters.evaluations);
     text += error_lines(r);
+    if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  kernels             {}, working set {} KiB\n", r.kernels, (r.working_set + 1023) / 1024);
     text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated, r.counters.suppressed);

@@ -3,6 +3,7 @@
 /// cycles of the task graph lead from the start to the result.
 
 #include <optional>
+#include <string>
 
 #include "engine/graph/task_graph.hpp"
 #include "tasks/workspace.hpp"
@@ -46,6 +47,8 @@ public:
 
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
+    /// What the method has done since it was made, one line for the summary of a run; empty: nothing to say.
+    [[nodiscard]] virtual std::string report() const { return {}; }
 
 protected:
     StepMethod() = default;

@@ -38,5 +38,6 @@ Action declare_fit(CLI::App& app);
 Action declare_compare(CLI::App& app);
 Action declare_profile(CLI::App& app);
 Action declare_dot(CLI::App& app);
+Action declare_newton(CLI::App& app);
 
 }  // namespace cvtflow::tools

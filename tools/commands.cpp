@@ -18,6 +18,7 @@ std::span<const Command> commands() noexcept {
         Command{"fit", "Fit a stability polynomial to a scene's spectrum", declare_fit},
         Command{"compare", "Run methods and steps on a scene: errors, evaluations, time", declare_compare},
         Command{"profile", "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
+        Command{"newton", "Try the implicit methods: Newton's convergence, cost and error by variant and step", declare_newton},
         Command{"dot", "Draw the task graph of a step in Graphviz' language", declare_dot},
     };
     return rows;
