@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "model/chain_parts.hpp"
+#include "model/kernels/chain_parts.hpp"
 #include "model/jacobian/link_contacts.hpp"
 
 namespace cvtflow::model {

@@ -67,6 +67,13 @@ template <int P, class T>
     }
 }
 
+/// Spring of bending mode m of one half.
+template <int P>
+[[nodiscard]] inline Spring bending_spring(const BendingLanes& lanes, End end, int m) noexcept {
+    const auto lane = static_cast<std::size_t>(static_cast<int>(end) * (P - 1) + m - 2);
+    return {lanes.stiffness[lane], lanes.damping[lane]};
+}
+
 /// All elasticity inside a link. Adds to its generalized forces f; returns the moment about z on the link.
 template <int P, class T>
 [[nodiscard]] inline T inner_force(const Coefficients& c, const LinkKind& kind, const T* q, const T* v, T* f) noexcept {
@@ -76,8 +83,8 @@ template <int P, class T>
     for (const End end : {End::rear, End::front}) {
         const int e = at<P>.e(end);
         f[e] -= spring_force(c.extension, q[e], v[e]);
-        if constexpr (P >= 2) moment += bending_force<P, 2>(end, c.bending2_travel, c.bending2_height, frame, q, v, f);
-        if constexpr (P >= 3) moment += bending_force<P, 3>(end, c.bending3_travel, c.bending3_height, frame, q, v, f);
+        if constexpr (P >= 2) moment += bending_force<P, 2>(end, bending_spring<P>(c.travel, end, 2), bending_spring<P>(c.height, end, 2), frame, q, v, f);
+        if constexpr (P >= 3) moment += bending_force<P, 3>(end, bending_spring<P>(c.travel, end, 3), bending_spring<P>(c.height, end, 3), frame, q, v, f);
     }
     return moment;
 }

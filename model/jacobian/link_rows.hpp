@@ -2,6 +2,7 @@
 /// Derivatives of one link's generalized forces with respect to its own unknowns, those of its two neighbours, and the motion of its sheaves:
 /// rows of forces and one of the moment about z, filled contribution by contribution.
 
+#include <algorithm>
 #include <cstring>
 
 #include "model/force/link_frame.hpp"
@@ -64,22 +65,15 @@ private:
         for (int d = 0; d < 4; ++d) add_difference(out, 1, d, sign * moment * arm.slope[static_cast<std::size_t>(d)]);
     }
     template <int N>
-    void solve(const SmallCholesky& l, int first) noexcept {
-        const auto factor = [&](int r, int k) { return l.factor[static_cast<std::size_t>(r * N + k)]; };
-        const auto eliminate = [&](int r, int k, double by) {
-            for (int c = 0; c < width; ++c) rows_[first + r][c] -= by * rows_[first + k][c];
-        };
-        const auto scale = [&](int r) {
-            for (int c = 0; c < width; ++c) rows_[first + r][c] *= l.inverse_diagonal[static_cast<std::size_t>(r)];
-        };
+    void solve(const SmallInverse& inverse, int first) noexcept {
+        double solved[N][width] = {};
         for (int r = 0; r < N; ++r) {
-            for (int k = 0; k < r; ++k) eliminate(r, k, factor(r, k));
-            scale(r);
+            for (int k = 0; k < N; ++k) {
+                const double factor = inverse.column[static_cast<std::size_t>(k * padded(N) + r)];
+                for (int c = 0; c < width; ++c) solved[r][c] += factor * rows_[first + k][c];
+            }
         }
-        for (int r = N - 1; r >= 0; --r) {
-            for (int k = r + 1; k < N; ++k) eliminate(r, k, factor(k, r));
-            scale(r);
-        }
+        for (int r = 0; r < N; ++r) std::copy(solved[r], solved[r] + width, rows_[first + r]);
     }
 
     double rows_[size + 1][width] = {};
