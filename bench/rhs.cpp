@@ -1,15 +1,31 @@
 /// Cost of one right-hand side on one thread, whole and by part, at the settled baseline (order 3, 14 plates; 3 and 8 joint points).
-/// Every row is the whole chain's share of one evaluation, and carries a hash of what it computed.
+/// Every row is the whole chain's share of one evaluation, and carries a hash of what it computed. Rows:
+///
+///     plain/…      the oracle of the tests in double: the equations written down plainly, tables computed anew
+///     one_lane/…   the kernels' own source as scalar code, nothing vectorised: what lanes alone bring
+///     whole/ISA/…  the kernels, per instruction set that this processor runs
+///     others       parts, compiled for this machine if the build is
+///
+/// Columns: time, instructions and flops executed (counted one by one), flops per second; whole: share of the measured peak of additions and
+/// multiplications in vectors of that instruction set, and bytes of state read and slope written. BENCH_COUNT=0 leaves the counting out.
 
 #include <benchmark/benchmark.h>
 
+#include <chrono>
+#include <cstdlib>
+#include <functional>
 #include <memory>
+#include <string>
 
+#include "bench/count/instructions.hpp"
 #include "engine/base/hash.hpp"
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
 #include "model/force/tips.hpp"
+#include "model/inertia/link_solve.hpp"
+#include "model/kernels/kernels.hpp"
+#include "plain/plain_rhs.hpp"
 #include "tasks/simulation.hpp"
 
 namespace {
@@ -26,6 +42,7 @@ struct Baseline {
     explicit Baseline(int joint_points) {
         tasks::Scene scene = tasks::read_scene(CVTFLOW_SOURCE_DIR "/scenes/baseline.toml");
         scene.parameters.detail.joint_points = joint_points;
+        parameters = scene.parameters;
         simulation = std::make_unique<tasks::Simulation>(scene);
         const auto& at = variator().layout();
         scratch = std::make_unique<model::EvaluationScratch>(at);
@@ -46,6 +63,7 @@ struct Baseline {
     [[nodiscard]] const model::Coefficients& coefficients() const { return variator().chain().coefficients(); }
     [[nodiscard]] const model::LinkFrame& frame(int link) const { return frames[static_cast<std::size_t>(link)]; }
 
+    model::Parameters parameters;
     std::unique_ptr<tasks::Simulation> simulation;
     std::unique_ptr<model::EvaluationScratch> scratch;
     std::vector<model::Phase> phases;
@@ -58,31 +76,95 @@ const Baseline& baseline(int joint_points) {
     return joint_points == 3 ? three : eight;
 }
 
-void label(benchmark::State& state, const double* values, std::size_t count) {
-    state.SetLabel("hash " + engine::hex(engine::state_hash({values, count})));
+void label(benchmark::State& state, const double* values, std::size_t count, const std::string& more = "") {
+    state.SetLabel("hash " + engine::hex(engine::state_hash({values, count})) + more);
 }
 
-void whole(benchmark::State& run) {
-    const Baseline& b = baseline(static_cast<int>(run.range(0)));
+/// Instructions, flops and flops per second of one iteration.
+bench::Counted count(benchmark::State& run, const std::function<void()>& body) {
+    const char* wanted = std::getenv("BENCH_COUNT");
+    if (wanted != nullptr && std::string(wanted) == "0") return {};
+    const auto counted = bench::count(body).value_or(bench::Counted{});
+    if (counted.instructions == 0) return {};
+    using benchmark::Counter;
+    run.counters["instructions"] = Counter(static_cast<double>(counted.instructions));
+    run.counters["flops"] = Counter(static_cast<double>(counted.flops));
+    run.counters["flop/s"] = Counter(static_cast<double>(counted.flops), Counter::kIsIterationInvariantRate);
+    return counted;
+}
+
+/// Additions and multiplications per second in vectors of W doubles: eight independent chains of each.
+template <int W>
+double peak() {
+    using model::Lanes;
+    std::array<Lanes<W>, 16> value;
+    for (std::size_t k = 0; k < value.size(); ++k) value[k] = Lanes<W>(1.0 + static_cast<double>(k));
+    const Lanes<W> one(1.0);
+    constexpr int rounds = 2'000'000;
+    double best = 0.0;
+    for (int repetition = 0; repetition < 5; ++repetition) {
+        const auto begin = std::chrono::steady_clock::now();
+        for (int round = 0; round < rounds; ++round) {
+            for (std::size_t k = 0; k < 8; ++k) value[k] += one;
+            for (std::size_t k = 8; k < 16; ++k) value[k] = value[k] * one;
+        }
+        benchmark::DoNotOptimize(value);
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        best = std::max(best, 16.0 * W * rounds / seconds);
+    }
+    return best;
+}
+
+/// One evaluation with kernels of any kind, on a model that has others.
+void evaluate(const Baseline& b, const model::Variator& variator, const model::ChainKernels& kernels, model::EvaluationScratch& scratch, double* slope) {
+    const auto& at = variator.layout();
+    model::fill_window(variator, b.simulation->state(), scratch);
+    variator.pulleys().motions(b.simulation->state() + at.pulley_begin(), scratch.sheaves);
+    kernels.slopes(variator.chain(), {0, at.links, scratch.window.data(), scratch.sheaves, b.phases.data()}, slope, scratch.loads.data(), nullptr);
+    variator.close(0.0, b.simulation->state() + at.pulley_begin(), b.phases.data(), scratch.loads.data(), nullptr, slope + at.pulley_begin());
+}
+
+/// @param peak_flops [1/s], 0: unknown
+void whole(benchmark::State& run, int joint_points, const model::ChainKernels& kernels, double peak_flops) {
+    const Baseline& b = baseline(joint_points);
     std::vector<double> slope(static_cast<std::size_t>(b.variator().layout().size()));
     model::EvaluationScratch scratch(b.variator().layout());
+    const auto once = [&] { evaluate(b, b.variator(), kernels, scratch, slope.data()); };
     for (auto _ : run) {
-        model::right_hand_side(b.variator(), 0.0, b.simulation->state(), b.phases.data(), slope.data(), scratch);
+        once();
         benchmark::DoNotOptimize(slope.data());
     }
-    label(run, slope.data(), slope.size());
+    label(run, slope.data(), slope.size(), ", " + std::to_string(2 * slope.size() * sizeof(double)) + " bytes in and out, working set " + std::to_string(b.simulation->workspace().bytes() / 1024) + " KiB");
+    const auto counted = count(run, once);
+    if (peak_flops > 0.0) run.counters["peak"] = benchmark::Counter(static_cast<double>(counted.flops) / peak_flops, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+void plain_rhs(benchmark::State& run) {
+    const Baseline& b = baseline(8);
+    const auto& parameters = b.parameters;
+    const std::span state(b.simulation->state(), static_cast<std::size_t>(b.variator().layout().size()));
+    plain::Result result;
+    for (auto _ : run) {
+        result = plain::right_hand_side(parameters, 0.0, state, b.phases);
+        benchmark::DoNotOptimize(result.slope.data());
+    }
+    label(run, result.slope.data(), result.slope.size());
 }
 
 /// Runs body(link, force) over all links with forces cleared, as often as wanted.
 template <class Body>
 void over_links(benchmark::State& run, const Baseline& b, const Body& body) {
     std::vector<double> force(static_cast<std::size_t>(b.links() * size));
-    for (auto _ : run) {
+    const auto once = [&] {
         std::fill(force.begin(), force.end(), 0.0);
         for (int link = 0; link < b.links(); ++link) body(link, force.data() + link * size);
+    };
+    for (auto _ : run) {
+        once();
         benchmark::DoNotOptimize(force.data());
     }
     label(run, force.data(), force.size());
+    count(run, once);
 }
 
 void plates(benchmark::State& run) {
@@ -158,7 +240,7 @@ void pulleys(benchmark::State& run) {
     label(run, slope.data(), slope.size());
 }
 
-BENCHMARK(whole)->ArgName("joint_points")->Arg(3)->Arg(8)->Unit(benchmark::kMicrosecond);
+BENCHMARK(plain_rhs)->Name("plain/joint_points:8")->Unit(benchmark::kMicrosecond);
 BENCHMARK(plates)->Unit(benchmark::kMicrosecond);
 BENCHMARK(joints)->ArgName("joint_points")->Arg(3)->Arg(8)->Unit(benchmark::kMicrosecond);
 BENCHMARK(tips)->Unit(benchmark::kMicrosecond);
@@ -167,6 +249,29 @@ BENCHMARK(inertia)->Unit(benchmark::kMicrosecond);
 BENCHMARK(pulleys)->Unit(benchmark::kMicrosecond);
 BENCHMARK(transitions)->Unit(benchmark::kMicrosecond);
 
+void register_whole(const std::string& name, int joint_points, const model::ChainKernels& kernels, double peak_flops) {
+    benchmark::RegisterBenchmark((name + "/joint_points:" + std::to_string(joint_points)).c_str(),
+                                 [=](benchmark::State& run) { whole(run, joint_points, kernels, peak_flops); })->Unit(benchmark::kMicrosecond);
+}
+
+void register_instruction_sets() {
+    constexpr auto one_lane = static_cast<model::Isa>(-1);   // bench/one_lane
+    const double peaks[] = {peak<2>(), peak<4>(), peak<8>()};
+    for (const int joint_points : {8, 3}) {
+        register_whole("one_lane", joint_points, model::chain_kernels<one_lane>(order), 0.0);
+        for (const model::Isa isa : model::usable_isas()) {
+            const bool fits = isa <= model::compiled_isa;   // else this file's own vectors are narrower: peak unknown
+            register_whole("whole/" + std::string(model::name_of(isa)), joint_points, model::kernels_of(isa).chain(order), fits ? peaks[static_cast<int>(isa)] : 0.0);
+        }
+    }
+}
+
 }  // namespace
 
-BENCHMARK_MAIN();
+int main(int argc, char** argv) {
+    benchmark::Initialize(&argc, argv);
+    if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+    register_instruction_sets();
+    benchmark::RunSpecifiedBenchmarks();
+    return 0;
+}

@@ -10,6 +10,7 @@
 #include "model/coefficients.hpp"
 #include "model/force/sheave_motion.hpp"
 #include "model/inertia/link_inertia.hpp"
+#include "model/kernels/isa.hpp"
 
 namespace cvtflow::model {
 
@@ -41,9 +42,22 @@ struct LinkContact {
     double axial[tips_per_link];    ///< force of each tip on its sheave along z [N]
 };
 
+class ChainModel;
+
+/// The chain's functions of one order and one instruction set.
+struct ChainKernels {
+    void (*slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
+    void (*observed_slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
+    void (*probe)(const ChainModel&, const double*, const SheaveMotion*, TipProbe&) noexcept;
+    void (*contact)(const ChainModel&, int, const double*, const SheaveMotion*, const Phase*, LinkContact&) noexcept;
+};
+
 class ChainModel {
 public:
-    explicit ChainModel(const Parameters& parameters);
+    /// @param isa which kernels run; results do not depend on it
+    explicit ChainModel(const Parameters& parameters, Isa isa = chosen_isa());
+
+    [[nodiscard]] Isa isa() const noexcept { return isa_; }
 
     [[nodiscard]] const Coefficients& coefficients() const noexcept { return coefficients_; }
     [[nodiscard]] const ChainLayout& layout() const noexcept { return coefficients_.layout; }
@@ -51,17 +65,17 @@ public:
 
     /// Slopes [v | acceleration] of the links of a range, link_block() numbers each, to slope + (link - first) link_block();
     /// reactions on the sheaves to loads[link - first] where a tip touches.
-    void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept { slopes_(*this, range, slope, loads, nullptr); }
+    void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept { kernels_.slopes(*this, range, slope, loads, nullptr); }
     /// The same, with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) + part].
     /// Accounts must be cleared before.
     void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) const noexcept {
-        observed_slopes_(*this, range, slope, loads, accounts);
+        kernels_.observed_slopes(*this, range, slope, loads, accounts);
     }
     /// Depth of the four tips of one link, whatever their phase. `state` is the link's block.
-    void probe(const double* state, const SheaveMotion* sheaves, TipProbe& probe) const noexcept { probe_(*this, state, sheaves, probe); }
+    void probe(const double* state, const SheaveMotion* sheaves, TipProbe& probe) const noexcept { kernels_.probe(*this, state, sheaves, probe); }
     /// Forces that one link carries, with the phases of its four tips.
     void contact(int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) const noexcept {
-        contact_(*this, link, state, sheaves, phases, contact);
+        kernels_.contact(*this, link, state, sheaves, phases, contact);
     }
     /// Number of the shaft that a link belongs to: its middle lies nearer.
     [[nodiscard]] int shaft_of(const double* state) const noexcept {
@@ -69,17 +83,11 @@ public:
         return state[at.x(End::rear, 0)] + state[at.x(End::front, 0)] < coefficients_.centre_distance ? 0 : 1;
     }
 
-    using SlopeFunction = void (*)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
-    using ContactFunction = void (*)(const ChainModel&, int, const double*, const SheaveMotion*, const Phase*, LinkContact&) noexcept;
-    using ProbeFunction = void (*)(const ChainModel&, const double*, const SheaveMotion*, TipProbe&) noexcept;
-
 private:
     Coefficients coefficients_;
     LinkInertia inertia_;
-    SlopeFunction slopes_;
-    SlopeFunction observed_slopes_;
-    ProbeFunction probe_;
-    ContactFunction contact_;
+    Isa isa_;
+    ChainKernels kernels_;
 };
 
 }  // namespace cvtflow::model

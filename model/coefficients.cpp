@@ -67,6 +67,14 @@ PointLanes<most_joint_lanes> joint_lanes(const Parameters& p) {
     return lanes;
 }
 
+BendingLanes bending_lanes(const Parameters& p, double rigidity) {
+    const double cube = p.half.length * p.half.length * p.half.length;
+    const Spring second = damped_spring(144.0 * rigidity / cube, p.half.mass / 5.0, p.chain.damping_ratio);
+    const Spring third = damped_spring(1200.0 * rigidity / cube, p.half.mass / 7.0, p.chain.damping_ratio);
+    const Spring lane1 = p.detail.order >= 3 ? third : second;   // order 2 has one mode per half
+    return {{second.stiffness, lane1.stiffness, second.stiffness, third.stiffness}, {second.damping, lane1.damping, second.damping, third.damping}};
+}
+
 LinkKind link_kind(const Parameters& p, double pitch) {
     const double length = pitch + p.half.width;
     const double stiffness = p.plate.count * p.plate.bending_stiffness / length;
@@ -109,13 +117,9 @@ Coefficients::Coefficients(const Parameters& p)
       tip(tip_coefficients(p)),
       middle(0.5 * p.pulley.centre_distance),
       centre_distance(p.pulley.centre_distance) {
-    const double cube = p.half.length * p.half.length * p.half.length;
-    const double zeta = p.chain.damping_ratio;
-    extension = damped_spring(4.0 * p.chain.young_modulus * p.half.area / p.half.length, p.half.mass / 3.0, zeta);
-    bending2_travel = damped_spring(144.0 * p.half.bending_travel / cube, p.half.mass / 5.0, zeta);
-    bending2_height = damped_spring(144.0 * p.half.bending_height / cube, p.half.mass / 5.0, zeta);
-    bending3_travel = damped_spring(1200.0 * p.half.bending_travel / cube, p.half.mass / 7.0, zeta);
-    bending3_height = damped_spring(1200.0 * p.half.bending_height / cube, p.half.mass / 7.0, zeta);
+    extension = damped_spring(4.0 * p.chain.young_modulus * p.half.area / p.half.length, p.half.mass / 3.0, p.chain.damping_ratio);
+    travel = bending_lanes(p, p.half.bending_travel);
+    height = bending_lanes(p, p.half.bending_height);
     std::vector<double> pitches;
     for (int link = 0; link < p.chain.pins; ++link) {
         const double pitch = p.chain.pitch[static_cast<std::size_t>(link) % p.chain.pitch.size()];

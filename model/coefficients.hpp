@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "model/chain_layout.hpp"
-#include "model/friction/friction.hpp"
+#include "model/friction/friction_curve.hpp"
 #include "model/parameters.hpp"
 
 namespace cvtflow::model {
@@ -40,6 +40,11 @@ struct PointLanes {
     alignas(64) std::array<std::array<double, Most>, most_lateral> basis{};      ///< P_m(ξ)
 };
 
+/// Springs of the bending modes m = 2…p of both halves: rear 2…p, front 2…p.
+struct BendingLanes {
+    alignas(32) std::array<double, 4> stiffness{}, damping{};
+};
+
 struct TipCoefficients {
     double sine, cosine;      ///< of β
     double radius;            ///< R_p
@@ -66,7 +71,8 @@ struct Coefficients {
     ChainLayout layout;
     double half_length;                 ///< ℓ_p/2
     double slope_scale;                 ///< 2/ℓ_p
-    Spring extension, bending2_travel, bending2_height, bending3_travel, bending3_height;
+    Spring extension;
+    BendingLanes travel, height;        ///< bending of both halves
     std::vector<LinkKind> kinds;        ///< distinct links
     std::vector<int> kind_of;           ///< [links] index into kinds
     PointLanes<most_plate_lanes> plates;

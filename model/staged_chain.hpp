@@ -36,11 +36,12 @@ struct StagedFunctions {
     void (*joint)(const ChainModel&, const StagedChain&, int pin) noexcept;
     /// Tips of one link that touches.
     void (*contact)(const ChainModel&, const StagedChain&, int link) noexcept;
-    /// Sum of forces and L y = f for links [first, last).
+    /// Sum of forces for links [first, last).
     void (*forward)(const ChainModel&, const StagedChain&, int first, int last) noexcept;
-    /// Lᵀ a = y for links [first, last).
+    /// Accelerations A⁻¹ f for links [first, last).
     void (*reverse)(const ChainModel&, const StagedChain&, int first, int last) noexcept;
 };
-[[nodiscard]] StagedFunctions staged_functions(int order, bool observe) noexcept;
+/// Those of the model's order and instruction set.
+[[nodiscard]] StagedFunctions staged_functions(const ChainModel& model, bool observe);
 
 }  // namespace cvtflow::model

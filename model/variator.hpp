@@ -10,7 +10,8 @@ namespace cvtflow::model {
 
 class Variator {
 public:
-    explicit Variator(const Parameters& parameters) : chain_(parameters), pulleys_(parameters) {}
+    /// @param isa which kernels run; results do not depend on it
+    explicit Variator(const Parameters& parameters, Isa isa = chosen_isa()) : chain_(parameters, isa), pulleys_(parameters) {}
 
     [[nodiscard]] const ChainLayout& layout() const noexcept { return chain_.layout(); }
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }

@@ -41,6 +41,8 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     RunReport report;
     report.method = scene.run.method;
     report.schedule = choice.reason.empty() ? choice.schedule.text() : fmt::format("{} ({})", choice.schedule.text(), choice.reason);
+    report.kernels = model::name_of(simulation.variator().chain().isa());
+    report.working_set = simulation.workspace().bytes();
     report.start_differences = simulation.start_differences();
     settle(simulation, scene, recorder, cancel, report);
     if (!report.fault) {
@@ -106,6 +108,7 @@ std::string summary(const RunReport& r) {
     text += fmt::format("  method              {}, step {:.4g} s: {} steps, {} evaluations\n", r.method, r.step, r.counters.steps, r.counters.evaluations);
     if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
     text += fmt::format("  schedule            {}\n", r.schedule);
+    text += fmt::format("  kernels             {}, working set {} KiB\n", r.kernels, (r.working_set + 1023) / 1024);
     text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated, r.counters.suppressed);
     if (simulated > 0.0) text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second\n", r.wall, r.wall / simulated);
     text += fmt::format("  state hash          {}\n", engine::hex(r.hash));

@@ -34,6 +34,8 @@ struct RunReport {
     std::string method;
     std::string method_report;            ///< what the method did, one line; empty: nothing to say
     std::string schedule;                 ///< what ran it, and why if it was chosen
+    std::string kernels;                  ///< instruction set that the kernels used
+    std::size_t working_set = 0;          ///< memory that the step loop touches [B]
     Counters counters;                    ///< after settling
     Counters settling;
     double wall = 0.0, settling_wall = 0.0;   ///< [s]

@@ -16,7 +16,7 @@ model::PhaseRule rule_of(const model::Parameters& p) {
 }  // namespace
 
 Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
-    : parameters(p), variator(p), plan(stage_plan), rule(rule_of(p)), stages(model::staged_functions(p.detail.order, p.ledger)),
+    : parameters(p), variator(p), plan(stage_plan), rule(rule_of(p)), stages(model::staged_functions(variator.chain(), p.ledger)),
       staged(variator.layout()) {
     const std::size_t size = static_cast<std::size_t>(layout().size());
     const std::size_t stride = (size + 7) / 8 * 8;   // every slot begins on a cache line of its own
@@ -49,6 +49,13 @@ void Workspace::repartition(Partition parts) {
     partition = std::move(parts);
     windows.resize(static_cast<std::size_t>(partition.size()));
     for (int s = 0; s < partition.size(); ++s) windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
+}
+
+std::size_t Workspace::bytes() const noexcept {
+    const auto of = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
+    std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + tail.size();
+    for (const auto& window : windows) doubles += window.size();
+    return doubles * sizeof(double) + of(loads) + of(accounts) + of(phases) + of(before) + of(after) + of(changed) + of(verdicts) + sizeof(*this);
 }
 
 void Workspace::list_touching() noexcept {

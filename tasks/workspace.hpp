@@ -100,7 +100,8 @@ public:
     [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }
     [[nodiscard]] engine::SlotView slots() const noexcept { return {states.data(), slopes.data()}; }
     [[nodiscard]] engine::Interpolant interpolant() const noexcept { return {states[0], slopes[0], end_state, end_slope, h}; }
-    [[nodiscard]] std::size_t bytes() const noexcept { return memory_.size() * sizeof(double); }
+    /// What the step loop touches: slots, the state at the step's end, windows, fields over links and tips, the model's constants.
+    [[nodiscard]] std::size_t bytes() const noexcept;
 
 private:
     std::vector<double> memory_;

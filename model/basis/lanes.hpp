@@ -1,56 +1,122 @@
 #pragma once
-/// Vector lanes inside one link: its plates, the points of one of its joints, its four tips. A lane count is a compile-time constant,
+/// Vector lanes inside one link: its plates, the points of one of its joints, its tips. A lane count is a compile-time constant,
 /// padding lanes carry weight zero, and sums are taken in one fixed tree: results do not depend on the instruction set.
+///
+/// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy of its own, compiled for its
+/// own instruction set, and no linker can put the AVX-512 copy of a function where the baseline's is meant.
 
-#include <experimental/simd>
+#include <array>
+#include <cstddef>
+
+#include "model/basis/native_lanes.hpp"
 
 namespace cvtflow::model {
+namespace {
 
+/// W numbers, W a power of two. Wider than the processor's vectors: two halves.
 template <int W>
-using Lanes = std::experimental::fixed_size_simd<double, W>;
+struct Lanes {
+    Lanes<W / 2> low, high;
+
+    Lanes() = default;
+    Lanes(double value) noexcept : low(value), high(value) {}
+    Lanes(const Lanes<W / 2>& first, const Lanes<W / 2>& second) noexcept : low(first), high(second) {}
+
+    [[nodiscard]] double operator[](std::size_t lane) const noexcept { return lane < W / 2 ? low[lane] : high[lane - W / 2]; }
+    void set(std::size_t lane, double value) noexcept { lane < W / 2 ? low.set(lane, value) : high.set(lane - W / 2, value); }
+    void copy_to(double* to) const noexcept { low.copy_to(to), high.copy_to(to + W / 2); }
+
+    friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept { return {a.low + b.low, a.high + b.high}; }
+    friend Lanes operator-(const Lanes& a, const Lanes& b) noexcept { return {a.low - b.low, a.high - b.high}; }
+    friend Lanes operator*(const Lanes& a, const Lanes& b) noexcept { return {a.low * b.low, a.high * b.high}; }
+    friend Lanes operator/(const Lanes& a, const Lanes& b) noexcept { return {a.low / b.low, a.high / b.high}; }
+    friend Lanes operator-(const Lanes& a) noexcept { return {-a.low, -a.high}; }
+    friend Lanes& operator+=(Lanes& a, const Lanes& b) noexcept { return a = a + b; }
+    friend Lanes sqrt(const Lanes& a) noexcept { return {sqrt(a.low), sqrt(a.high)}; }
+    friend Lanes abs(const Lanes& a) noexcept { return {abs(a.low), abs(a.high)}; }
+};
+
+/// One vector of the processor.
+template <int W>
+    requires(W <= native_lanes)
+struct Lanes<W> {
+    using Vector = NativeVector<W>::Type;
+    Vector v;
+
+    Lanes() = default;
+    Lanes(double value) noexcept : v(value - Vector{}) {}
+    Lanes(Vector vector) noexcept
+        requires(W > 1)
+        : v(vector) {}
+
+    [[nodiscard]] double operator[](std::size_t lane) const noexcept {
+        if constexpr (W == 1) {
+            return v;
+        } else {
+            return v[lane];
+        }
+    }
+    void set(std::size_t lane, double value) noexcept {
+        if constexpr (W == 1) {
+            v = value;
+        } else {
+            v[lane] = value;
+        }
+    }
+    void copy_to(double* to) const noexcept { __builtin_memcpy(to, &v, sizeof v); }
+
+    friend Lanes operator+(const Lanes& a, const Lanes& b) noexcept { return a.v + b.v; }
+    friend Lanes operator-(const Lanes& a, const Lanes& b) noexcept { return a.v - b.v; }
+    friend Lanes operator*(const Lanes& a, const Lanes& b) noexcept { return a.v * b.v; }
+    friend Lanes operator/(const Lanes& a, const Lanes& b) noexcept { return a.v / b.v; }
+    friend Lanes operator-(const Lanes& a) noexcept { return -a.v; }
+    friend Lanes& operator+=(Lanes& a, const Lanes& b) noexcept { return a = a + b; }
+    friend Lanes sqrt(const Lanes& a) noexcept { return native_sqrt<W>(a.v); }
+    friend Lanes abs(const Lanes& a) noexcept { return native_abs<W>(a.v); }
+};
 
 template <int W>
 [[nodiscard]] inline Lanes<W> load(const double* from) noexcept {
-    return Lanes<W>(from, std::experimental::element_aligned);
-}
-
-/// Sum in a fixed order: halves are added to each other until one is left.
-template <int W>
-[[nodiscard]] inline double sum(const Lanes<W>& lanes) noexcept {
-    if constexpr (W == 1) {
-        return lanes[0];
+    if constexpr (W <= native_lanes) {
+        Lanes<W> lanes;
+        __builtin_memcpy(&lanes.v, from, sizeof lanes.v);
+        return lanes;
     } else {
-        alignas(128) double buffer[W];
-        lanes.copy_to(buffer, std::experimental::vector_aligned);
-        return sum<W / 2>(load<W / 2>(buffer) + load<W / 2>(buffer + W / 2));
+        return {load<W / 2>(from), load<W / 2>(from + W / 2)};
     }
 }
 
-/// `chosen` where a > b, else `otherwise`; false for NaN.
-/// clang 14 compiles `where` of libstdc++'s fixed-size lanes to wrong code (masks of AVX-512 and of AVX2 alike: tests/model/basis/lanes_test.cpp
-/// shows it), so there the choice is made by the compiler's own vectors. Same bits either way.
+/// The lanes of both, those of `low` first.
 template <int W>
-[[nodiscard]] inline Lanes<W> select_greater(const Lanes<W>& a, const Lanes<W>& b, const Lanes<W>& chosen, Lanes<W> otherwise) noexcept {
-    if constexpr (W == 1) {
-        return a[0] > b[0] ? chosen : otherwise;
+[[nodiscard]] inline Lanes<2 * W> join(const Lanes<W>& low, const Lanes<W>& high) noexcept {
+    if constexpr (2 * W <= native_lanes) {
+        return native_join<W>(low.v, high.v);
     } else {
-#if defined(__clang__)
-        using Vector = double __attribute__((vector_size(W * sizeof(double))));
-        const auto vector = [](const Lanes<W>& lanes) {
-            alignas(128) double buffer[W];
-            lanes.copy_to(buffer, std::experimental::element_aligned);
-            Vector value;
-            __builtin_memcpy(&value, buffer, sizeof value);
-            return value;
-        };
-        const Vector result = vector(a) > vector(b) ? vector(chosen) : vector(otherwise);
-        alignas(128) double buffer[W];
-        __builtin_memcpy(buffer, &result, sizeof result);
-        return load<W>(buffer);
-#else
-        std::experimental::where(a > b, otherwise) = chosen;
-        return otherwise;
-#endif
+        return {low, high};
+    }
+}
+
+/// Lanes [0, W/2) or [W/2, W).
+template <int W>
+[[nodiscard]] inline Lanes<W / 2> half(const Lanes<W>& lanes, int which) noexcept {
+    if constexpr (W <= native_lanes) {
+        return native_half<W>(lanes.v, which);
+    } else {
+        return which == 0 ? lanes.low : lanes.high;
+    }
+}
+
+/// Its two halves added.
+template <int W>
+[[nodiscard]] inline Lanes<W / 2> folded(const Lanes<W>& lanes) noexcept { return half<W>(lanes, 0) + half<W>(lanes, 1); }
+
+/// `chosen` where a > b, else `otherwise`; false for NaN.
+template <int W>
+[[nodiscard]] inline Lanes<W> select_greater(const Lanes<W>& a, const Lanes<W>& b, const Lanes<W>& chosen, const Lanes<W>& otherwise) noexcept {
+    if constexpr (W <= native_lanes) {
+        return a.v > b.v ? chosen.v : otherwise.v;
+    } else {
+        return {select_greater<W / 2>(a.low, b.low, chosen.low, otherwise.low), select_greater<W / 2>(a.high, b.high, chosen.high, otherwise.high)};
     }
 }
 
@@ -58,6 +124,12 @@ template <int W>
 template <int W>
 [[nodiscard]] inline Lanes<W> larger(const Lanes<W>& a, const Lanes<W>& b) noexcept {
     return select_greater<W>(a, b, a, b);
+}
+
+/// The smaller of both; b if a is NaN.
+template <int W>
+[[nodiscard]] inline Lanes<W> smaller(const Lanes<W>& a, const Lanes<W>& b) noexcept {
+    return select_greater<W>(b, a, a, b);
 }
 
 template <int W>
@@ -68,9 +140,56 @@ template <int W>
 /// Whether no lane exceeds a limit; false for NaN.
 template <int W>
 [[nodiscard]] inline bool all_at_most(const Lanes<W>& lanes, double limit) noexcept {
-    bool all = true;
-    for (int lane = 0; lane < W; ++lane) all = all && lanes[lane] <= limit;
-    return all;
+    if constexpr (W <= native_lanes) {
+        return native_all_at_most<W>(lanes.v, limit);
+    } else {
+        return all_at_most<W / 2>(lanes.low, limit) && all_at_most<W / 2>(lanes.high, limit);
+    }
 }
 
+/// 1/a and 1/b by one division. Neither product nor quotient may overflow: lengths in metres and speeds in metres per second do not.
+template <int W>
+struct Reciprocals {
+    Lanes<W> first, second;
+    Reciprocals(const Lanes<W>& a, const Lanes<W>& b) noexcept {
+        const Lanes<W> both = 1.0 / (a * b);
+        first = both * b;
+        second = both * a;
+    }
+};
+
+/// Sum in a fixed order: halves are added to each other until one is left.
+template <int W>
+[[nodiscard]] inline double sum(const Lanes<W>& lanes) noexcept {
+    if constexpr (W == 1) {
+        return lanes.v;
+    } else {
+        return sum<W / 2>(folded<W>(lanes));
+    }
+}
+
+/// Sums of several, in the same tree and therefore the same bits as sum(), side by side: vectors are folded into each other, which takes about
+/// one addition per value instead of log2 W.
+/// @param totals [count] sums[k] = sum(terms[k])
+template <int W, std::size_t count>
+inline void sums(const std::array<Lanes<W>, count>& terms, double* totals) noexcept {
+    if constexpr (count == 1 || (W <= 2 && count < W) || W == 1) {
+        for (std::size_t k = 0; k < count; ++k) totals[k] = sum<W>(terms[k]);
+    } else if constexpr (W > native_lanes || count < W) {
+        std::array<Lanes<W / 2>, count> halves;
+        for (std::size_t k = 0; k < count; ++k) halves[k] = folded<W>(terms[k]);
+        sums<W / 2, count>(halves, totals);
+    } else {
+        std::array<typename NativeVector<W>::Type, W> block;
+        for (std::size_t k = 0; k < W; ++k) block[k] = terms[k].v;
+        Lanes<W>(native_transposed_sum<W, W>(block)).copy_to(totals);
+        if constexpr (count > W) {
+            std::array<Lanes<W>, count - W> rest;
+            for (std::size_t k = W; k < count; ++k) rest[k - W] = terms[k];
+            sums<W, count - W>(rest, totals + W);
+        }
+    }
+}
+
+}  // namespace
 }  // namespace cvtflow::model

@@ -1,10 +1,12 @@
 #pragma once
 /// Difference between the axes of two pin halves: all that plates and joints depend on.
 
+#include "model/basis/lanes.hpp"
 #include "model/coefficients.hpp"
 #include "model/force/link_frame.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Coordinates (or velocities, or generalized forces) of one half minus those of another.
 template <int P>
@@ -13,7 +15,7 @@ struct Difference {
 
     Difference() noexcept : x{}, y{}, z(0.0), e(0.0) {}
     /// Half `plus_end` of the link at `plus` minus half `minus_end` of the link at `minus`.
-    Difference(const double* plus, End plus_end, const double* minus, End minus_end) noexcept
+    [[gnu::always_inline]] Difference(const double* plus, End plus_end, const double* minus, End minus_end) noexcept
         : z(plus[at<P>.z(plus_end)] - minus[at<P>.z(minus_end)]), e(plus[at<P>.e(plus_end)] - minus[at<P>.e(minus_end)]) {
         for (int m = 0; m <= P; ++m) {
             x[m] = plus[at<P>.x(plus_end, m)] - minus[at<P>.x(minus_end, m)];
@@ -21,8 +23,16 @@ struct Difference {
         }
     }
 
+    [[gnu::always_inline]] void add(const double* total) noexcept {
+        for (int m = 0; m <= P; ++m) {
+            x[m] += total[m];
+            y[m] += total[P + 1 + m];
+        }
+        z += total[2 * P + 2];
+        e += total[2 * P + 3];
+    }
     /// Adds this generalized force, times sign, to that of one half of a link.
-    void apply(double sign, double* f, End end) const noexcept {
+    [[gnu::always_inline]] void apply(double sign, double* f, End end) const noexcept {
         for (int m = 0; m <= P; ++m) {
             f[at<P>.x(end, m)] += sign * x[m];
             f[at<P>.y(end, m)] += sign * y[m];
@@ -48,17 +58,19 @@ struct AxisPoints {
         for (int m = 1; m <= P; ++m) value += c[m] * basis[m];
         return value;
     }
-    /// Brings point forces to coordinates.
-    void gather(const Lanes<W>& fx, const Lanes<W>& fy, const Lanes<W>& fz, Difference<P>& total) const noexcept {
-        total.x[0] += sum<W>(fx);
-        total.y[0] += sum<W>(fy);
+    /// What point forces give on each coordinate, before they are summed over the points: in the order of Difference.
+    /// @param terms [2P + 4]
+    void spread(const Lanes<W>& fx, const Lanes<W>& fy, const Lanes<W>& fz, Lanes<W>* terms) const noexcept {
+        terms[0] = fx;
+        terms[P + 1] = fy;
         for (int m = 1; m <= P; ++m) {
-            total.x[m] += sum<W>(fx * basis[m]);
-            total.y[m] += sum<W>(fy * basis[m]);
+            terms[m] = fx * basis[m];
+            terms[P + 1 + m] = fy * basis[m];
         }
-        total.z += sum<W>(fz);
-        total.e += sum<W>(fz * xi);
+        terms[2 * P + 2] = fz;
+        terms[2 * P + 3] = fz * xi;
     }
 };
 
+}  // namespace
 }  // namespace cvtflow::model

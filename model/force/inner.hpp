@@ -3,10 +3,12 @@
 /// (model/EQUATIONS.md section 3)
 
 #include "model/account.hpp"
+#include "model/basis/lanes.hpp"
 #include "model/coefficients.hpp"
 #include "model/force/link_frame.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Force k u + c u' of an element with deflection u and rate u'.
 template <bool Observe>
@@ -18,21 +20,37 @@ template <bool Observe>
     return spring.stiffness * u + spring.damping * rate;
 }
 
-/// Bending mode m of one half, split along travel and height. Adds forces; returns the moment on the link.
-template <int P, int M, bool Observe>
-[[nodiscard]] inline double bending(End end, const Spring& travel, const Spring& height, const LinkFrame& frame, const double* q, const double* v,
-                                    double* f, Account* account) noexcept {
-    const int ix = at<P>.x(end, M);
-    const int iy = at<P>.y(end, M);
-    const double along = q[ix] * frame.tx + q[iy] * frame.ty;
-    const double across = q[iy] * frame.tx - q[ix] * frame.ty;
-    const double along_rate = v[ix] * frame.tx + v[iy] * frame.ty + frame.turning * across;
-    const double across_rate = v[iy] * frame.tx - v[ix] * frame.ty - frame.turning * along;
-    const double ft = element_force<Observe>(travel, along, along_rate, Energy::inner, account);
-    const double fn = element_force<Observe>(height, across, across_rate, Energy::inner, account);
-    f[ix] -= ft * frame.tx - fn * frame.ty;
-    f[iy] -= ft * frame.ty + fn * frame.tx;
-    return fn * along - ft * across;
+/// The same for several elements side by side.
+template <int W, bool Observe>
+[[nodiscard]] inline Lanes<W> element_forces(const BendingLanes& springs, const Lanes<W>& u, const Lanes<W>& rate, Account* account) noexcept {
+    const auto stiffness = load<W>(springs.stiffness.data()), damping = load<W>(springs.damping.data());
+    if constexpr (Observe) {
+        account->store(Energy::inner, 0.5 * sum<W>(stiffness * u * u));
+        account->lose(Loss::inner, sum<W>(damping * rate * rate));
+    }
+    return stiffness * u + damping * rate;
+}
+
+/// Bending modes 2…P of both halves, split along travel and height; lanes: rear 2…P, front 2…P. Adds forces; returns the moment on the link.
+template <int P, bool Observe>
+[[nodiscard]] inline double bending(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v, double* f, Account* account) noexcept {
+    constexpr int modes = P - 1;
+    constexpr int xa = at<P>.x(End::rear, 2), xb = at<P>.x(End::front, 2), ya = at<P>.y(End::rear, 2), yb = at<P>.y(End::front, 2);
+    using V = Lanes<2 * modes>;
+    const auto both = [](const double* from, int rear, int front) { return join<modes>(load<modes>(from + rear), load<modes>(from + front)); };
+    const auto add = [f](int begin, const Lanes<modes>& force) { (load<modes>(f + begin) + force).copy_to(f + begin); };
+    const V qx = both(q, xa, xb), qy = both(q, ya, yb), vx = both(v, xa, xb), vy = both(v, ya, yb);
+    const V along = qx * frame.tx + qy * frame.ty, across = qy * frame.tx - qx * frame.ty;
+    const V along_rate = vx * frame.tx + vy * frame.ty + frame.turning * across;
+    const V across_rate = vy * frame.tx - vx * frame.ty - frame.turning * along;
+    const V ft = element_forces<2 * modes, Observe>(c.travel, along, along_rate, account);
+    const V fn = element_forces<2 * modes, Observe>(c.height, across, across_rate, account);
+    const V fx = fn * frame.ty - ft * frame.tx, fy = -(ft * frame.ty + fn * frame.tx);
+    add(xa, half<2 * modes>(fx, 0));
+    add(xb, half<2 * modes>(fx, 1));
+    add(ya, half<2 * modes>(fy, 0));
+    add(yb, half<2 * modes>(fy, 1));
+    return sum<2 * modes>(fn * along - ft * across);
 }
 
 /// Plate pack as a beam between the tilts of the two pins. Adds forces; returns the moment on the link.
@@ -79,10 +97,10 @@ template <int P, bool Observe>
     for (const End end : {End::rear, End::front}) {
         const int e = at<P>.e(end);
         f[e] -= element_force<Observe>(c.extension, q[e], v[e], Energy::inner, account);
-        if constexpr (P >= 2) moment += bending<P, 2, Observe>(end, c.bending2_travel, c.bending2_height, frame, q, v, f, account);
-        if constexpr (P >= 3) moment += bending<P, 3, Observe>(end, c.bending3_travel, c.bending3_height, frame, q, v, f, account);
     }
+    if constexpr (P >= 2) moment += bending<P, Observe>(c, frame, q, v, f, account);
     return moment;
 }
 
+}  // namespace
 }  // namespace cvtflow::model

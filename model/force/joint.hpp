@@ -6,8 +6,10 @@
 
 #include "model/account.hpp"
 #include "model/force/difference.hpp"
+#include "model/friction/friction.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Forces of the joint of pin i. The front half of link i-1 gets `on_front` (and the moment `before` on that link),
 /// the rear half of link i gets the opposite (and the moment `after` on that link).
@@ -16,19 +18,25 @@ struct JointForce {
     Difference<P> on_front;   ///< generalized forces [N]
     double before = 0.0;      ///< moment about z on link i-1 [N·m]
     double after = 0.0;       ///< moment about z on link i [N·m]
+
+    /// Adds the sums of terms in the order of the members.
+    template <int W>
+    void add(const std::array<Lanes<W>, 2 * P + 6>& terms) noexcept {
+        alignas(64) double total[2 * P + 6];
+        sums<W>(terms, total);
+        on_front.add(total);
+        before += total[2 * P + 4];
+        after += total[2 * P + 5];
+    }
 };
 
-/// The two links that meet, and the bisector b of their directions.
+/// The two links that meet, and the sum of their directions: along the bisector.
 struct JointFrames {
     LinkFrame before, after;
-    double bx, by;
+    double sx, sy;
 
     JointFrames(const LinkFrame& link_before, const LinkFrame& link_after) noexcept
-        : before(link_before), after(link_after), bx(before.tx + after.tx), by(before.ty + after.ty) {
-        const double inverse = 1.0 / std::sqrt(bx * bx + by * by);
-        bx *= inverse;
-        by *= inverse;
-    }
+        : before(link_before), after(link_after), sx(before.tx + after.tx), sy(before.ty + after.ty) {}
 };
 
 /// Positions and velocities of the contact at every point.
@@ -51,15 +59,16 @@ template <int P, int W>
     const LinkFrame& after = frames.after;
     JointMotion<W> m;
     const V gx = points.along(gap.x), gy = points.along(gap.y), ax = points.along(rate.x), ay = points.along(rate.y);
-    const double sx = before.tx + after.tx, sy = before.ty + after.ty, cx = before.tx - after.tx, cy = before.ty - after.ty;
+    const double sx = frames.sx, sy = frames.sy, cx = before.tx - after.tx, cy = before.ty - after.ty;
     m.dx = gx + j.arm * sx;
     m.dy = gy + j.arm * sy;
     m.distance = sqrt(m.dx * m.dx + m.dy * m.dy);
-    const V inverse = V(1.0) / m.distance;
-    m.nx = m.dx * inverse;
-    m.ny = m.dy * inverse;
+    const Reciprocals<W> inverse(m.distance, j.diameter + m.distance);
+    m.nx = m.dx * inverse.first;
+    m.ny = m.dy * inverse.first;
     // δ = 2ρ - |Δ| = (4ρ² - |Δ|²)/(2ρ + |Δ|), the squares multiplied out so that the depth (µm) does not drown in the rounding of ρ (cm).
-    m.depth = (j.square_excess - (gx * gx + gy * gy) - 2.0 * j.arm * (gx * sx + gy * sy) + j.arm * j.arm * (cx * cx + cy * cy)) / (j.diameter + m.distance);
+    const V excess = j.square_excess + j.arm * j.arm * (cx * cx + cy * cy) - (gx * gx + gy * gy) - 2.0 * j.arm * (gx * sx + gy * sy);
+    m.depth = excess * inverse.second;
     m.vx = ax - j.arm * (before.turning * before.ty + after.turning * after.ty);
     m.vy = ay + j.arm * (before.turning * before.tx + after.turning * after.tx);
     m.lever_before = j.arm * (before.tx * m.nx + before.ty * m.ny) - 0.5 * m.distance;
@@ -83,7 +92,8 @@ template <int W>
         const Lanes<W> elastic = j.stiffness * weight * pressed;
         return {elastic, 0.5 * elastic * pressed};
     }
-    const Lanes<W> grown([&](auto lane) { return std::pow(pressed[lane] / j.reference_depth, 10.0 / 9.0); });
+    Lanes<W> grown;
+    for (int lane = 0; lane < W; ++lane) grown.set(lane, std::pow(pressed[lane] / j.reference_depth, 10.0 / 9.0));
     const Lanes<W> elastic = j.stiffness * j.reference_depth * weight * grown;
     return {elastic, (9.0 / 19.0) * elastic * pressed};
 }
@@ -99,10 +109,12 @@ inline void press(const JointCoefficients& j, const JointFrames& frames, const A
     const V speed = sqrt(m.slip * m.slip + m.axial * m.axial);
     const V grip = j.friction.coefficient * normal * slip_factor<W>(j.friction, speed);
     const V tangential = -grip * m.slip;
-    points.gather(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, -grip * m.axial, out.on_front);
+    std::array<V, 2 * P + 6> terms;
+    points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, -grip * m.axial, terms.data());
     const V leaning = j.arm * normal;
-    out.before += sum<W>(leaning * (frames.before.tx * m.ny - frames.before.ty * m.nx) + tangential * m.lever_before);
-    out.after += sum<W>(leaning * (frames.after.tx * m.ny - frames.after.ty * m.nx) + tangential * m.lever_after);
+    terms[2 * P + 4] = leaning * (frames.before.tx * m.ny - frames.before.ty * m.nx) + tangential * m.lever_before;
+    terms[2 * P + 5] = leaning * (frames.after.tx * m.ny - frames.after.ty * m.nx) + tangential * m.lever_after;
+    out.template add<W>(terms);
     if constexpr (Observe) {
         account->store(Energy::joints, sum<W>(contact.energy));
         account->lose(Loss::joint_damping, sum<W>((normal - contact.elastic) * closing));
@@ -115,17 +127,22 @@ template <int P, int W, bool Observe>
 inline void confine(const JointCoefficients& j, const JointFrames& frames, const AxisPoints<P, W>& points, const Lanes<W>& weight, const JointMotion<W>& m,
                     JointForce<P>& out, Account* account) noexcept {
     using V = Lanes<W>;
-    const V across = m.dy * frames.bx - m.dx * frames.by;
-    if (all_at_most<W>(abs(across), j.clearance)) return;   // the rule: rolling keeps the centres on the bisector
-    const V along = m.dx * frames.bx + m.dy * frames.by;
+    const double square = frames.sx * frames.sx + frames.sy * frames.sy;
+    const V slanted = m.dy * frames.sx - m.dx * frames.sy;   // along k×b, times |t₋ + t₊|
+    if (all_at_most<W>(slanted * slanted, j.clearance * j.clearance * square)) return;   // the rule: rolling keeps the centres on the bisector
+    const double inverse = 1.0 / std::sqrt(square), bx = frames.sx * inverse, by = frames.sy * inverse;
+    const V across = m.dy * bx - m.dx * by;
+    const V along = m.dx * bx + m.dy * by;
     const V offset = positive_part<W>(across - j.clearance) - positive_part<W>(-across - j.clearance);
-    const V offset_rate = m.vy * frames.bx - m.vx * frames.by - 0.5 * (frames.before.turning + frames.after.turning) * along;
+    const V offset_rate = m.vy * bx - m.vx * by - 0.5 * (frames.before.turning + frames.after.turning) * along;
     const V sign = select_greater<W>(V(0.0), across, V(-1.0), V(1.0));
     const V spring = j.clearance_stiffness * weight * offset;
     const V force = spring * positive_part<W>(1.0 + j.clearance_damping * sign * offset_rate);
-    points.gather(force * frames.by, -force * frames.bx, V(0.0), out.on_front);
-    out.before -= sum<W>(force * (j.arm * (frames.before.tx * frames.bx + frames.before.ty * frames.by) - 0.5 * along));
-    out.after -= sum<W>(force * (j.arm * (frames.after.tx * frames.bx + frames.after.ty * frames.by) - 0.5 * along));
+    std::array<V, 2 * P + 6> terms;
+    points.spread(force * by, -force * bx, V(0.0), terms.data());
+    terms[2 * P + 4] = -force * (j.arm * (frames.before.tx * bx + frames.before.ty * by) - 0.5 * along);
+    terms[2 * P + 5] = -force * (j.arm * (frames.after.tx * bx + frames.after.ty * by) - 0.5 * along);
+    out.template add<W>(terms);
     if constexpr (Observe) {
         account->store(Energy::joints, 0.5 * sum<W>(spring * offset));
         account->lose(Loss::joint_damping, sum<W>((force - spring) * offset_rate));
@@ -145,4 +162,5 @@ inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFram
     confine<P, W, Observe>(c.joint, frames, points, weight, motion, out, account);
 }
 
+}  // namespace
 }  // namespace cvtflow::model

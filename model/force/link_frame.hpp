@@ -6,6 +6,7 @@
 #include "model/chain_layout.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Offsets inside a link's coordinates for order P, as constants.
 template <int P>
@@ -42,4 +43,5 @@ inline void add_moment(const LinkFrame& frame, double moment, double* f) noexcep
     f[at<P>.y(End::rear, 0)] -= couple * frame.tx;
 }
 
+}  // namespace
 }  // namespace cvtflow::model

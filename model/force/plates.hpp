@@ -4,8 +4,10 @@
 
 #include "model/account.hpp"
 #include "model/force/difference.hpp"
+#include "model/friction/friction.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// One chunk of W plates; adds the force on the front half to `pull`.
 template <int P, int W, bool Observe>
@@ -18,13 +20,18 @@ inline void plate_chunk(const Coefficients& c, double free_length, const Differe
     const V dx = at_plates.along(d.x), dy = at_plates.along(d.y), dz = d.z + at_plates.xi * d.e;
     const V vx = at_plates.along(rate.x), vy = at_plates.along(rate.y), vz = rate.z + at_plates.xi * rate.e;
     const V length = sqrt(dx * dx + dy * dy + dz * dz);
-    const V inverse = V(1.0) / length;
+    const V sliding = regular_speed<W>(c.plate_friction, abs(vz));
+    const Reciprocals<W> inverse(length, sliding);
     const V stretch = length - free_length;
-    const V stretching = (dx * vx + dy * vy + dz * vz) * inverse;
+    const V stretching = (dx * vx + dy * vy + dz * vz) * inverse.first;
     const V tension = stiffness * stretch + damping * stretching;
-    const V slide = c.plate_friction.coefficient * positive_part<W>(tension) * slip_factor<W>(c.plate_friction, abs(vz)) * vz;
-    const V along = tension * inverse;
-    at_plates.gather(-along * dx, -along * dy, -along * dz - slide, pull);
+    const V slide = c.plate_friction.coefficient * positive_part<W>(tension) * slip_factor<W>(c.plate_friction, sliding, inverse.second) * vz;
+    const V along = tension * inverse.first;
+    std::array<V, 2 * P + 4> terms;
+    at_plates.spread(-along * dx, -along * dy, -along * dz - slide, terms.data());
+    alignas(64) double total[2 * P + 4];
+    sums<W>(terms, total);
+    pull.add(total);
     if constexpr (Observe) {
         account->store(Energy::plates, 0.5 * sum<W>(stiffness * stretch * stretch));
         account->lose(Loss::plate_damping, sum<W>(damping * stretching * stretching));
@@ -43,4 +50,5 @@ inline void plates(const Coefficients& c, const LinkKind& kind, const double* q,
     pull.apply(-1.0, f, End::rear);
 }
 
+}  // namespace
 }  // namespace cvtflow::model

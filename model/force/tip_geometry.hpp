@@ -2,46 +2,47 @@
 /// Sphere against torus: the four tips of a link and the flanks of its two sheaves. Lanes: rear-, rear+, front-, front+ (side -z, +z).
 /// (model/EQUATIONS.md section 6)
 
+#include "model/basis/lanes.hpp"
 #include "model/coefficients.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/force/sheave_motion.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 using TipLanes = Lanes<tips_per_link>;
 
-[[nodiscard]] inline TipLanes tip_lanes(double rear_minus, double rear_plus, double front_minus, double front_plus) noexcept {
-    const double values[tips_per_link] = {rear_minus, rear_plus, front_minus, front_plus};
-    return load<tips_per_link>(values);
+/// (-, +, -, +): what differs between the two sides.
+[[nodiscard]] inline TipLanes by_side(double minus, double plus) noexcept {
+    const Lanes<2> sides = join<1>(minus, plus);
+    return join<2>(sides, sides);
 }
-[[nodiscard]] inline TipLanes by_side(double minus, double plus) noexcept { return tip_lanes(minus, plus, minus, plus); }
-[[nodiscard]] inline TipLanes by_end(double rear, double front) noexcept { return tip_lanes(rear, rear, front, front); }
+/// (rear, rear, front, front): what differs between the two ends of the link.
+[[nodiscard]] inline TipLanes by_end(double rear, double front) noexcept { return join<2>(Lanes<2>(rear), Lanes<2>(front)); }
 
-/// Σ c_m P_m(±1) of both halves; c points at the rear half's m = 0, the front half's follow.
+/// Coefficient m of both halves; c points at the rear half's m = 0, the front half's follow.
+template <int P>
+[[nodiscard]] inline TipLanes coefficient(const double* c, int m) noexcept { return by_end(c[m], c[P + 1 + m]); }
+
+/// Σ c_m P_m(±1) of both halves: P_m(±1) = (±1)^m.
 template <int P>
 [[nodiscard]] inline TipLanes end_values(const double* c) noexcept {
-    double even[2] = {}, odd[2] = {};
-    for (int end = 0; end < 2; ++end) {
-        for (int m = 0; m <= P; ++m) (m % 2 == 0 ? even : odd)[end] += c[end * (P + 1) + m];
-    }
-    return tip_lanes(even[0] - odd[0], even[0] + odd[0], even[1] - odd[1], even[1] + odd[1]);
+    TipLanes even = coefficient<P>(c, 0);
+    if constexpr (P == 0) return even;
+    TipLanes odd = coefficient<P>(c, 1);
+    if constexpr (P >= 2) even += coefficient<P>(c, 2);
+    if constexpr (P >= 3) odd += coefficient<P>(c, 3);
+    return even + by_side(-1.0, 1.0) * odd;
 }
 
-/// P_m'(±1) without its sign.
-template <int M>
-inline constexpr double end_derivative = 0.5 * M * (M + 1);
-
-/// Σ c_m P_m'(±1) of both halves.
+/// Σ c_m P_m'(±1) of both halves: P_m'(±1) = (±1)^(m+1) m (m+1)/2.
 template <int P>
 [[nodiscard]] inline TipLanes end_slopes(const double* c) noexcept {
-    double even[2] = {}, odd[2] = {};   // of the derivative: P_1', P_3' are even
-    for (int end = 0; end < 2; ++end) {
-        const double* half = c + end * (P + 1);
-        if constexpr (P >= 1) even[end] += half[1];
-        if constexpr (P >= 2) odd[end] += 3.0 * half[2];
-        if constexpr (P >= 3) even[end] += 6.0 * half[3];
-    }
-    return tip_lanes(even[0] - odd[0], even[0] + odd[0], even[1] - odd[1], even[1] + odd[1]);
+    if constexpr (P == 0) return TipLanes(0.0);
+    TipLanes slope = coefficient<P>(c, 1);
+    if constexpr (P >= 3) slope += 6.0 * coefficient<P>(c, 3);
+    if constexpr (P >= 2) slope += by_side(-3.0, 3.0) * coefficient<P>(c, 2);
+    return slope;
 }
 
 struct Vector3Lanes {
@@ -90,7 +91,7 @@ inline void place_spheres(const Coefficients& c, const LinkFrame& frame, const d
 
 /// Geometry of all four tips of a link against the two sheaves of its pulley.
 template <int P>
-[[nodiscard]] inline TipGeometry tip_geometry(const Coefficients& c, const LinkFrame& frame, const double* q, const SheaveMotion* sheaves) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipGeometry tip_geometry(const Coefficients& c, const LinkFrame& frame, const double* q, const SheaveMotion* sheaves) noexcept {
     TipGeometry g;
     place_spheres<P>(c, frame, q, g);
     const SheaveLanes o(sheaves);
@@ -107,12 +108,14 @@ template <int P>
     const TipLanes h1 = e1 + c.tip.reach * c.tip.sine;
     const TipLanes h2 = e2 - (c.tip.reach * c.tip.cosine) * g.side;
     const TipLanes distance = sqrt(h1 * h1 + h2 * h2);
-    g.depth = -(2.0 * c.tip.reach * (c.tip.sine * e1 - c.tip.cosine * g.side * e2) + e1 * e1 + e2 * e2) / (c.tip.reach + distance);
-    const TipLanes radial = h1 / (radius * distance);
-    g.local = {radial * lx, radial * ly, h2 / distance};
+    const TipLanes overall = c.tip.reach + distance, plane = radius * distance, share = 1.0 / (plane * overall);   // one division for three
+    g.depth = -(2.0 * c.tip.reach * (c.tip.sine * e1 - c.tip.cosine * g.side * e2) + e1 * e1 + e2 * e2) * (share * plane);
+    const TipLanes radial = h1 * (share * overall);
+    g.local = {radial * lx, radial * ly, h2 * (share * overall * radius)};
     g.normal = {g.local.x + o.tilt_y * g.local.z, g.local.y - o.tilt_x * g.local.z,
                 g.local.z + o.tilt_x * g.local.y - o.tilt_y * g.local.x};
     return g;
 }
 
+}  // namespace
 }  // namespace cvtflow::model

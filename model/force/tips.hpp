@@ -2,10 +2,15 @@
 /// Forces between the tips of a link and the sheaves: Hertz contact with friction. Lanes run over the four tips.
 /// (model/EQUATIONS.md section 6)
 
+#include <cstdint>
+#include <cstring>
+
 #include "model/account.hpp"
 #include "model/force/tip_geometry.hpp"
+#include "model/friction/friction.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Velocities at the contact of every tip.
 struct TipMotion {
@@ -16,7 +21,7 @@ struct TipMotion {
 };
 
 template <int P>
-[[nodiscard]] inline TipMotion tip_motion(const Coefficients& c, const LinkFrame& frame, const double* v, const SheaveMotion* s, const TipGeometry& g) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipMotion tip_motion(const Coefficients& c, const LinkFrame& frame, const double* v, const SheaveMotion* s, const TipGeometry& g) noexcept {
     TipMotion m;
     const double outward = c.tip.radius * c.tip.sine;
     const TipLanes sideways = (c.tip.radius * c.tip.cosine) * g.side;
@@ -46,12 +51,21 @@ template <int P>
     return {v.x - along * normal.x, v.y - along * normal.y, v.z - along * normal.z};
 }
 
+/// The phases of a link's four tips, one byte each.
+[[nodiscard]] inline std::uint32_t phase_word(const Phase* phases) noexcept {
+    std::uint32_t word;
+    std::memcpy(&word, phases, sizeof word);
+    return word;
+}
+
 /// g(|v|) with the branch that the phase prescribes: frozen within a step for `stick` and `slip`.
 [[nodiscard]] inline TipLanes phase_slip_factor(const FrictionCurve& curve, const TipLanes& speed, const Phase* phases) noexcept {
     TipLanes factor = slip_factor<tips_per_link>(curve, speed);
-    for (int tip = 0; tip < tips_per_link; ++tip) {
-        if (phases[tip] == Phase::stick) factor[tip] = 1.0 / curve.saturation_speed;
-        if (phases[tip] == Phase::slip) factor[tip] = 1.0 / speed[tip];
+    constexpr std::uint32_t stick_or_slip = 0x02020202;
+    if ((phase_word(phases) & stick_or_slip) == 0) return factor;
+    for (std::size_t tip = 0; tip < tips_per_link; ++tip) {
+        if (phases[tip] == Phase::stick) factor.set(tip, 1.0 / curve.saturation_speed);
+        if (phases[tip] == Phase::slip) factor.set(tip, 1.0 / speed[tip]);
     }
     return factor;
 }
@@ -74,9 +88,9 @@ struct TipForces {
 };
 
 template <bool Observe>
-[[nodiscard]] inline TipForces tip_forces(const TipCoefficients& tip, const TipGeometry& g, const TipMotion& motion, const Phase* phases, Account* account) noexcept {
-    TipLanes touching;
-    for (int lane = 0; lane < tips_per_link; ++lane) touching[lane] = phases[lane] == Phase::free ? 0.0 : 1.0;
+[[nodiscard, gnu::always_inline]] inline TipForces tip_forces(const TipCoefficients& tip, const TipGeometry& g, const TipMotion& motion, const Phase* phases, Account* account) noexcept {
+    const auto touching_at = [&](int corner) { return phases[corner] == Phase::free ? 0.0 : 1.0; };
+    const TipLanes touching = join<2>(join<1>(touching_at(0), touching_at(1)), join<1>(touching_at(2), touching_at(3)));
     const TipLanes depth = touching * positive_part<tips_per_link>(g.depth);
     const TipLanes elastic = tip.hertz * depth * sqrt(depth);
     const TipLanes normal = positive_part<tips_per_link>(elastic * (1.0 + tip.damping * motion.closing));
@@ -98,12 +112,11 @@ template <int P>
     const TipLanes sideways = (c.tip.radius * c.tip.cosine) * g.side;
     const Vector3Lanes push{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
     alignas(64) double total_x[4], total_y[4], total_z[4], tilt_x[4], tilt_y[4];
-    namespace stdx = std::experimental;
-    TipLanes(push.x + t.friction.x).copy_to(total_x, stdx::vector_aligned);
-    TipLanes(push.y + t.friction.y).copy_to(total_y, stdx::vector_aligned);
-    TipLanes(push.z + t.friction.z).copy_to(total_z, stdx::vector_aligned);
-    TipLanes(c.slope_scale * (-outward * frame.ty * push.z - sideways * push.x)).copy_to(tilt_x, stdx::vector_aligned);
-    TipLanes(c.slope_scale * (outward * frame.tx * push.z - sideways * push.y)).copy_to(tilt_y, stdx::vector_aligned);
+    TipLanes(push.x + t.friction.x).copy_to(total_x);
+    TipLanes(push.y + t.friction.y).copy_to(total_y);
+    TipLanes(push.z + t.friction.z).copy_to(total_z);
+    TipLanes(c.slope_scale * (-outward * frame.ty * push.z - sideways * push.x)).copy_to(tilt_x);
+    TipLanes(c.slope_scale * (outward * frame.tx * push.z - sideways * push.y)).copy_to(tilt_y);
     for (const End end : {End::rear, End::front}) {
         const int tip = 2 * static_cast<int>(end);
         spread_end<P>(total_x, tilt_x, tip, f + at<P>.x(end, 0));
@@ -116,11 +129,8 @@ template <int P>
 }
 
 /// Reactions on the two sheaves.
-[[nodiscard]] inline SheaveLoad load_sheaves(const TipGeometry& g, const TipMotion& motion, const TipForces& t) noexcept {
-    const auto pair = [](const TipLanes& lanes, double* two) {
-        two[0] = lanes[0] + lanes[2];
-        two[1] = lanes[1] + lanes[3];
-    };
+[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry& g, const TipMotion& motion, const TipForces& t) noexcept {
+    const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };   // rear + front, by side
     const Vector3Lanes& p = motion.sheave_arm;
     const Vector3Lanes& r = g.arm;
     SheaveLoad load;
@@ -144,4 +154,5 @@ template <int P, bool Observe>
     return load_link<P>(c, frame, geometry, motion, forces, f);
 }
 
+}  // namespace
 }  // namespace cvtflow::model

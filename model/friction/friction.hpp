@@ -1,38 +1,35 @@
 #pragma once
-/// Regularised Coulomb friction. A contact with normal force N, coefficient μ and slip velocity v gives the force -μ N g(|v|) v,
-/// g(v) = s(v/v0)/v, where s rises from 0 to 1 around the saturation speed v0. (model/EQUATIONS.md section 7)
+/// The slope of regularised Coulomb friction, over lanes. (model/EQUATIONS.md section 7)
 
 #include "model/basis/lanes.hpp"
-#include "model/parameters.hpp"
+#include "model/friction/friction_curve.hpp"
 
 namespace cvtflow::model {
+namespace {
 
-/// One friction law with its numbers, ready for kernels.
-struct FrictionCurve {
-    double coefficient = 0.0;       ///< μ
-    double saturation_speed = 1.0;  ///< v0 > 0 [m/s]
-    double smoothing = 0.0;         ///< half-width d of the parabola in units of v0; 0 is the piecewise law
-
-    FrictionCurve() = default;
-    FrictionCurve(const Friction& friction, const Detail& detail) noexcept
-        : coefficient(friction.coefficient),
-          saturation_speed(friction.saturation_speed),
-          smoothing(detail.friction == FrictionLaw::smoothed ? detail.smoothing : 0.0) {}
-};
-
-/// g(v) [s/m] for speeds v ≥ 0: 1/max(v, v0) for the piecewise law, and the parabola between (1-d) v0 and (1+d) v0 for the smoothed one.
-/// Continuous; never divides by less than (1-d) v0.
+/// The speed that the slope divides by: v, but at least v0 (piecewise) or (1-d) v0 (smoothed), below which s is proportional to v.
 template <int W>
-[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
-    const Lanes<W> v0(curve.saturation_speed);
-    const Lanes<W> saturated = Lanes<W>(1.0) / larger<W>(speed, v0);
-    if (curve.smoothing == 0.0) return saturated;
-    const double d = curve.smoothing;
-    const Lanes<W> above = Lanes<W>(1.0 + d) - speed / v0;   // distance to full saturation, in units of v0: the parabola is between 0 and 2d
-    const Lanes<W> share = Lanes<W>(1.0) - above * above / (4.0 * d);
-    const Lanes<W> parabola = share / larger<W>(speed, (1.0 - d) * v0);
-    const Lanes<W> rising = select_greater<W>(above, Lanes<W>(0.0), parabola, saturated);
-    return select_greater<W>(Lanes<W>(2.0 * d), above, rising, saturated);
+[[nodiscard]] inline Lanes<W> regular_speed(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
+    return larger<W>(speed, Lanes<W>(curve.proportional_speed));
 }
 
+/// g(v) [s/m]: 1/max(v, v0) for the piecewise law; for the smoothed one, where s = u - (u - 1 + d)²/4d between 1 - d and 1 + d (the parabola of the
+/// equations, written from its lower end: nothing cancels at low speed, nothing is divided). Continuous.
+/// @param regular regular_speed(v)   @param inverse 1/regular, which the caller may have from a shared division
+template <int W>
+[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& regular, const Lanes<W>& inverse) noexcept {
+    if (curve.smoothing == 0.0) return inverse;
+    const Lanes<W> beyond = regular - curve.proportional_speed;
+    const Lanes<W> parabola = curve.inverse_saturation_speed - curve.curvature * (beyond * beyond) * inverse;
+    return select_greater<W>(regular, Lanes<W>(curve.full_speed), inverse, parabola);
+}
+
+/// The same for speeds v ≥ 0.
+template <int W>
+[[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
+    const Lanes<W> regular = regular_speed<W>(curve, speed);
+    return slip_factor<W>(curve, regular, 1.0 / regular);
+}
+
+}  // namespace
 }  // namespace cvtflow::model

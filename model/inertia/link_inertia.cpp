@@ -19,13 +19,16 @@ void add_plate(Eigen::MatrixXd& matrix, const Eigen::VectorXd& phi, double mass)
     matrix.bottomLeftCorner(n, n) += mass / 6.0 * product;
 }
 
-SmallCholesky factorise(const Eigen::MatrixXd& matrix) {
-    const Eigen::MatrixXd lower = matrix.llt().matrixL();
-    SmallCholesky small;
+/// In long double, so that the products with it are as exact as a solve.
+SmallInverse invert(const Eigen::MatrixXd& matrix) {
+    using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+    const Wide inverse = matrix.cast<long double>().llt().solve(Wide::Identity(matrix.rows(), matrix.cols()));
+    SmallInverse small;
     small.size = static_cast<int>(matrix.rows());
-    for (int row = 0; row < small.size; ++row) {
-        for (int column = 0; column <= row; ++column) small.factor[static_cast<std::size_t>(row * small.size + column)] = lower(row, column);
-        small.inverse_diagonal[static_cast<std::size_t>(row)] = 1.0 / lower(row, row);
+    for (int column = 0; column < small.size; ++column) {
+        for (int row = 0; row < small.size; ++row) {
+            small.column[static_cast<std::size_t>(column * padded(small.size) + row)] = static_cast<double>(inverse(row, column));
+        }
     }
     return small;
 }
@@ -57,8 +60,8 @@ LinkInertia link_inertia(const Parameters& p) {
         add_plate(c, Eigen::Vector2d(1.0, xi), mass);
     }
     LinkInertia inertia;
-    inertia.lateral = factorise(b);
-    inertia.axial = factorise(c);
+    inertia.lateral = invert(b);
+    inertia.axial = invert(c);
     keep(b, inertia.lateral_matrix);
     keep(c, inertia.axial_matrix);
     return inertia;

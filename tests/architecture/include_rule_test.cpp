@@ -37,7 +37,7 @@ const Names posix_headers{"fcntl.h", "pthread.h", "sched.h", "unistd.h"};
 
 /// Third party behind a header in angle brackets; empty for the standard library and POSIX.
 std::string third_party(const std::string& name) {
-    if (posix_headers.contains(name) || name.starts_with("sys/") || name == "experimental/simd") return "";   // ships with the compiler
+    if (posix_headers.contains(name) || name.starts_with("sys/") || name == "immintrin.h") return "";   // ships with the compiler
     if (name == "omp.h") return "OpenMP";
     if (name.starts_with("hdf5") || name.starts_with("H5")) return "HDF5";
     if (name.starts_with("tbb/") || name.starts_with("oneapi/")) return "oneTBB";

@@ -60,5 +60,39 @@ TEST(Lanes, AreSummedInOneFixedTree) {
     expect_tree_sum<16>();
 }
 
+template <int W, std::size_t count>
+void expect_same_sums() {
+    std::array<Lanes<W>, count> terms;
+    for (std::size_t k = 0; k < count; ++k) {
+        for (std::size_t lane = 0; lane < W; ++lane) terms[k].set(lane, std::sin(1.0 + static_cast<double>(k * W + lane)));
+    }
+    std::array<double, count> together{};
+    sums<W, count>(terms, together.data());
+    for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(together[k], sum<W>(terms[k])) << "value " << k << " of " << count << ", " << W << " lanes";
+}
+
+template <int W>
+void expect_same_sums_of_any_number() {
+    expect_same_sums<W, 1>();
+    expect_same_sums<W, 3>();
+    expect_same_sums<W, 4>();
+    expect_same_sums<W, 10>();
+    expect_same_sums<W, 23>();
+}
+
+TEST(Lanes, SummedSideBySideGiveTheSameBitsAsOneByOne) {
+    expect_same_sums_of_any_number<1>();
+    expect_same_sums_of_any_number<2>();
+    expect_same_sums_of_any_number<4>();
+    expect_same_sums_of_any_number<8>();
+    expect_same_sums_of_any_number<16>();
+}
+
+TEST(Lanes, TwoReciprocalsComeFromOneDivision) {
+    const Reciprocals<4> both(Lanes<4>(3.0), Lanes<4>(7.0));
+    EXPECT_DOUBLE_EQ(both.first[0], 1.0 / 3.0);
+    EXPECT_DOUBLE_EQ(both.second[3], 1.0 / 7.0);
+}
+
 }  // namespace
 }  // namespace cvtflow::model

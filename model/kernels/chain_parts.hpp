@@ -2,7 +2,6 @@
 /// What one link, one joint and the tips of one link contribute: the same pieces whether a segment computes them in one pass (fused) or
 /// stage by stage (staged), and therefore the same bits.
 
-#include <cstdint>
 #include <cstring>
 
 #include "model/chain_model.hpp"
@@ -10,8 +9,10 @@
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
 #include "model/force/tips.hpp"
+#include "model/inertia/link_solve.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Calls body with the smallest compiled lane count that holds `width`.
 template <class Body>
@@ -23,11 +24,7 @@ inline void with_lanes(int width, const Body& body) noexcept {
     return body.template operator()<16>();
 }
 
-[[nodiscard]] inline bool any_touching(const Phase* phases) noexcept {
-    std::uint32_t word;
-    std::memcpy(&word, phases, sizeof word);
-    return word != 0;
-}
+[[nodiscard]] inline bool any_touching(const Phase* phases) noexcept { return phase_word(phases) != 0; }
 
 /// Elasticity and plates of a link. Clears and fills its generalized forces f; returns the moment about z on it.
 template <int P, bool Observe>
@@ -80,4 +77,5 @@ inline void assemble(const LinkFrame& frame, double moment, const JointForce<P>&
     add_moment<P>(frame, moment, f);
 }
 
+}  // namespace
 }  // namespace cvtflow::model

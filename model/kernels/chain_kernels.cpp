@@ -1,0 +1,137 @@
+#include <cmath>
+
+#include "model/kernels/chain_parts.hpp"
+#include "model/kernels/kernels.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+/// One pass over a range of links, keeping the frame and the joint of the link before.
+template <int P, bool Observe>
+class LinkPass {
+public:
+    LinkPass(const ChainModel& model, const ChainRange& range) noexcept
+        : model_(model), c_(model.coefficients()), range_(range), frame_(frame_of(range.first - 1)) {}
+
+    void run(double* slope, LinkLoad* loads, Account* accounts) noexcept {
+        Account neighbour;   // the joint behind the last link is booked by the next range
+        LinkFrame here = frame_of(range_.first);
+        JointForce<P> joints[2];   // of the pins behind and before a link, taking turns
+        joint_between(range_.first, frame_, here, joints[0], accounts);
+        for (int link = range_.first; link < range_.last; ++link) {
+            const int own = link - range_.first;
+            const LinkFrame ahead = frame_of(link + 1);
+            const JointForce<P>& rear = joints[own & 1];
+            JointForce<P>& front = joints[(own & 1) ^ 1];
+            joint_between(link + 1, here, ahead, front, link + 1 < range_.last ? part_of(accounts, own + 1, AccountPart::joint) : &neighbour);
+            link_slope(link, here, rear, front, slope + own * at<P>.link_block(), loads[own], part_of(accounts, own, AccountPart::joint));
+            here = ahead;
+        }
+    }
+
+private:
+    [[nodiscard]] const double* state(int link) const noexcept { return range_.window + (link - range_.first + 1) * at<P>.link_block(); }
+    [[nodiscard]] LinkFrame frame_of(int link) const noexcept { return link_frame<P>(state(link), state(link) + at<P>.link_size()); }
+
+    /// Joint of the pin between link - 1 and link.
+    void joint_between(int link, const LinkFrame& before, const LinkFrame& after, JointForce<P>& out, Account* account) const noexcept {
+        joint_part<P, Observe>(c_, before, after, state(link - 1), state(link), out, account);
+    }
+
+    [[nodiscard]] static Account* part_of(Account* accounts, int own, AccountPart part) noexcept {
+        return Observe ? accounts + account_parts * own + static_cast<int>(part) : nullptr;
+    }
+
+    /// @param accounts those of this link
+    void link_slope(int link, const LinkFrame& frame, const JointForce<P>& rear, const JointForce<P>& front, double* slope, LinkLoad& load,
+                    Account* accounts) const noexcept {
+        constexpr int size = at<P>.link_size();
+        double* f = slope + size;
+        std::memcpy(slope, state(link) + size, size * sizeof(double));
+        const double moment = link_part<P, Observe>(c_, link, frame, state(link), f, part_of(accounts, 0, AccountPart::link));
+        const Phase* phases = range_.phases + tips_per_link * link;
+        TipShare<P> share;
+        const bool touching = any_touching(phases);
+        if (touching) tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, part_of(accounts, 0, AccountPart::tips));
+        assemble<P>(frame, moment, rear, front, touching ? &share : nullptr, f);
+        accelerate<P>(model_.inertia(), f);
+    }
+
+    const ChainModel& model_;
+    const Coefficients& c_;
+    const ChainRange& range_;
+    LinkFrame frame_;
+};
+
+template <int P, bool Observe>
+void slopes_of(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) noexcept {
+    LinkPass<P, Observe>(model, range).run(slope, loads, accounts);
+}
+
+template <int P>
+void probe_link(const ChainModel& model, const double* state, const SheaveMotion* sheaves, TipProbe& probe) noexcept {
+    const Coefficients& c = model.coefficients();
+    const double* v = state + at<P>.link_size();
+    const SheaveMotion* own = sheaves + 2 * model.shaft_of(state);
+    const LinkFrame frame = link_frame<P>(state, v);
+    const TipGeometry geometry = tip_geometry<P>(c, frame, state, own);
+    geometry.depth.copy_to(probe.depth);
+    const TipMotion motion = tip_motion<P>(c, frame, v, own, geometry);
+    const Vector3Lanes slip = tangential(motion.material, geometry.normal);
+    TipLanes(sqrt(dot(slip, slip))).copy_to(probe.slip);
+    const double x = 0.5 * (state[at<P>.x(End::rear, 0)] + state[at<P>.x(End::front, 0)]) - model.shaft_of(state) * c.centre_distance;
+    const double y = 0.5 * (state[at<P>.y(End::rear, 0)] + state[at<P>.y(End::front, 0)]);
+    probe.radius = std::sqrt(x * x + y * y);
+}
+
+/// Sum of the plates' elastic tensions.
+template <int P>
+[[nodiscard]] double elastic_tension(const Coefficients& c, const LinkKind& kind, const double* q) noexcept {
+    const Difference<P> d(q, End::front, q, End::rear);
+    double tension = 0.0;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
+        double dx = 0.0;
+        double dy = 0.0;
+        for (int m = 0; m <= P; ++m) {
+            dx += d.x[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
+            dy += d.y[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
+        }
+        const double dz = d.z + c.plates.position[j] * d.e;
+        tension += c.plates.weight[j] * (std::sqrt(dx * dx + dy * dy + dz * dz) - kind.free_length);
+    }
+    return tension;
+}
+
+template <int P>
+void contact_of_link(const ChainModel& model, int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) noexcept {
+    const Coefficients& c = model.coefficients();
+    const double* v = state + at<P>.link_size();
+    contact = {elastic_tension<P>(c, c.kind(link), state), {}, {}};
+    if (!any_touching(phases)) return;
+    const SheaveMotion* own = sheaves + 2 * model.shaft_of(state);
+    const LinkFrame frame = link_frame<P>(state, v);
+    const TipGeometry geometry = tip_geometry<P>(c, frame, state, own);
+    const TipForces forces = tip_forces<false>(c.tip, geometry, tip_motion<P>(c, frame, v, own, geometry), phases, nullptr);
+    forces.normal.copy_to(contact.normal);
+    TipLanes(-(forces.normal * geometry.normal.z + forces.friction.z)).copy_to(contact.axial);
+}
+
+template <int P>
+[[nodiscard]] ChainKernels kernels_of_order() noexcept {
+    return {slopes_of<P, false>, slopes_of<P, true>, probe_link<P>, contact_of_link<P>};
+}
+
+}  // namespace
+
+template <>
+ChainKernels chain_kernels<compiled_isa>(int order) noexcept {
+    switch (order) {
+        case 0: return kernels_of_order<0>();
+        case 1: return kernels_of_order<1>();
+        case 2: return kernels_of_order<2>();
+        default: return kernels_of_order<3>();
+    }
+}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,41 @@
+#pragma once
+/// The kernels' entry points: one set of functions per instruction set, chosen once per model.
+
+#include <vector>
+
+#include "model/kernels/isa.hpp"
+#include "model/staged_chain.hpp"
+
+namespace cvtflow::model {
+
+/// Defined in chain_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3
+template <Isa isa>
+ChainKernels chain_kernels(int order) noexcept;
+template <>
+ChainKernels chain_kernels<Isa::baseline>(int order) noexcept;
+template <>
+ChainKernels chain_kernels<Isa::avx2>(int order) noexcept;
+template <>
+ChainKernels chain_kernels<Isa::avx512>(int order) noexcept;
+
+/// Defined in staged_kernels.cpp, likewise.
+template <Isa isa>
+StagedFunctions staged_kernels(int order, bool observe) noexcept;
+template <>
+StagedFunctions staged_kernels<Isa::baseline>(int order, bool observe) noexcept;
+template <>
+StagedFunctions staged_kernels<Isa::avx2>(int order, bool observe) noexcept;
+template <>
+StagedFunctions staged_kernels<Isa::avx512>(int order, bool observe) noexcept;
+
+struct CompiledKernels {
+    Isa isa;
+    ChainKernels (*chain)(int order) noexcept;
+    StagedFunctions (*staged)(int order, bool observe) noexcept;
+};
+/// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).
+[[nodiscard]] std::vector<CompiledKernels> compiled_kernels();
+/// @throws std::invalid_argument if not compiled in
+[[nodiscard]] CompiledKernels kernels_of(Isa isa);
+
+}  // namespace cvtflow::model

@@ -1,0 +1,59 @@
+/// The kernels are compiled once per instruction set. A function that two of these copies define under one name is shared by the linker,
+/// which may then put AVX-512 code where the baseline's is meant: on an older processor that is an illegal instruction, on none a test fails.
+/// So no object file of the kernels may define a symbol that the linker merges.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace cvtflow::architecture {
+namespace {
+
+std::string output_of(const std::string& command) {
+    std::FILE* pipe = popen(command.c_str(), "r");
+    if (pipe == nullptr) return "";
+    std::string output;
+    std::array<char, 4096> buffer;
+    while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
+    return pclose(pipe) == 0 ? output : "";
+}
+
+/// Letter of nm and name.
+struct Symbol {
+    char kind;
+    std::string name;
+};
+
+/// Symbols that an object file defines.
+std::vector<Symbol> symbols_of(const std::string& object) {
+    std::vector<Symbol> symbols;
+    std::istringstream listing(output_of(CVTFLOW_NM " -C --defined-only '" + object + "'"));
+    for (std::string line; std::getline(listing, line);) {
+        if (line.size() > 19) symbols.push_back({line[17], line.substr(19)});
+    }
+    return symbols;
+}
+
+TEST(KernelSymbols, NoneIsSharedBetweenInstructionSets) {
+    int entries = 0;
+    for (const auto& folder : std::filesystem::directory_iterator(CVTFLOW_OBJECTS_DIR)) {
+        if (!folder.path().filename().string().starts_with("cvtflow_kernels_")) continue;
+        for (const auto& file : std::filesystem::recursive_directory_iterator(folder.path())) {
+            if (file.path().extension() != ".o") continue;
+            for (const Symbol& symbol : symbols_of(file.path().string())) {
+                entries += symbol.kind == 'T';
+                if (symbol.name.starts_with("DW.ref.")) continue;   // the address of a run-time function, the same in every copy
+                EXPECT_EQ(std::string("WVu").find(symbol.kind), std::string::npos) << file.path() << ": " << symbol.name;
+            }
+        }
+    }
+    EXPECT_GE(entries, 2);   // chain_kernels and staged_kernels of at least one
+}
+
+}  // namespace
+}  // namespace cvtflow::architecture
