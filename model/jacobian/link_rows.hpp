@@ -10,6 +10,7 @@
 #include "model/jacobian/inner_point.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Frame of a link, differentiated in (dx, dy, vx, vy), the difference of its halves and its rate.
 using DualFrame = FrameOf<Dual<4>>;
@@ -63,26 +64,21 @@ private:
         for (int k = 0; k < width; ++k) out[k] += sign * arm.value * rows_[size][k];
         for (int d = 0; d < 4; ++d) add_difference(out, 1, d, sign * moment * arm.slope[static_cast<std::size_t>(d)]);
     }
+    /// N rows by their products with an inverse.
     template <int N>
-    void solve(const SmallCholesky& l, int first) noexcept {
-        const auto factor = [&](int r, int k) { return l.factor[static_cast<std::size_t>(r * N + k)]; };
-        const auto eliminate = [&](int r, int k, double by) {
-            for (int c = 0; c < width; ++c) rows_[first + r][c] -= by * rows_[first + k][c];
-        };
-        const auto scale = [&](int r) {
-            for (int c = 0; c < width; ++c) rows_[first + r][c] *= l.inverse_diagonal[static_cast<std::size_t>(r)];
-        };
-        for (int r = 0; r < N; ++r) {
-            for (int k = 0; k < r; ++k) eliminate(r, k, factor(r, k));
-            scale(r);
+    void solve(const SmallInverse& inverse, int first) noexcept {
+        double products[N][width] = {};
+        for (int k = 0; k < N; ++k) {
+            for (int r = 0; r < N; ++r) {
+                const double factor = inverse.column[static_cast<std::size_t>(k * padded(N) + r)];
+                for (int c = 0; c < width; ++c) products[r][c] += factor * rows_[first + k][c];
+            }
         }
-        for (int r = N - 1; r >= 0; --r) {
-            for (int k = r + 1; k < N; ++k) eliminate(r, k, factor(k, r));
-            scale(r);
-        }
+        std::memcpy(rows_[first], products, sizeof products);
     }
 
     double rows_[size + 1][width] = {};
 };
 
+}  // namespace
 }  // namespace cvtflow::model
