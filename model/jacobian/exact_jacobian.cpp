@@ -2,12 +2,15 @@
 
 #include <algorithm>
 
-#include "model/kernels/chain_parts.hpp"
 #include "model/jacobian/link_contacts.hpp"
 
 namespace cvtflow::model {
 
 namespace {
+
+[[nodiscard]] bool touches(const Phase* phases) noexcept {
+    return std::any_of(phases, phases + tips_per_link, [](Phase phase) { return phase != Phase::free; });
+}
 
 template <int P>
 [[nodiscard]] DualFrame dual_frame(const double* state) noexcept {
@@ -69,7 +72,7 @@ void link_jacobian(const ExactJacobian& exact, const Variator& variator, const d
     JointRows<P>(c, front, false).add_to(front, rows);
     for (const With with : {With::position, With::velocity}) std::fill_n(out.rows(link, with), LinkRows<P>::size * out.border(), 0.0);
     stiffness[0] = stiffness[1] = {};
-    const int shaft = any_touching(phases) ? variator.chain().shaft_of(own) : -1;
+    const int shaft = touches(phases) ? variator.chain().shaft_of(own) : -1;
     if (shaft >= 0) add_tips<P>(exact, c, own, frame, phases, link, shaft, sheaves, rows, out, stiffness);
     rows.fold_moment(frame);
     rows.accelerate(variator.chain().inertia());
@@ -161,7 +164,7 @@ void ExactJacobian::corner(double t, const double* state, const Phase* phases, A
     if (at.pulley_size == 0) return;
     own_corner(t, state, out);
     for (int link = 0; link < at.links; ++link) {
-        if (!any_touching(phases + tips_per_link * link)) continue;
+        if (!touches(phases + tips_per_link * link)) continue;
         const int shaft = variator_.chain().shaft_of(state + at.link_begin(link));
         for (int side = 0; side < 2; ++side) {
             const SheaveMap& map = sheave(2 * shaft + side);

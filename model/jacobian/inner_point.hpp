@@ -5,6 +5,7 @@
 #include "model/jacobian/contact_points.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 template <class T>
 struct FrameOf {
@@ -26,7 +27,10 @@ template <class T>
 
 /// Bending mode m of one half. Adds forces; returns the moment on the link.
 template <int P, int M, class T>
-[[nodiscard]] inline T bending_force(End end, const Spring& travel, const Spring& height, const FrameOf<T>& frame, const T* q, const T* v, T* f) noexcept {
+[[nodiscard]] inline T bending_force(const Coefficients& c, End end, const FrameOf<T>& frame, const T* q, const T* v, T* f) noexcept {
+    constexpr std::size_t modes = P - 1;
+    const std::size_t lane = static_cast<std::size_t>(end) * modes + M - 2;
+    const Spring travel{c.travel.stiffness[lane], c.travel.damping[lane]}, height{c.height.stiffness[lane], c.height.damping[lane]};
     const int ix = at<P>.x(end, M), iy = at<P>.y(end, M);
     const T along = q[ix] * frame.tx + q[iy] * frame.ty, across = q[iy] * frame.tx - q[ix] * frame.ty;
     const T ft = spring_force(travel, along, v[ix] * frame.tx + v[iy] * frame.ty + frame.turning * across);
@@ -67,13 +71,6 @@ template <int P, class T>
     }
 }
 
-/// Spring of bending mode m of one half.
-template <int P>
-[[nodiscard]] inline Spring bending_spring(const BendingLanes& lanes, End end, int m) noexcept {
-    const auto lane = static_cast<std::size_t>(static_cast<int>(end) * (P - 1) + m - 2);
-    return {lanes.stiffness[lane], lanes.damping[lane]};
-}
-
 /// All elasticity inside a link. Adds to its generalized forces f; returns the moment about z on the link.
 template <int P, class T>
 [[nodiscard]] inline T inner_force(const Coefficients& c, const LinkKind& kind, const T* q, const T* v, T* f) noexcept {
@@ -83,10 +80,11 @@ template <int P, class T>
     for (const End end : {End::rear, End::front}) {
         const int e = at<P>.e(end);
         f[e] -= spring_force(c.extension, q[e], v[e]);
-        if constexpr (P >= 2) moment += bending_force<P, 2>(end, bending_spring<P>(c.travel, end, 2), bending_spring<P>(c.height, end, 2), frame, q, v, f);
-        if constexpr (P >= 3) moment += bending_force<P, 3>(end, bending_spring<P>(c.travel, end, 3), bending_spring<P>(c.height, end, 3), frame, q, v, f);
+        if constexpr (P >= 2) moment += bending_force<P, 2>(c, end, frame, q, v, f);
+        if constexpr (P >= 3) moment += bending_force<P, 3>(c, end, frame, q, v, f);
     }
     return moment;
 }
 
+}  // namespace
 }  // namespace cvtflow::model

@@ -4,6 +4,7 @@
 #include "model/jacobian/link_contributions.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// The two links of a joint and their places among the columns: `before` and `before` + 1.
 struct JointLinks {
@@ -181,4 +182,5 @@ private:
     TipEffect<T> effect_{};
 };
 
+}  // namespace
 }  // namespace cvtflow::model

@@ -1,10 +1,12 @@
 #pragma once
 /// What plates, joints, tips and inner elasticity add to the rows of a link.
 
+#include "model/force/difference.hpp"
 #include "model/jacobian/link_rows.hpp"
 #include "model/jacobian/tip_point.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Elasticity inside the link, in all of its unknowns at once.
 template <int P>
@@ -97,4 +99,5 @@ inline void add_plates(const Coefficients& c, const LinkKind& kind, const double
     }
 }
 
+}  // namespace
 }  // namespace cvtflow::model

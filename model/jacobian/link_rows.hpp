@@ -2,7 +2,6 @@
 /// Derivatives of one link's generalized forces with respect to its own unknowns, those of its two neighbours, and the motion of its sheaves:
 /// rows of forces and one of the moment about z, filled contribution by contribution.
 
-#include <algorithm>
 #include <cstring>
 
 #include "model/force/link_frame.hpp"
@@ -11,6 +10,7 @@
 #include "model/jacobian/inner_point.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// Frame of a link, differentiated in (dx, dy, vx, vy), the difference of its halves and its rate.
 using DualFrame = FrameOf<Dual<4>>;
@@ -64,19 +64,21 @@ private:
         for (int k = 0; k < width; ++k) out[k] += sign * arm.value * rows_[size][k];
         for (int d = 0; d < 4; ++d) add_difference(out, 1, d, sign * moment * arm.slope[static_cast<std::size_t>(d)]);
     }
+    /// N rows by their products with an inverse.
     template <int N>
     void solve(const SmallInverse& inverse, int first) noexcept {
-        double solved[N][width] = {};
-        for (int r = 0; r < N; ++r) {
-            for (int k = 0; k < N; ++k) {
+        double products[N][width] = {};
+        for (int k = 0; k < N; ++k) {
+            for (int r = 0; r < N; ++r) {
                 const double factor = inverse.column[static_cast<std::size_t>(k * padded(N) + r)];
-                for (int c = 0; c < width; ++c) solved[r][c] += factor * rows_[first + k][c];
+                for (int c = 0; c < width; ++c) products[r][c] += factor * rows_[first + k][c];
             }
         }
-        for (int r = 0; r < N; ++r) std::copy(solved[r], solved[r] + width, rows_[first + r]);
+        std::memcpy(rows_[first], products, sizeof products);
     }
 
     double rows_[size + 1][width] = {};
 };
 
+}  // namespace
 }  // namespace cvtflow::model

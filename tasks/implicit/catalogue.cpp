@@ -34,7 +34,7 @@ std::unique_ptr<StepMethod> make_linear(Workspace& workspace) {
 template <std::size_t... Variant>
 void add_trapezoidal(std::vector<MethodProgram>& all, std::index_sequence<Variant...>) {
     const auto program = [](const NewtonVariant& variant, auto make) {
-        return MethodProgram{variant.name, std::string("trapezoidal rule, order 2, A-stable: ") + variant.description, "A. Orlov et al.; C. G. Broyden 1965; L. K. Schubert 1970",
+        return MethodProgram{variant.name, std::string("trapezoidal rule, order 2, A-stable: ") + variant.description, "C. G. Broyden, Math. Comp. 19 (1965); L. K. Schubert, Math. Comp. 24 (1970)",
                              2, 0, TrapezoidalMethod::state_slots, TrapezoidalMethod::slope_slots, make};
     };
     (all.push_back(program(variants[Variant], make_trapezoidal<Variant>)), ...);
