@@ -39,5 +39,6 @@ Action declare_compare(CLI::App& app);
 Action declare_profile(CLI::App& app);
 Action declare_dot(CLI::App& app);
 Action declare_newton(CLI::App& app);
+Action declare_detail(CLI::App& app);
 
 }  // namespace cvtflow::tools

@@ -19,6 +19,7 @@ std::span<const Command> commands() noexcept {
         Command{"compare", "Run methods and steps on a scene: errors, evaluations, time", declare_compare},
         Command{"profile", "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
         Command{"newton", "Try the implicit methods: Newton's convergence, cost and error by variant and step", declare_newton},
+        Command{"detail", "Compare levels of detail: what each dial costs and what it changes", declare_detail},
         Command{"dot", "Draw the task graph of a step in Graphviz' language", declare_dot},
     };
     return rows;

@@ -40,7 +40,7 @@ struct Lanes {
 template <int W>
     requires(W <= native_lanes)
 struct Lanes<W> {
-    using Vector = NativeVector<W>::Type;
+    using Vector = typename NativeVector<W>::Type;
     Vector v;
 
     Lanes() = default;

@@ -39,7 +39,7 @@ struct NativeVector<1> {
 
 /// Correctly rounded, as IEEE 754 asks of every processor.
 template <int W>
-[[nodiscard]] inline NativeVector<W>::Type native_sqrt(typename NativeVector<W>::Type v) noexcept {
+[[nodiscard]] inline typename NativeVector<W>::Type native_sqrt(typename NativeVector<W>::Type v) noexcept {
     if constexpr (W == 1) return __builtin_sqrt(v);
 #if defined(__AVX512F__)
     else if constexpr (W == 8) return _mm512_maskz_sqrt_pd(0xff, v);   // the unmasked one begins with an undefined register, which gcc 12 warns of
@@ -57,7 +57,7 @@ template <int W>
 }
 
 template <int W>
-[[nodiscard]] inline NativeVector<W>::Type native_abs(typename NativeVector<W>::Type v) noexcept {
+[[nodiscard]] inline typename NativeVector<W>::Type native_abs(typename NativeVector<W>::Type v) noexcept {
     if constexpr (W == 1) {
         return __builtin_fabs(v);
     } else {
@@ -80,7 +80,7 @@ template <int W>
 
 /// Lanes [0, W/2) or [W/2, W).
 template <int W>
-[[nodiscard]] inline NativeVector<W / 2>::Type native_half(typename NativeVector<W>::Type v, int half) noexcept {
+[[nodiscard]] inline typename NativeVector<W / 2>::Type native_half(typename NativeVector<W>::Type v, int half) noexcept {
     if constexpr (W == 2) {
         return v[half];
     } else if constexpr (W == 4) {
@@ -92,7 +92,7 @@ template <int W>
 
 /// The lanes of both, those of `low` first.
 template <int W>
-[[nodiscard]] inline NativeVector<2 * W>::Type native_join(typename NativeVector<W>::Type low, typename NativeVector<W>::Type high) noexcept {
+[[nodiscard]] inline typename NativeVector<2 * W>::Type native_join(typename NativeVector<W>::Type low, typename NativeVector<W>::Type high) noexcept {
     if constexpr (W == 1) {
         return typename NativeVector<2>::Type{low, high};
     } else if constexpr (W == 2) {
@@ -104,7 +104,7 @@ template <int W>
 
 /// Both vectors consist of groups of `group` lanes; every group is folded to half its length, those of a before those of b.
 template <int W, int group, int... lane>
-[[nodiscard]] inline NativeVector<W>::Type native_fold(typename NativeVector<W>::Type a, typename NativeVector<W>::Type b,
+[[nodiscard]] inline typename NativeVector<W>::Type native_fold(typename NativeVector<W>::Type a, typename NativeVector<W>::Type b,
                                                        std::integer_sequence<int, lane...>) noexcept {
     constexpr int half = group / 2;
     return __builtin_shufflevector(a, b, (lane / half * group + lane % half)...) + __builtin_shufflevector(a, b, (lane / half * group + lane % half + half)...);
@@ -112,7 +112,7 @@ template <int W, int group, int... lane>
 
 /// Lane k of the result is the sum over the lanes of v[k].
 template <int W, int group>
-[[nodiscard]] inline NativeVector<W>::Type native_transposed_sum(const std::array<typename NativeVector<W>::Type, group>& v) noexcept {
+[[nodiscard]] inline typename NativeVector<W>::Type native_transposed_sum(const std::array<typename NativeVector<W>::Type, group>& v) noexcept {
     if constexpr (group == 1) {
         return v[0];
     } else {
