@@ -18,6 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
 double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 /// Takes down what errors are measured of, and how long that took.
@@ -83,7 +85,8 @@ struct Squares {
         reference += other.reference;
     }
     [[nodiscard]] double relative() const noexcept {
-        return reference > 0.0 ? std::sqrt(difference / reference) : (difference > 0.0 ? std::numeric_limits<double>::infinity() : 0.0);
+        if (difference == 0.0) return 0.0;
+        return std::isfinite(difference) && reference > 0.0 ? std::sqrt(difference / reference) : infinite;
     }
 };
 
@@ -101,19 +104,12 @@ std::pair<double, double> quantity_errors(const std::vector<Row>& values, const 
     return {all.relative(), worst};
 }
 
-bool finite(const ErrorReport& report) { return std::isfinite(report.worst.largest()) && std::isfinite(report.overall.largest()); }
-
 }  // namespace
 
-double TrajectoryErrors::largest() const noexcept {
-    double value = 0.0;
-    for (const double error : {axial_force, tension, slip, losses}) value = error <= value ? value : error;   // NaN counts as largest
-    return value;
-}
+double TrajectoryErrors::largest() const noexcept { return std::max({axial_force, tension, slip, losses}); }
 
 ErrorReport compare(const Trajectory& run, const Trajectory& reference) {
     if (reference.fault) throw std::invalid_argument("the reference ended early: " + reference.fault.message());
-    constexpr double infinite = std::numeric_limits<double>::infinity();
     constexpr TrajectoryErrors lost{infinite, infinite, infinite, infinite};
     if (run.fault) return {lost, lost};
     if (run.times != reference.times) throw std::invalid_argument("the run and its reference have different output times");
@@ -122,7 +118,7 @@ ErrorReport compare(const Trajectory& run, const Trajectory& reference) {
     std::tie(report.overall.tension, report.worst.tension) = quantity_errors(run.tension, reference.tension);
     std::tie(report.overall.slip, report.worst.slip) = quantity_errors(run.slip, reference.slip);
     std::tie(report.overall.losses, report.worst.losses) = quantity_errors(run.losses, reference.losses);
-    return finite(report) ? report : ErrorReport{lost, lost};
+    return report;
 }
 
 ErrorMeasure::ErrorMeasure(Scene scene, MeasureSettings settings, const engine::Cancellation& cancel)

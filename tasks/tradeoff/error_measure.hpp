@@ -40,7 +40,7 @@ struct TrajectoryErrors {
     [[nodiscard]] double largest() const noexcept;
 };
 
-/// Over all outputs together, and of the worst output alone. A run that ended early has infinite errors.
+/// Over all outputs together, and of the worst output alone. A run that ended early or holds no finite number has infinite errors.
 struct ErrorReport {
     TrajectoryErrors overall, worst;
 };
