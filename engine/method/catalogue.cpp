@@ -1,8 +1,13 @@
 #include "engine/method/catalogue.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "engine/method/dumka3_coefficients.hpp"
+#include "engine/method/fitted.hpp"
+#include "engine/method/method_name.hpp"
+#include "engine/method/near_optimal.hpp"
 #include "engine/method/rkc.hpp"
 
 namespace cvtflow::engine {
@@ -17,6 +22,50 @@ StagePlan gragg_bulirsch_stoer(int order);
 StagePlan heun();
 StagePlan rk38();
 StagePlan rk4();
+StagePlan rock2(int stages);
+StagePlan serk2(int stages);
+
+namespace {
+
+/// The stages in <family>-s<stages>, within limits and a multiple of `divisor`; 0 otherwise.
+int stages_in(std::string_view name, std::string_view family, int fewest, int most, int divisor) {
+    const auto values = name_values(name, family, "s");
+    if (!values) return 0;
+    const double stages = values->at('s');
+    return stages >= fewest && stages <= most && std::fmod(stages, divisor) == 0.0 ? static_cast<int>(stages) : 0;
+}
+
+std::optional<StagePlan> rock2_by_name(std::string_view name) {
+    const int stages = stages_in(name, "rock2", fewest_near_optimal, most_near_optimal, 1);
+    if (stages == 0) return {};
+    return rock2(stages);
+}
+
+std::optional<StagePlan> serk2_by_name(std::string_view name) {
+    const int stages = stages_in(name, "serk2", 10, 250, 10);
+    if (stages == 0) return {};
+    return serk2(stages);
+}
+
+constexpr std::array families{
+    MethodFamily{"rkc", "rkc-s<stages>[-e<damping>]", "2 to 400 stages, damping 0 to 100 (2/13 if absent)",
+                 "Runge-Kutta-Chebyshev of order 2", rkc_by_name},
+    MethodFamily{"rock2", "rock2-s<stages>", "5 to 400 stages", "ROCK2 of order 2, near-optimal real interval", rock2_by_name},
+    MethodFamily{"serk2", "serk2-s<stages>", "10, 20, ... 250 stages", "SERK2 of order 2, near-optimal real interval", serk2_by_name},
+    MethodFamily{"fitted", "fitted-l<real>-w<imaginary>[-s<stages>][-p<order>][-r<ripple>]",
+                 "real 5 to 8000, imaginary up to 50, 4 to 150 stages (the fewest if absent), order 2 or 3, ripple up to 1 (0.2 if absent)",
+                 "fitted to h times a spectrum, on a Chebyshev recurrence", fitted_by_name},
+};
+
+}  // namespace
+
+std::span<const MethodFamily> method_families() { return families; }
+
+const MethodFamily* family_of(std::string_view name) {
+    const std::string_view first = name.substr(0, name.find('-'));
+    const auto found = std::find_if(families.begin(), families.end(), [&](const MethodFamily& family) { return family.name == first; });
+    return found == families.end() ? nullptr : &*found;
+}
 
 std::span<const StagePlan> methods() {
     static const std::vector<StagePlan> all = [] {
@@ -24,6 +73,9 @@ std::span<const StagePlan> methods() {
         for (const int order : {2, 3, 4}) list.push_back(extrapolated_euler(order));
         for (const int order : {4, 6, 8}) list.push_back(gragg_bulirsch_stoer(order));
         for (const int stages : {10, 20, 30, 50}) list.push_back(rkc(stages));
+        for (const int stages : {10, 20, 40}) list.push_back(rock2(stages));
+        for (const int stages : {10, 20, 40}) list.push_back(serk2(stages));
+        for (const char* name : {"fitted-l100-w1", "fitted-l200-w2", "fitted-l300-w3", "fitted-l400-w4"}) list.push_back(*fitted_by_name(name));
         for (int polynomial = 0; polynomial < dumka3_polynomials; ++polynomial) list.push_back(dumka3(polynomial));
         return list;
     }();
@@ -38,7 +90,9 @@ const StagePlan* find_method(std::string_view name) {
 
 std::optional<StagePlan> make_method(std::string_view name) {
     if (const StagePlan* known = find_method(name)) return *known;
-    return rkc_by_name(name);
+    const MethodFamily* family = family_of(name);
+    if (family == nullptr) return {};
+    return family->make(name);
 }
 
 }  // namespace cvtflow::engine

@@ -23,10 +23,12 @@ struct Figures {
     double real;              ///< reach along the negative real axis
     double imaginary;         ///< along the imaginary axis; negative: none to speak of
     bool reuses;              ///< the last stage is the result
-    double residual = 1e-13;  ///< of order conditions and stage times; the tables of long DUMKA3 polynomials are less exact
+    /// Of order conditions. The tables of long DUMKA3 polynomials are less exact, SERK2 sums weights of up to 300, and fitted methods meet the
+    /// one condition of order 3 that is no condition on R only nearly.
+    double residual = 1e-13;
 };
 
-/// Stability: literature (dumka3: Medovikov's interval; rkc: 0.653 s²) and the polynomials computed apart from this program.
+/// Stability: literature (dumka3: Medovikov's interval; rkc: 0.653 s²; rock2, serk2: 0.80 to 0.81 s²; fitted: 1.03 of what is asked for) and the polynomials computed apart from this program.
 const std::vector<Figures> figures{
     {"rk4", 4, 0, 2.785, 2.828, false},
     {"rk38", 4, 0, 2.785, 2.828, false},
@@ -45,6 +47,16 @@ const std::vector<Figures> figures{
     {"rkc-s20", 2, 2, 261.2, -1.0, true},
     {"rkc-s30", 2, 2, 587.7, -1.0, true},
     {"rkc-s50", 2, 2, 1632.5, -1.0, true},
+    {"rock2-s10", 2, 1, 80.12, -1.0, false},
+    {"rock2-s20", 2, 1, 323.4, -1.0, false},
+    {"rock2-s40", 2, 1, 1296.4, -1.0, false},
+    {"serk2-s10", 2, 2, 80.12, -1.0, true, 3e-13},
+    {"serk2-s20", 2, 2, 323.4, -1.0, true, 3e-13},
+    {"serk2-s40", 2, 2, 1296.4, -1.0, true, 3e-13},
+    {"fitted-l100-w1", 3, 2, 103.0, -1.0, true, 4e-5},
+    {"fitted-l200-w2", 3, 2, 206.0, -1.0, true, 1e-5},
+    {"fitted-l300-w3", 3, 2, 309.0, -1.0, true, 1e-5},
+    {"fitted-l400-w4", 3, 2, 412.0, -1.0, true, 1e-5},
     {"dumka3-p0", 3, 2, 2.5127, 1.732, true},
     {"dumka3-p1", 3, 2, 10.508, 2.744, true},
     {"dumka3-p2", 3, 2, 24.527, 2.970, true},
@@ -71,7 +83,7 @@ TEST(MethodFigures, AreKnownForTheWholeCatalogue) {
 TEST(MethodFigures, Orders) {
     for (const Figures& known : figures) {
         const StagePlan& plan = *find_method(known.name);
-        EXPECT_EQ(order_of(plan), known.order) << known.name;
+        EXPECT_EQ(order_of(plan, std::max(known.residual, 1e-10)), known.order) << known.name;
         EXPECT_EQ(embedded_order_of(plan), known.embedded) << known.name;
         EXPECT_EQ(plan.error.has_value(), known.embedded > 0) << known.name;
         EXPECT_EQ(last_stage_is_result(unroll(plan)), known.reuses) << known.name;

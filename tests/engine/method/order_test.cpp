@@ -51,12 +51,14 @@ TEST(Order, InconsistentTimesAreNotForgiven) {
 }
 
 /// Methods of order 5 and more leave the pre-asymptotic steps only three halvings before rounding: their measure is read as near rounding as
-/// each problem allows and may be off by 0.3. The derived order is what counts for them. Long chains amplify rounding and are read earlier.
+/// each problem allows and may be off by 0.3. The derived order is what counts for them. Long chains amplify rounding and are read earlier;
+/// so are sums of stages with large weights (serk2) and fitted methods, whose condition b·c² = 1/3 holds to some 1e-5 only.
 void expect_measured(const StagePlan& plan) {
-    const int order = order_of(plan);
+    const bool sum = plan.name.starts_with("serk2") || plan.name.starts_with("fitted");
+    const int order = order_of(plan, plan.name.starts_with("fitted") ? 4e-5 : 1e-10);
     const bool high = order >= 5;
     const double tolerance = high ? 0.3 : 0.15;
-    const double clear = plan.stages.size() > 20 ? 1e-9 : 1e-10;
+    const double clear = sum ? 1e-7 : plan.stages.size() > 20 ? 1e-9 : 1e-10;
     EXPECT_NEAR(measured_order(plan, test::kepler(), high ? 2e-13 : clear), order, tolerance) << plan.name << ", autonomous";
     EXPECT_NEAR(measured_order(plan, test::driven(), high ? 5e-12 : clear), order, tolerance) << plan.name << ", non-autonomous";
 }

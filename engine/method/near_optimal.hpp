@@ -1,0 +1,32 @@
+#pragma once
+/// Stability polynomials of order 2 whose real interval is nearly the longest possible: 0.81 degree².
+/// R(z) = w(x) P(x) / (w(a) P(a)) with x = a + z/scale, w quadratic without real zeros and P orthogonal on [-1, 1] with weight
+/// w²/sqrt(1 - x²); then w P oscillates between nearly equal bounds there. Source: Abdulle, Medovikov, Second order Chebyshev methods based
+/// on orthogonal polynomials, Numer. Math. 90 (2001) 1-18. The zeros of w are found here from the order conditions, for any degree.
+
+#include <vector>
+
+namespace cvtflow::engine {
+
+/// Extended precision: what is left of a long recurrence after rounding has to be of order 2 to the last digits.
+struct NearOptimalPolynomial {
+    int degree = 0;
+    long double origin = 1.0L;                  ///< a > 1: x of z = 0
+    long double scale = 1.0L;                   ///< dz/dx
+    long double zero_real = 0.0L;               ///< zeros of w: zero_real ± i zero_imaginary, in x
+    long double zero_imaginary = 0.0L;
+    std::vector<long double> centre, coupling;  ///< monic recurrence P_j = (x - centre_j) P_{j-1} - coupling_j P_{j-2}, j = 1 … degree - 2
+
+    /// |R| ≤ 1 on [-real_length(), 0]; ripple 0.95 but near 0.
+    [[nodiscard]] double real_length() const noexcept { return static_cast<double>(scale * (1.0L + origin)); }
+    /// R(z)
+    [[nodiscard]] long double value(long double z) const noexcept;
+};
+
+inline constexpr int fewest_near_optimal = 5;
+inline constexpr int most_near_optimal = 400;
+
+/// @throws std::invalid_argument outside the limits above
+[[nodiscard]] NearOptimalPolynomial near_optimal_polynomial(int degree);
+
+}  // namespace cvtflow::engine
