@@ -13,6 +13,7 @@ std::string Fault::name() const {
         case FaultKind::max_steps: return "max_steps";
         case FaultKind::max_wall: return "max_wall";
         case FaultKind::cancelled: return "cancelled";
+        case FaultKind::step_size: return "step_size";
     }
     return "unknown";
 }
@@ -31,6 +32,8 @@ std::string Fault::message() const {
         case FaultKind::max_steps: return fmt::format("the budget of {:.0f} steps (run.max_steps) is used up {}", limit, when);
         case FaultKind::max_wall: return fmt::format("the budget of {:.3g} s of wall time (run.max_wall) is used up {}", limit, when);
         case FaultKind::cancelled: return fmt::format("cancelled {}", when);
+        case FaultKind::step_size:
+            return fmt::format("the step would have to be shorter than {:.1e} s {} to meet run.tolerance", limit, when);
     }
     return "unknown fault";
 }

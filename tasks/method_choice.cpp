@@ -1,14 +1,25 @@
 #include "tasks/method_choice.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "engine/method/catalogue.hpp"
+#include "engine/method/compiled_plan.hpp"
+#include "engine/method/order.hpp"
+#include "tasks/spectral_method.hpp"
 #include "tasks/stage_method.hpp"
 
 namespace cvtflow::tasks {
 
 const std::vector<MethodProgram>& method_programs() {
-    static const std::vector<MethodProgram> all;
+    static const std::vector<MethodProgram> all{
+        {"dumka3", "DUMKA3, polynomial and step by the spectrum", "Medovikov, BIT 38 (1998) 372-390", 3, 0, 3, 5, dumka3_by_spectrum},
+        {"rkc", "Runge-Kutta-Chebyshev, stages by the spectrum", "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326", 2, 0, 4, 3,
+         rkc_by_spectrum},
+        {"rock2", "ROCK2, stages by the spectrum", "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18", 2, 0, 5, 4, rock2_by_spectrum},
+        {"fitted", "polynomial fitted to the spectrum, again when it moves", "weights by Lawson's iteration", 3, 0, FittedMethod::most_stages + 1, 3,
+         fitted_by_spectrum},
+    };
     return all;
 }
 
@@ -18,6 +29,13 @@ const MethodProgram* find_program(std::string_view name) {
     }
     return nullptr;
 }
+
+namespace {
+
+/// The estimate y - ŷ falls like the step to the lower order of both, plus one.
+int error_power_of(const engine::StagePlan& plan) { return plan.error ? std::min(engine::order_of(plan), engine::embedded_order_of(plan)) + 1 : 0; }
+
+}  // namespace
 
 std::optional<engine::StagePlan> plan_for(std::string_view method) {
     const MethodProgram* program = find_program(method);
@@ -41,13 +59,15 @@ std::vector<std::string> method_names() {
 int evaluations_per_step(std::string_view method) {
     if (const MethodProgram* program = find_program(method)) return program->evaluations;
     const auto plan = engine::make_method(method);
-    return plan ? static_cast<int>(plan->stages.size()) : 0;
+    if (!plan) return 0;
+    return static_cast<int>(plan->stages.size()) - (engine::CompiledPlan(*plan).last_is_result() ? 1 : 0);
 }
 
 std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace) {
     if (const MethodProgram* program = find_program(method)) return program->make(workspace);
-    if (!engine::make_method(method)) throw std::invalid_argument("there is no method '" + std::string(method) + "'");
-    return std::make_unique<StageMethod>(workspace);
+    const auto plan = engine::make_method(method);
+    if (!plan) throw std::invalid_argument("there is no method '" + std::string(method) + "'");
+    return std::make_unique<StageMethod>(workspace, error_power_of(*plan));
 }
 
 }  // namespace cvtflow::tasks

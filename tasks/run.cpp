@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <numbers>
 
@@ -40,6 +41,8 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
     report.method = scene.run.method;
+    report.step_control = scene.run.step_control;
+    report.tolerance = scene.run.tolerance;
     report.schedule = choice.reason.empty() ? choice.schedule.text() : fmt::format("{} ({})", choice.schedule.text(), choice.reason);
     report.start_differences = simulation.start_differences();
     settle(simulation, scene, recorder, cancel, report);
@@ -49,6 +52,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
         recorder.begin_part(simulation.time(), scene.run.until);
         report.fault = simulation.run(scene.run.until, recorder, cancel);
         report.counters = simulation.counters();
+        report.local_errors = simulation.local_errors();
         report.wall = since(started);
     }
     report.end = simulation.time();
@@ -96,6 +100,19 @@ std::string operating_point(const RunReport& r) {
 
 }  // namespace
 
+namespace {
+
+/// What was asked about local errors and what came out; empty if nothing was.
+std::string error_lines(const RunReport& r) {
+    if (r.step_control == StepControl::fixed || r.local_errors.steps == 0) return {};
+    std::string text = fmt::format("  local error         largest {:.2e}, mean {:.2e}", r.local_errors.largest, r.local_errors.mean());
+    if (r.step_control == StepControl::report) return text + " (reported only)\n";
+    const double mean_step = (r.end - r.begin) / static_cast<double>(std::max(1L, r.counters.steps));
+    return text + fmt::format(", tolerance {:.2e}: mean step {:.3g} s, {} steps rejected\n", r.tolerance, mean_step, r.counters.rejected);
+}
+
+}  // namespace
+
 std::string summary(const RunReport& r) {
     const double simulated = r.end - r.begin;
     std::string text = fmt::format("{}\n", r.fault ? "stopped: " + r.fault.message() : fmt::format("finished at t = {:.6g} s", r.end));
@@ -103,6 +120,7 @@ std::string summary(const RunReport& r) {
     if (r.settled) text += fmt::format("  settled             {} steps, {} evaluations, {:.2f} s of wall time\n", r.settling.steps, r.settling.evaluations, r.settling_wall);
     if (r.outputs > 0) text += operating_point(r);
     text += fmt::format("  method              {}, step {:.4g} s: {} steps, {} evaluations\n", r.method, r.step, r.counters.steps, r.counters.evaluations);
+    text += error_lines(r);
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated, r.counters.suppressed);
     if (simulated > 0.0) text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second\n", r.wall, r.wall / simulated);

@@ -35,6 +35,9 @@ struct RunReport {
     std::string schedule;                 ///< what ran it, and why if it was chosen
     Counters counters;                    ///< after settling
     Counters settling;
+    StepControl step_control = StepControl::fixed;
+    double tolerance = 0.0;
+    LocalErrorStatistics local_errors;    ///< after settling
     double wall = 0.0, settling_wall = 0.0;   ///< [s]
     std::uint64_t hash = 0;
     long outputs = 0;

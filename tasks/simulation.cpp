@@ -23,11 +23,17 @@ engine::StagePlan plan_of(const Scene& scene) {
 }
 
 std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) {
+    std::unique_ptr<StepMethod> method;
     try {
-        return make_step_method(scene.run.method, workspace);
+        method = make_step_method(scene.run.method, workspace);
     } catch (const std::invalid_argument& error) {
         throw SimulationError(fmt::format("run.method: {}", error.what()));
     }
+    if (scene.run.step_control != StepControl::fixed && method->error_power() == 0) {
+        throw SimulationError(fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
+                                          scene.run.method));
+    }
+    return method;
 }
 
 engine::TaskGraph graph_of(Workspace& workspace, StepMethod& method, const AssemblyOptions& assembly) {
@@ -127,16 +133,25 @@ Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer,
     balance();
     executor_->run(graph_, workspace_.get(), controller);
     counters_ = controller.counters();
+    local_errors_ = controller.local_errors();
     step_ = controller.step();
     time_ = controller.time();
     controller.rethrow();
     return controller.fault();
 }
 
+namespace {
+
+StepSettings step_settings(const RunSettings& run, double begin, double until, double interval) {
+    return {begin, until, run.step, interval, run.max_steps, run.max_wall, run.step_control, run.tolerance};
+}
+
+}  // namespace
+
 Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& cancel) {
     const double duration = scene_.parameters.start.settling_time;
     const double intervals = std::max(1.0, std::ceil(duration / scene_.run.output_interval * (1.0 - 1e-12)));
-    const Fault fault = integrate({-duration, 0.0, scene_.run.step, duration / intervals, scene_.run.max_steps, scene_.run.max_wall}, observer, cancel);
+    const Fault fault = integrate(step_settings(scene_.run, -duration, 0.0, duration / intervals), observer, cancel);
     if (fault) return fault;
     needs_settling_ = false;
     time_ = 0.0;
@@ -144,11 +159,14 @@ Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& canc
 }
 
 Fault Simulation::run(double until, RunObserver& observer, const engine::Cancellation& cancel) {
-    return integrate({time_, until, scene_.run.step, scene_.run.output_interval, scene_.run.max_steps, scene_.run.max_wall}, observer, cancel);
+    return integrate(step_settings(scene_.run, time_, until, scene_.run.output_interval), observer, cancel);
 }
 
 Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel) {
-    return integrate({time_, time_ + 1e6, scene_.run.step, scene_.run.output_interval, steps, 0.0}, observer, cancel);
+    StepSettings settings = step_settings(scene_.run, time_, time_ + 1e6, scene_.run.output_interval);
+    settings.max_steps = steps;
+    settings.max_wall = 0.0;
+    return integrate(settings, observer, cancel);
 }
 
 std::uint64_t Simulation::hash() const noexcept {

@@ -49,6 +49,8 @@ public:
     [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->phases; }
     /// Of the last settle() or run().
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+    /// Of the last settle() or run(), if the scene asks for errors.
+    [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// Step in use in the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }
     /// Hash of state and phases: equal for every number of segments, threads and schedule.
@@ -74,6 +76,7 @@ private:
     double time_ = 0.0;
     double step_ = 0.0;
     Counters counters_;
+    LocalErrorStatistics local_errors_;
     std::vector<std::string> start_differences_;
 };
 

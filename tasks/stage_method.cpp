@@ -1,6 +1,7 @@
 #include "tasks/stage_method.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "tasks/step_graph.hpp"
 
@@ -11,10 +12,32 @@ void close_evaluation(Workspace& w, double time, const double* tail, double* slo
     w.variator.close(time, tail, w.phases.data(), w.loads.data(), w.accounts.data(), slope + w.layout().pulley_begin());
 }
 
+int StageMethod::begin() {
+    bring_slope();
+    return start_stage(slope_at_ == SlopeAt::start && plan_->stages() > 1 ? 1 : 0);
+}
+
+/// The last stage's slope into slot 0, by name only.
+void StageMethod::bring_slope() noexcept {
+    if (slope_at_ != SlopeAt::last) return;
+    std::swap(w_.slopes[0], w_.slopes[static_cast<std::size_t>(plan_->stage(plan_->stages() - 1).slope)]);
+    slope_at_ = SlopeAt::start;
+}
+
+void StageMethod::use(const engine::CompiledPlan& plan) noexcept {
+    bring_slope();
+    plan_ = &plan;
+}
+
+std::optional<engine::PlanStep> StageMethod::error_row() const noexcept {
+    if (!plan_->has_error()) return {};
+    return plan_->error();
+}
+
 int StageMethod::start_stage(int stage) {
     stage_ = stage;
     w_.evaluate_end = false;
-    w_.row = w_.plan.stage(stage);
+    w_.row = plan_->stage(stage);
     w_.slope_out = w_.slopes[static_cast<std::size_t>(w_.row.slope)];
     const model::ChainLayout& at = w_.layout();
     engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.tail.data());
@@ -25,8 +48,9 @@ int StageMethod::start_stage(int stage) {
 
 int StageMethod::next() {
     close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.slope_out);
-    if (stage_ + 1 < w_.plan.stages()) return start_stage(stage_ + 1);
-    w_.row = w_.plan.result();
+    if (stage_ + 1 < plan_->stages()) return start_stage(stage_ + 1);
+    w_.row = plan_->result();
+    slope_at_ = plan_->last_is_result() ? SlopeAt::last : SlopeAt::nowhere;
     return done;
 }
 

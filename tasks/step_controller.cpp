@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "tasks/stage_method.hpp"
 
@@ -11,6 +12,15 @@ namespace {
 
 /// Longest time a freshly changed tip keeps its phase, in steps: one whole step, whatever rounding says.
 constexpr double dwell_steps = 1.5;
+
+/// A step shorter than this fraction of the longest one will not help [1].
+constexpr double shortest_step = 1e-7;
+
+/// Steps between two outputs: with the error in charge, the grid is that of outputs.
+long grid_steps(const StepSettings& settings) {
+    if (settings.control == StepControl::error) return 1;
+    return std::max(1L, static_cast<long>(std::ceil(settings.output_interval / settings.step * (1.0 - 1e-12))));
+}
 
 }  // namespace
 
@@ -24,8 +34,11 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
 StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings,
                                RunObserver& observer, const engine::Cancellation& cancel)
     : w_(workspace), own_method_(std::move(own)), method_(own_method_ ? *own_method_ : *method), settings_(settings), observer_(observer), cancel_(cancel),
-      steps_per_output_(std::max(1L, static_cast<long>(std::ceil(settings.output_interval / settings.step * (1.0 - 1e-12))))),
-      grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)), phases_before_(workspace.phases) {
+      steps_per_output_(grid_steps(settings)), grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)),
+      control_(std::min(settings.step, settings.output_interval), std::max(1, method_.error_power())), phases_before_(workspace.phases) {
+    w_.estimate_error = settings.control != StepControl::fixed;
+    if (w_.estimate_error && method_.error_power() == 0)
+        throw std::invalid_argument("this method has no estimate of its error: run.step_control can only be \"fixed\"");
     w_.time = settings.begin;
     w_.dwell = dwell_steps * grid_step_;
     w_.secant = method_.retakes();
@@ -103,9 +116,47 @@ int StepController::begin_step() {
     if (due) ++outputs_;
     if (over) return end(Fault{});
     if (const Fault spent = budget()) return end(spent);
+    return start_step();
+}
+
+/// To the next grid point, in as many equal steps as the error asks for.
+int StepController::start_step() {
     w_.h = grid_time(grid_number_ + 1) - w_.time;
+    lands_ = true;
     retaking_ = false;
+    if (settings_.control == StepControl::error) {
+        const double pieces = std::ceil(w_.h / method_.longest_step(control_.proposal()) * (1.0 - 1e-9));
+        lands_ = pieces <= 1.0;
+        if (!lands_) w_.h /= pieces;
+        w_.dwell = dwell_steps * w_.h;
+    }
     return take(method_.begin());
+}
+
+/// The step again, shorter. Nothing has changed but the slots.
+int StepController::reject() {
+    ++counters_.rejected;
+    method_.rejected();
+    const double shortest = shortest_step * settings_.step;
+    if (control_.proposal() < shortest) return end({FaultKind::step_size, w_.time, -1, control_.proposal(), shortest});
+    if (const Fault spent = budget()) return end(spent);
+    return start_step();
+}
+
+/// Local error of the step, the largest of all links and of the pulleys; not a number if the estimate is none.
+double StepController::step_error() {
+    const model::ChainLayout& at = w_.layout();
+    double largest = 0.0;
+    if (at.pulley_size != 0) {
+        engine::combine(w_.error_row, w_.h, w_.slots(), at.pulley_begin(), at.pulley_begin() + 2 * at.pulley_size, w_.tail.data());
+        largest = w_.error_scale.norm(w_.tail.data(), at.pulley_size);
+        if (!std::isfinite(largest)) return largest;
+    }
+    for (const double error : w_.link_errors) {
+        if (!std::isfinite(error)) return error;
+        largest = std::max(largest, error);
+    }
+    return largest;
 }
 
 /// What the method wants next: a cycle, or the step is taken, or it cannot be.
@@ -121,6 +172,7 @@ int StepController::start_detect() {
     engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.end_state + at.pulley_begin());
     if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.end_state + at.pulley_begin(), w_.end_sheaves);
     if (w_.secant) make_secants();
+    if (w_.estimate_error) w_.error_row = *method_.error_row();
     return detect_cycle;
 }
 
@@ -139,6 +191,13 @@ void StepController::make_secants() {
 
 int StepController::finish_detect() {
     bool pending = false;
+    const double error = w_.estimate_error && !retaking_ ? step_error() : 0.0;
+    if (settings_.control == StepControl::error && !control_.judge(error / settings_.tolerance, w_.h)) return reject();
+    if (w_.estimate_error && !retaking_) {
+        ++local_errors_.steps;
+        local_errors_.sum += error;
+        local_errors_.largest = std::max(local_errors_.largest, error);
+    }
     const double* tail = w_.end_state + w_.layout().pulley_begin();
     for (int k = 0; k < w_.tail_size(); ++k) {
         if (!std::isfinite(tail[k])) return end({FaultKind::non_finite, w_.time + w_.h, -1, 0.0, 0.0});
@@ -219,8 +278,8 @@ int StepController::finish_truncate() {
 int StepController::accept() {
     std::swap(w_.states[0], w_.end_state);
     std::swap(w_.before, w_.after);
-    ++grid_number_;
-    w_.time = grid_time(grid_number_);
+    grid_number_ += lands_ ? 1 : 0;
+    w_.time = lands_ ? grid_time(grid_number_) : w_.time + w_.h;
     ++counters_.steps;
     return begin_step();
 }

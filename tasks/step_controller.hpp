@@ -25,6 +25,7 @@ struct Counters {
     long detected = 0;      ///< transitions carried out
     long truncated = 0;     ///< steps cut at a transition
     long suppressed = 0;    ///< transitions put off because the tip had just changed
+    long rejected = 0;      ///< steps taken again because of their error
     bool operator==(const Counters&) const = default;
 };
 
@@ -61,15 +62,27 @@ public:
 struct StepSettings {
     double begin = 0.0;              ///< [s]
     double until = 0.0;              ///< [s]
-    double step = 5e-8;              ///< longest step [s]; the step used divides the output interval
+    double step = 5e-8;              ///< longest step [s]; a fixed step divides the output interval
     double output_interval = 1e-5;   ///< [s]
     long max_steps = 0;              ///< 0: no budget
     double max_wall = 0.0;           ///< [s], 0: no budget
+    StepControl control = StepControl::fixed;
+    double tolerance = 1e-3;         ///< of local errors, in units of ErrorScale
+};
+
+/// Local errors of accepted steps, in units of ErrorScale; only with StepControl::report and error.
+struct LocalErrorStatistics {
+    long steps = 0;
+    double largest = 0.0;
+    double sum = 0.0;
+
+    [[nodiscard]] double mean() const noexcept { return steps > 0 ? sum / static_cast<double>(steps) : 0.0; }
 };
 
 class StepController final : public engine::Controller {
 public:
     /// The workspace's slot 0 and phases hold the start state. `cancel` may be set from anywhere, also from a signal handler.
+    /// @throws std::invalid_argument if errors are asked for and the method estimates none
     StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
     /// The same with the workspace's table of stages as method.
     StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
@@ -79,8 +92,9 @@ public:
     [[nodiscard]] const Fault& fault() const noexcept { return fault_; }
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     [[nodiscard]] double time() const noexcept { return w_.time; }
-    /// Step in use: settings.step or a little less, so that it divides the output interval [s].
-    [[nodiscard]] double step() const noexcept { return grid_step_; }
+    /// Step in use: settings.step or a little less, so that it divides the output interval; the longest one if the error decides [s].
+    [[nodiscard]] double step() const noexcept { return settings_.control == StepControl::error ? settings_.step : grid_step_; }
+    [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// Rethrows what the observer threw.
     void rethrow() const;
 
@@ -92,6 +106,9 @@ private:
     enum class State { begin_step, method, detect, end_slope, locate, truncate };
 
     int begin_step();
+    int start_step();
+    int reject();
+    [[nodiscard]] double step_error();
     int take(int cycle);
     int start_detect();
     int finish_detect();
@@ -121,6 +138,9 @@ private:
     long grid_number_ = 0;      ///< grid points passed
     long steps_per_output_;
     double grid_step_;
+    bool lands_ = true;         ///< the step at hand ends at the next grid point
+    StepSizeControl control_;
+    LocalErrorStatistics local_errors_;
     Counters counters_;
     Fault fault_;
     std::exception_ptr thrown_;

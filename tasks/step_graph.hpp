@@ -19,7 +19,7 @@ enum Cycle : int {
 /// Fields of the workspace, for the race check. A unit of range is one link, except for `verdict`: one segment.
 enum class Field {
     states_read, slopes_read, slope_written, state_kept, end_state, cut_state, window, load, account, phase, before, after, verdict,
-    stage_state, moment, joint, tips, joint_account, link_account, tip_account
+    link_error, stage_state, moment, joint, tips, joint_account, link_account, tip_account
 };
 
 struct AssemblyOptions {

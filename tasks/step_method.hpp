@@ -2,6 +2,8 @@
 /// How one step is taken. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides which
 /// cycles of the task graph lead from the start to the result.
 
+#include <optional>
+
 #include "engine/graph/task_graph.hpp"
 #include "tasks/workspace.hpp"
 
@@ -30,6 +32,16 @@ public:
     [[nodiscard]] virtual bool retakes() const noexcept { return false; }
     /// The next step does not begin where the last one ended: a transition has been carried out, or somebody has set the state.
     virtual void restart() noexcept {}
+    /// The step just taken is not good enough; the next one begins where it began, phases and all, and is shorter.
+    virtual void rejected() noexcept {}
+
+    /// Row that combines the estimate of the local error from the slots once the step is done; nothing: the method makes none.
+    [[nodiscard]] virtual std::optional<engine::PlanStep> error_row() const noexcept { return {}; }
+    /// That estimate falls like the step to this power; 0 without an estimate.
+    [[nodiscard]] virtual int error_power() const noexcept { return 0; }
+    /// Longest step that the method can take now, at most `wanted` [s]. Asked before a step whose length is free.
+    [[nodiscard]] virtual double longest_step(double wanted) { return wanted; }
+
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
 

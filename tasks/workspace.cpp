@@ -35,6 +35,8 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     const std::size_t links = static_cast<std::size_t>(layout().links);
     touching.resize(links);
     loads.resize(links);
+    link_errors.resize(links);
+    error_scale.velocity = p.tip.friction.saturation_speed;
     if (layout().ledger) accounts.resize(model::account_parts * links);
     phases.assign(model::tips_per_link * links, model::Phase::free);
     before.assign(phases.size(), {});

@@ -11,6 +11,7 @@
 #include "model/variator.hpp"
 #include "tasks/fault.hpp"
 #include "tasks/partition.hpp"
+#include "tasks/step_control.hpp"
 
 namespace cvtflow::tasks {
 
@@ -52,6 +53,9 @@ public:
     double dwell = 0.0;               ///< a tip that changed less than this ago stays [s]
     engine::PlanStep row{};           ///< stage or result that an evaluate cycle combines
     double theta = 1.0;               ///< where a truncate cycle cuts
+    bool estimate_error = false;      ///< a detect cycle also estimates the local error of its links
+    engine::PlanStep error_row{};     ///< how
+    ErrorScale error_scale;           ///< in which units
     Transition due;                   ///< what it cuts for
     bool secant = false;              ///< a detect cycle makes the slopes at both ends from the states there
     long evaluations = 0;             ///< of the right-hand side, so far
@@ -83,6 +87,7 @@ public:
 
     // Per segment.
     std::vector<std::vector<double>> windows;  ///< stage states of the segment's links and their two neighbours
+    std::vector<double> link_errors;  ///< [links] local error of the step, root mean square in units of error_scale
     std::vector<Verdict> verdicts;
 
     // Pulleys, written by the controller.

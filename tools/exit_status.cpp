@@ -8,6 +8,7 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
         case FaultKind::none: return ExitStatus::finished;
         case FaultKind::non_finite:
         case FaultKind::penetration:
+        case FaultKind::step_size:
         case FaultKind::left_sheave: return ExitStatus::fault;
         case FaultKind::max_steps:
         case FaultKind::max_wall: return ExitStatus::budget;

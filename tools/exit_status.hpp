@@ -24,7 +24,8 @@ inline constexpr std::string_view exit_status_help =
     "  0    finished\n"
     "  1    error in the scene or a file\n"
     "  2    error on the command line\n"
-    "  3    the run ended by itself: state not finite, tip too deep, pin off its sheave\n"
+    "  3    the run ended by itself: state not finite, tip too deep, pin off its sheave,\n"
+    "       step too short\n"
     "  4    budget used up: run.max_steps, run.max_wall\n"
     "  130  interrupted; the record is complete up to there";
 

@@ -51,12 +51,21 @@ std::string in_words_given(const std::string& message, const SceneArguments& arg
     return fmt::format("{}", fmt::join(rewritten, "\n"));
 }
 
+/// A tolerance on the command line means that it shall count, unless something else is said.
+bool asks_for_tolerance_only(const SceneArguments& arguments) {
+    const auto given = [&](const Shortcut& shortcut) { return shortcut.key == "run.tolerance" && shortcut.value; };
+    const auto controls = [](const std::string& setting) { return setting.starts_with("run.step_control="); };
+    return std::any_of(arguments.shortcuts.begin(), arguments.shortcuts.end(), given) &&
+           std::none_of(arguments.settings.begin(), arguments.settings.end(), controls);
+}
+
 void apply_settings(tasks::Scene& scene, const SceneArguments& arguments) {
     std::vector<std::string> settings = arguments.settings;
     for (const Shortcut& shortcut : arguments.shortcuts) {
         if (shortcut.value) settings.push_back(shortcut.key + "=" + *shortcut.value);
     }
     if (arguments.settle) settings.emplace_back("start.state=");
+    if (asks_for_tolerance_only(arguments)) settings.emplace_back("run.step_control=error");
     try {
         tasks::set_values(scene, settings);
     } catch (const tasks::SceneError& error) {

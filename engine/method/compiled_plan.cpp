@@ -4,12 +4,25 @@
 
 namespace cvtflow::engine {
 
+namespace {
+
+bool ends_at_result(const StagePlan& plan) {
+    const Stage& last = plan.stages.back();
+    const Combination& result = plan.result;
+    if (plan.stages.size() < 2) return false;
+    if (result.states == last.states && result.slopes == last.slopes) return true;
+    return last.keep >= 0 && result.slopes.empty() && result.states == std::vector<Term>{{last.keep, 1.0}};
+}
+
+}  // namespace
+
 CompiledPlan::CompiledPlan(const StagePlan& plan)
     : state_slots_(plan.state_slots), slope_slots_(plan.slope_slots), has_error_(plan.error.has_value()) {
     validate(plan);
     std::vector<double> state_times(static_cast<std::size_t>(plan.state_slots), 0.0);
     for (const Stage& stage : plan.stages) add(stage.states, stage.slopes, stage.keep, stage.slope, state_times);
     add(plan.result.states, plan.result.slopes, -1, -1, state_times);
+    last_is_result_ = ends_at_result(plan);
     if (plan.error) add(plan.error->states, plan.error->slopes, -1, -1, state_times);
 }
 

@@ -25,6 +25,8 @@ public:
     [[nodiscard]] int state_slots() const noexcept { return state_slots_; }
     [[nodiscard]] int slope_slots() const noexcept { return slope_slots_; }
     [[nodiscard]] bool has_error() const noexcept { return has_error_; }
+    /// Whether the last stage is evaluated at the result, term by term, so that its slope is the next step's slope 0.
+    [[nodiscard]] bool last_is_result() const noexcept { return last_is_result_; }
 
     /// @param stage 0 … stages() - 1
     [[nodiscard]] PlanStep stage(int stage) const noexcept { return step(stage); }
@@ -51,6 +53,7 @@ private:
     int state_slots_;
     int slope_slots_;
     bool has_error_;
+    bool last_is_result_;
 };
 
 }  // namespace cvtflow::engine

@@ -51,7 +51,8 @@ private:
 
 [[nodiscard]] inline std::vector<engine::Access> detect_accesses(const Workspace& w, int s) {
     return LinkAccesses(w, s).own(Field::states_read, false).own(Field::slopes_read, true).own(Field::phase, false).own(Field::before, false)
-        .own(Field::end_state, true).own(Field::after, true).segment(Field::verdict, true).list();
+        .own(Field::end_state, true).own(Field::after, true).own(Field::link_error, true).segment(Field::window, true)
+        .segment(Field::verdict, true).list();
 }
 [[nodiscard]] inline std::vector<engine::Access> locate_accesses(const Workspace& w, int s) {
     return LinkAccesses(w, s).own(Field::states_read, false).own(Field::slopes_read, false).own(Field::end_state, false).own(Field::phase, false)

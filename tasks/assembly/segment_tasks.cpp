@@ -221,6 +221,17 @@ void make_secants(Workspace& w, const Segment& own) noexcept {
     }
 }
 
+/// Local errors of a segment's links, each by itself: whoever asks for the largest gets the same however the chain is cut.
+/// @param errors room for one link
+void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    for (int link = own.first; link < own.last; ++link) {
+        const int begin = layout.link_begin(link);
+        engine::combine(w.error_row, w.h, w.slots(), begin, begin + layout.link_block(), errors);
+        w.link_errors[at(link)] = w.error_scale.norm(errors, layout.link_size());
+    }
+}
+
 }  // namespace
 
 void detect_segment(void* workspace, int segment) noexcept {
@@ -232,6 +243,7 @@ void detect_segment(void* workspace, int segment) noexcept {
     engine::combine(w.row, w.h, w.slots(), layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
                     w.end_state + layout.link_begin(own.first));
     if (w.secant) make_secants(w, own);
+    if (w.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
     for (int link = own.first; link < own.last; ++link) {
         const double* state = w.end_state + layout.link_begin(link);
         if (!finite(state, layout.link_block())) report(verdict, FaultKind::non_finite, w.time + w.h, link, 0.0, 0.0);

@@ -280,8 +280,14 @@ const std::vector<Parameter>& rows() {
      "Integration method, a name from the catalogue of methods.",
      "model choice", [](Scene& s) -> Slot { return &s.run.method; }},
     {"run.step", "s", 1e-12, 1e-2, {},
-     "Time step.",
+     "Time step; the longest one if the error decides (run.step_control).",
      "model choice", [](Scene& s) -> Slot { return &s.run.step; }},
+    {"run.step_control", "", 0, 0, {"fixed", "report", "error"},
+     "Steps of run.step; the same with their local error reported; or steps as long as run.tolerance allows, up to run.step.",
+     "model choice", [](Scene& s) -> Slot { return &s.run.step_control; }},
+    {"run.tolerance", "1", 1e-12, 1e3, {},
+     "Largest local error of a step, as the root mean square over a link of errors relative to 1 um and to tip.saturation_speed.",
+     "model choice", [](Scene& s) -> Slot { return &s.run.tolerance; }},
     {"run.until", "s", 1e-9, 1e4, {},
      "The run ends at this time.",
      "model choice", [](Scene& s) -> Slot { return &s.run.until; }},
@@ -332,7 +338,7 @@ const std::vector<Parameter>& rows() {
 Kind Parameter::kind() const {
     static constexpr std::array kinds{Kind::number, Kind::integer,     Kind::integer,    Kind::integer, Kind::boolean, Kind::text,
                                       Kind::number_list, Kind::time_table, Kind::choice, Kind::choice, Kind::choice, Kind::choice,
-                                      Kind::choice, Kind::choice, Kind::choice, Kind::choice};
+                                      Kind::choice, Kind::choice, Kind::choice, Kind::choice, Kind::choice};
     static_assert(kinds.size() == std::variant_size_v<Slot>);
     Scene scene;
     return kinds[member(scene).index()];

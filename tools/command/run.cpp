@@ -76,6 +76,7 @@ Action declare_run(CLI::App& app) {
     app.add_option("-o,--output", arguments->output, "Record to write (default: results/SCENE.h5); none: no record")->type_name("FILE");
     declare_shortcut(app, scene, "--method", "run.method", "NAME");
     declare_shortcut(app, scene, "--step", "run.step", "TIME");
+    declare_shortcut(app, scene, "--tolerance", "run.tolerance", "NUMBER");
     declare_shortcut(app, scene, "--until", "run.until", "TIME");
     declare_shortcut(app, scene, "--threads", "run.threads", "N");
     declare_shortcut(app, scene, "--segments", "run.segments", "N");
@@ -83,6 +84,7 @@ Action declare_run(CLI::App& app) {
     declare_fresh_start(app, scene);
     app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
     app.footer(
+        "--tolerance makes the local error decide on steps (run.step_control = \"error\"), up to --step.\n"
         "Times take units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; twice ends it at once.\n"
         "While the run goes on, its record is FILE.part, readable at any time (cvtflow info FILE.part).\n\n" +
         std::string(exit_status_help));

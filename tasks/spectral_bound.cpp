@@ -1,0 +1,80 @@
+#include "tasks/spectral_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr int cold_iterations = 60, warm_iterations = 12;
+constexpr double converged = 2e-3;   ///< relative change of the estimate
+
+/// A direction with something of every mode; the same everywhere.
+double seed(int index) { return std::sin(1.0 + 2.399963 * index) + 0.3 * ((index % 2 == 0) ? 1.0 : -1.0); }
+
+}  // namespace
+
+SpectralBound::SpectralBound(const model::Variator& variator) : variator_(variator), scratch_(variator.layout()) {
+    const auto size = static_cast<std::size_t>(variator.layout().size());
+    for (auto* field : {&velocity_.direction, &coordinate_.direction, &base_, &moved_, &slope_}) field->assign(size, 0.0);
+    velocity_.size = 1e-9;
+    coordinate_.size = 1e-11;
+}
+
+double SpectralBound::imaginary() const noexcept { return std::sqrt(coordinate_.value); }
+
+/// Calls action(coordinate's index, velocity's index) for links and pulleys.
+template <class Action>
+void SpectralBound::for_each_unknown(Action action) const noexcept {
+    const model::ChainLayout& at = variator_.layout();
+    for (int link = 0; link < at.links; ++link) {
+        for (int k = 0; k < at.link_size(); ++k) action(at.link_begin(link) + k, at.link_begin(link) + at.link_size() + k);
+    }
+    for (int k = 0; k < at.pulley_size; ++k) action(at.pulley_begin() + k, at.pulley_begin() + at.pulley_size + k);
+}
+
+int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases) noexcept {
+    std::vector<double>& direction = iteration.direction;
+    const int most = cold_ ? cold_iterations : warm_iterations;
+    int evaluations = 0;
+    for (bool settled = false; !settled && evaluations < most;) {
+        double largest = 0.0;
+        for (const double entry : direction) largest = std::max(largest, std::abs(entry));
+        if (!(largest > 0.0)) return evaluations;
+        const double scale = iteration.size / largest;
+        double before = 0.0, after = 0.0;
+        for (std::size_t k = 0; k < direction.size(); ++k) {
+            moved_[k] = state[k] + scale * direction[k];
+            before += (moved_[k] - state[k]) * (moved_[k] - state[k]);
+        }
+        model::right_hand_side(variator_, t, moved_.data(), phases, slope_.data(), scratch_);
+        ++evaluations;
+        for_each_unknown([&](int q, int v) {
+            const auto acceleration = static_cast<std::size_t>(v);
+            const double change = slope_[acceleration] - base_[acceleration];
+            direction[of_velocities ? acceleration : static_cast<std::size_t>(q)] = change;
+            after += change * change;
+        });
+        const double value = std::sqrt(after / before);
+        settled = std::abs(value - iteration.value) < converged * value;
+        iteration.value = value;
+    }
+    return evaluations;
+}
+
+int SpectralBound::estimate(double t, const double* state, const model::Phase* phases) noexcept {
+    if (cold_) {
+        for_each_unknown([&](int q, int v) {
+            coordinate_.direction[static_cast<std::size_t>(q)] = seed(q);
+            velocity_.direction[static_cast<std::size_t>(v)] = seed(v);
+        });
+    }
+    model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
+    const int evaluations = 1 + iterate(velocity_, true, t, state, phases) + iterate(coordinate_, false, t, state, phases);
+    cold_ = false;
+    return evaluations;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,45 @@
+#pragma once
+/// How far the eigenvalues of the equations of motion reach at a state: the friction of contacts along the real axis, the elasticity along the
+/// imaginary one. Found by power iteration on differences of the right-hand side, with perturbations so small that no contact opens, closes
+/// or begins to slide for them: at most a nanometre per second, or ten picometres.
+
+#include <vector>
+
+#include "model/variator.hpp"
+
+namespace cvtflow::tasks {
+
+class SpectralBound {
+public:
+    /// `variator` must outlive it. Takes all its memory here.
+    explicit SpectralBound(const model::Variator& variator);
+
+    /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
+    /// @return evaluations of the right-hand side that it took
+    int estimate(double t, const double* state, const model::Phase* phases) noexcept;
+
+    /// Largest |λ| of the accelerations by velocities: all friction and damping [1/s]. From below, as power iterations are, by some per cent.
+    [[nodiscard]] double real() const noexcept { return velocity_.value; }
+    /// Largest frequency of the accelerations by coordinates, friction aside [rad/s].
+    [[nodiscard]] double imaginary() const noexcept;
+
+private:
+    /// Direction and growth of one power iteration.
+    struct Iteration {
+        std::vector<double> direction;   ///< [layout.size()], only in velocities or only in coordinates
+        double value = 0.0;
+        double size = 0.0;               ///< of the perturbation, largest entry
+    };
+
+    int iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases) noexcept;
+    template <class Action>
+    void for_each_unknown(Action action) const noexcept;
+
+    const model::Variator& variator_;
+    Iteration velocity_, coordinate_;
+    std::vector<double> base_, moved_, slope_;
+    model::EvaluationScratch scratch_;
+    bool cold_ = true;
+};
+
+}  // namespace cvtflow::tasks

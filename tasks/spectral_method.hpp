@@ -1,0 +1,91 @@
+#pragma once
+/// Stage methods that look at the spectrum and choose their stability polynomial: from a ladder of plans, or fitted when needed.
+
+#include <vector>
+
+#include "tasks/spectral_bound.hpp"
+#include "tasks/stage_method.hpp"
+
+namespace cvtflow::tasks {
+
+/// Keeps an estimate of the spectrum up to date: at the start, every tenth of a millisecond, after a rejected step.
+class SpectralMethod : public StageMethod {
+public:
+    [[nodiscard]] int begin() final;
+    void rejected() noexcept override;
+    [[nodiscard]] double longest_step(double wanted) final;
+
+protected:
+    SpectralMethod(Workspace& workspace, int error_power) : StageMethod(workspace, error_power), bound_(workspace.variator) {}
+
+    /// use() a plan that is stable for a step of this length.
+    virtual void choose(double h) = 0;
+    /// As longest_step(), with the estimate up to date.
+    [[nodiscard]] virtual double longest(double wanted) = 0;
+
+    /// Extent of the spectrum with a margin for what estimates from below and changes within a tenth of a millisecond [1/s].
+    [[nodiscard]] double real() const noexcept { return 1.2 * bound_.real(); }
+    [[nodiscard]] double imaginary() const noexcept { return 1.05 * bound_.imaginary(); }
+
+private:
+    void look();
+
+    SpectralBound bound_;
+    double looked_ = -1e300;   ///< when [s]
+};
+
+/// A plan of a ladder and how far it is stable.
+struct Rung {
+    engine::CompiledPlan plan;
+    double real;        ///< along the negative real axis
+    double imaginary;   ///< along the ray of damping ratio 1 %
+};
+
+/// The lowest rung that is stable on the real axis; where steps are free, also the rule of DUMKA3: one rung lower with a shorter step if that is
+/// cheaper per time. A free step is also kept within the imaginary reach, which the published rule does not look at.
+/// Source of the rule: A. A. Medovikov's program; High order explicit methods for parabolic equations, BIT 38 (1998) 372-390.
+class LadderMethod final : public SpectralMethod {
+public:
+    LadderMethod(Workspace& workspace, int error_power, std::vector<Rung> rungs) : SpectralMethod(workspace, error_power), rungs_(std::move(rungs)) {}
+
+protected:
+    void choose(double h) override;
+    [[nodiscard]] double longest(double wanted) override;
+
+private:
+    [[nodiscard]] std::size_t rung_for(double h) const noexcept;
+
+    std::vector<Rung> rungs_;   ///< ascending
+};
+
+/// Fits its polynomial to the spectrum (engine::fit), again when the spectrum or the step outgrows it or stays far below it.
+/// A refit takes milliseconds and memory of its own: the only thing in the step loop that does.
+class FittedMethod final : public SpectralMethod {
+public:
+    static constexpr int most_stages = 64;
+
+    explicit FittedMethod(Workspace& workspace) : SpectralMethod(workspace, 3) {}
+
+    [[nodiscard]] int fits() const noexcept { return fits_; }
+
+protected:
+    /// @throws std::runtime_error if no polynomial of most_stages stages is stable for such a step
+    void choose(double h) override;
+    [[nodiscard]] double longest(double wanted) override;
+
+private:
+    void refit(double real, double imaginary);
+
+    std::vector<engine::CompiledPlan> plan_;   ///< one, or none yet
+    double fitted_real_ = 0.0, fitted_imaginary_ = 0.0;
+    double wanted_lately_ = 0.0;   ///< largest real extent asked for since the last review
+    int steps_since_review_ = 0;
+    int fits_ = 0;
+};
+
+[[nodiscard]] std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace);
+[[nodiscard]] std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace);
+[[nodiscard]] std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace);
+[[nodiscard]] std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace);
+
+}  // namespace cvtflow::tasks
