@@ -1,11 +1,14 @@
 #include "tasks/method_choice.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 
 #include "engine/method/catalogue.hpp"
 #include "engine/method/compiled_plan.hpp"
 #include "engine/method/order.hpp"
+#include "tasks/scene/spelling.hpp"
 #include "tasks/spectral_method.hpp"
 #include "tasks/stage_method.hpp"
 
@@ -56,6 +59,13 @@ std::vector<std::string> method_names() {
     return names;
 }
 
+std::string no_method(std::string_view method) {
+    if (const engine::MethodFamily* family = engine::family_of(method))
+        return fmt::format("no method '{}': {} takes {}", method, family->form, family->limits);
+    const std::string near = closest(method, method_names());
+    return fmt::format("no method '{}' ({})", method, near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near));
+}
+
 int evaluations_per_step(std::string_view method) {
     if (const MethodProgram* program = find_program(method)) return program->evaluations;
     const auto plan = engine::make_method(method);
@@ -66,7 +76,7 @@ int evaluations_per_step(std::string_view method) {
 std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace) {
     if (const MethodProgram* program = find_program(method)) return program->make(workspace);
     const auto plan = engine::make_method(method);
-    if (!plan) throw std::invalid_argument("there is no method '" + std::string(method) + "'");
+    if (!plan) throw std::invalid_argument(no_method(method));
     return std::make_unique<StageMethod>(workspace, error_power_of(*plan));
 }
 

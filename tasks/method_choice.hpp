@@ -32,6 +32,8 @@ struct MethodProgram {
 [[nodiscard]] std::optional<engine::StagePlan> plan_for(std::string_view method);
 /// Names of all methods of both kinds, tables first.
 [[nodiscard]] std::vector<std::string> method_names();
+/// Why `method` is no method: what its family allows, or the name that was probably meant.
+[[nodiscard]] std::string no_method(std::string_view method);
 /// Evaluations of the right-hand side in one step without transitions, the first step excepted; 0: no such method, or it varies.
 [[nodiscard]] int evaluations_per_step(std::string_view method);
 /// The method at work on a workspace made with plan_for(method). @throws std::invalid_argument for unknown names, and as MethodProgram::make

@@ -18,7 +18,7 @@ namespace {
 
 engine::StagePlan plan_of(const Scene& scene) {
     auto plan = plan_for(scene.run.method);
-    if (!plan) throw SimulationError(fmt::format("run.method: there is no method '{}' (cvtflow list methods)", scene.run.method));
+    if (!plan) throw SimulationError("run.method: " + no_method(scene.run.method));
     return std::move(*plan);
 }
 

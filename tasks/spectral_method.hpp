@@ -1,6 +1,7 @@
 #pragma once
 /// Stage methods that look at the spectrum and choose their stability polynomial: from a ladder of plans, or fitted when needed.
 
+#include <memory>
 #include <vector>
 
 #include "tasks/spectral_bound.hpp"

@@ -33,6 +33,9 @@ Action declare_list(CLI::App& app);
 Action declare_explain(CLI::App& app);
 Action declare_schema(CLI::App& app);
 Action declare_local_error(CLI::App& app);
+Action declare_method(CLI::App& app);
+Action declare_fit(CLI::App& app);
+Action declare_compare(CLI::App& app);
 Action declare_profile(CLI::App& app);
 Action declare_dot(CLI::App& app);
 

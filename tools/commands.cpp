@@ -14,6 +14,9 @@ std::span<const Command> commands() noexcept {
         Command{"explain", "Explain keys of scenes: meaning, unit, range, default, source", declare_explain},
         Command{"schema", "Print the JSON schema of scenes, for editors", declare_schema},
         Command{"local-error", "Measure the error of a single step against its length", declare_local_error},
+        Command{"method", "Show what a method is: order, stability, growth of errors within a step, its table", declare_method},
+        Command{"fit", "Fit a stability polynomial to a scene's spectrum", declare_fit},
+        Command{"compare", "Run methods and steps on a scene: errors, evaluations, time", declare_compare},
         Command{"profile", "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
         Command{"dot", "Draw the task graph of a step in Graphviz' language", declare_dot},
     };

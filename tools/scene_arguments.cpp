@@ -83,9 +83,7 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
 
 void require_method(const tasks::Scene& scene) {
     if (tasks::plan_for(scene.run.method)) return;
-    const std::string near = tasks::closest(scene.run.method, tasks::method_names());
-    const std::string hint = near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near);
-    throw tasks::SceneError(fmt::format("no method '{}' ({})", scene.run.method, hint));
+    throw tasks::SceneError(tasks::no_method(scene.run.method));
 }
 
 }  // namespace

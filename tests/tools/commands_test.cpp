@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::vector<std::string> names{"run", "settle", "check", "info", "list", "explain", "schema", "local-error", "profile", "dot"};
+const std::vector<std::string> names{"run", "settle", "check", "info", "list", "explain", "schema", "local-error", "method", "fit", "compare", "profile", "dot"};
 
 class Commands : public Program {};
 

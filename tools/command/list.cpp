@@ -8,13 +8,14 @@
 
 #include "engine/executor/catalogue.hpp"
 #include "engine/method/catalogue.hpp"
-#include "engine/method/order.hpp"
 #include "engine/method/stability.hpp"
 #include "tasks/channels.hpp"
+#include "tasks/method_choice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/command.hpp"
+#include "tools/method_text.hpp"
 #include "tools/ready_scenes.hpp"
 #include "tools/text.hpp"
 
@@ -30,14 +31,18 @@ std::string methods() {
                  {"imaginary", Align::right},
                  {"description"}});
     for (const engine::StagePlan& plan : engine::methods()) {
-        const int embedded = engine::embedded_order_of(plan);
-        const std::string order =
-            embedded > 0 ? fmt::format("{}({})", engine::order_of(plan), embedded) : fmt::format("{}", engine::order_of(plan));
-        table.add({plan.name, fmt::format("{}", plan.stages.size()), order, fmt::format("{:.3f}", engine::real_stability(plan)),
+        table.add({plan.name, fmt::format("{}", plan.stages.size()), order_text(plan), fmt::format("{:.3f}", engine::real_stability(plan)),
                    fmt::format("{:.3f}", engine::imaginary_stability(plan)), plan.description});
     }
-    return table.text() +
-           "\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution.\n";
+    for (const tasks::MethodProgram& program : tasks::method_programs()) {
+        table.add({program.name, program.evaluations > 0 ? fmt::format("{}", program.evaluations) : "", fmt::format("{}", program.order), "", "",
+                   program.description});
+    }
+    std::string families;
+    for (const engine::MethodFamily& family : engine::method_families())
+        families += fmt::format("\n  {}\n    {}: {}", family.form, family.description, family.limits);
+    return table.text() + "\nAny member of these families by its name:" + families +
+           "\n\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution. More: cvtflow method NAME.\n";
 }
 
 std::string detail() {

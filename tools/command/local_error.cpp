@@ -88,7 +88,9 @@ ExitStatus local_error(const LocalErrorArguments& arguments) {
     const tasks::Scene& scene = loaded.scene;
     if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
     const tasks::FrozenStart start = start_of(scene, arguments.scene.settle);
-    const engine::StagePlan& plan = *engine::find_method(scene.run.method);
+    const auto made = engine::make_method(scene.run.method);
+    if (!made) throw tasks::SceneError(fmt::format("'{}' is no table of stages, only those are taken step by step here", scene.run.method));
+    const engine::StagePlan& plan = *made;
     const long touching =
         std::count_if(start.phases.begin(), start.phases.end(), [](model::Phase phase) { return phase != model::Phase::free; });
     fmt::print("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene.name,

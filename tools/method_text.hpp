@@ -1,0 +1,20 @@
+#pragma once
+/// What is to be said of a method that is a table of stages.
+
+#include <string>
+
+#include "engine/method/stage_plan.hpp"
+
+namespace cvtflow::tools {
+
+/// Lines with everything that is derived from the table: stages, order, stability, growth and gain, error estimate.
+/// @param length growth and gain are measured on [-length, 0]; 0: on the real interval of stability
+[[nodiscard]] std::string method_figures(const engine::StagePlan& plan, double length = 0.0);
+
+/// The table itself, a line per stage.
+[[nodiscard]] std::string method_table(const engine::StagePlan& plan);
+
+/// 5, or 5(4) with an embedded solution; "3 to 3e-06" if the last order holds to so much only.
+[[nodiscard]] std::string order_text(const engine::StagePlan& plan);
+
+}  // namespace cvtflow::tools
