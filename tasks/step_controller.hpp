@@ -67,7 +67,7 @@ struct StepSettings {
     long max_steps = 0;              ///< 0: no budget
     double max_wall = 0.0;           ///< [s], 0: no budget
     StepControl control = StepControl::fixed;
-    double tolerance = 1e-3;         ///< of local errors, in units of ErrorScale
+    double tolerance = 1.0;          ///< of local errors, in units of ErrorScale
 };
 
 /// Local errors of accepted steps, in units of ErrorScale; only with StepControl::report and error.

@@ -286,7 +286,7 @@ const std::vector<Parameter>& rows() {
      "Steps of run.step; the same with their local error reported; or steps as long as run.tolerance allows, up to run.step.",
      "model choice", [](Scene& s) -> Slot { return &s.run.step_control; }},
     {"run.tolerance", "1", 1e-12, 1e3, {},
-     "Largest local error of a step, as the root mean square over a link of errors relative to 1 um and to tip.saturation_speed.",
+     "Largest local error of a step: of any link, root mean square of errors in units of 1 um and of the saturation speed of tips.",
      "model choice", [](Scene& s) -> Slot { return &s.run.tolerance; }},
     {"run.until", "s", 1e-9, 1e4, {},
      "The run ends at this time.",

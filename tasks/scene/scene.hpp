@@ -24,7 +24,7 @@ struct RunSettings {
     std::string method = "rk4";       ///< name in the catalogue of methods
     double step = 5e-8;               ///< fixed or longest [s]
     StepControl step_control = StepControl::fixed;
-    double tolerance = 1e-3;          ///< of local errors, in units of ErrorScale
+    double tolerance = 1.0;           ///< of local errors, in units of ErrorScale
     double until = 5e-3;              ///< [s]
     double output_interval = 1e-5;    ///< channels [s]
     double state_interval = 1e-4;     ///< full states [s]

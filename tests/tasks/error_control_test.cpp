@@ -1,0 +1,190 @@
+/// Steps by error, reused slopes, methods that follow the spectrum: on the smallest scene.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+
+#include "engine/executor/catalogue.hpp"
+#include "engine/method/catalogue.hpp"
+#include "tasks/frozen_step.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/spectral_bound.hpp"
+#include "tasks/spectrum.hpp"
+#include "tasks/tradeoff/error_measure.hpp"
+#include "tests/tasks/settled_tiny_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+using test::settled_tiny;
+
+const engine::Cancellation never;
+
+struct Outcome {
+    std::uint64_t hash;
+    Counters counters;
+    LocalErrorStatistics errors;
+    Fault fault;
+};
+
+Outcome outcome(const Scene& scene, const Schedule& schedule = {}) {
+    Simulation simulation(scene, schedule);
+    SilentObserver nobody;
+    const Fault fault = simulation.run(simulation.time() + scene.run.until, nobody, never);
+    return {simulation.hash(), simulation.counters(), simulation.local_errors(), fault};
+}
+
+std::vector<std::string> with(const std::string& method, const std::string& step, std::vector<std::string> more = {}) {
+    more.push_back("run.method=" + method);
+    more.push_back("run.step=" + step);
+    return more;
+}
+
+/// A transition costs the slope at the end of the step that it cuts, and the first slope after it.
+TEST(ReusedSlopes, SaveAnEvaluationInEveryStepThatIsNotCut) {
+    for (const auto& [method, stages, reused] : {std::tuple{"rk4", 4, 0}, {"dopri54", 7, 1}, {"dumka3-p1", 7, 1}, {"rkc-s5", 6, 1}, {"serk2-s10", 11, 1},
+                                                 {"fitted-l20-w1-s9", 10, 1}, {"rock2-s6", 6, 0}}) {
+        const Outcome run = outcome(settled_tiny(with(method, "50ns")));
+        ASSERT_FALSE(run.fault) << method;
+        EXPECT_EQ(evaluations_per_step(method), stages - reused) << method;
+        EXPECT_GE(run.counters.evaluations, (stages - reused) * run.counters.steps + reused + 2 * run.counters.truncated * reused) << method;
+        EXPECT_LE(run.counters.evaluations, (stages - reused) * run.counters.steps + reused + 2 * run.counters.truncated + 4) << method;
+    }
+}
+
+/// Against steps that evaluate every stage, with the phases held. Times of stages differ in the last digit.
+TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
+    const Scene scene = settled_tiny(with("dumka3-p1", "50ns", {"run.until=1us", "run.output_interval=1us", "run.state_interval=1us"}));
+    Simulation simulation(scene);
+    FrozenStart start = frozen_start(simulation);
+    SilentObserver nobody;
+    ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, never));
+    ASSERT_EQ(simulation.counters().truncated, 0);
+    FrozenStepper stepper(simulation.variator(), *engine::find_method("dumka3-p1"), start.phases);
+    stepper.advance(start.time, 5e-8, 20, start.state);
+    for (std::size_t k = 0; k < start.state.size(); ++k) EXPECT_NEAR(simulation.state()[k], start.state[k], 1e-10 * std::abs(start.state[k]) + 1e-12) << k;
+}
+
+TEST(ErrorControl, TighterTolerancesAreMoreExact) {
+    MeasureSettings settings;
+    settings.duration = 24e-6;
+    const ErrorMeasure measure(settled_tiny(), settings, never);
+    for (const char* method : {"dopri54", "dumka3-p3", "rkc-s10"}) {
+        double last = 1e300;
+        for (const char* tolerance : {"1", "1e-2", "1e-4"}) {
+            const Trajectory run = measure.run(with(method, "1us", {"run.step_control=error", std::string("run.tolerance=") + tolerance}));
+            ASSERT_FALSE(run.fault) << method << ": " << run.fault.message();
+            const double error = measure.errors(run).overall.axial_force;
+            EXPECT_LT(error, last) << method << ' ' << tolerance;
+            last = error;
+        }
+        EXPECT_LT(last, 1e-4) << method;
+    }
+}
+
+TEST(ErrorControl, EndsStepsAtOutputsAndStaysBelowTheTolerance) {
+    const Outcome run = outcome(settled_tiny(with("dopri54", "1us", {"run.step_control=error", "run.tolerance=0.01"})));
+    ASSERT_FALSE(run.fault) << run.fault.message();
+    EXPECT_GT(run.counters.rejected, 0) << "the first step is far too long";
+    EXPECT_LE(run.errors.largest, 0.01);
+    EXPECT_GT(run.errors.mean(), 0.0);
+    EXPECT_EQ(run.errors.steps, run.counters.steps);
+}
+
+TEST(ErrorControl, ReportsTheErrorOfFixedStepsWithoutChangingThem) {
+    const Outcome fixed = outcome(settled_tiny(with("dopri54", "50ns")));
+    const Outcome reported = outcome(settled_tiny(with("dopri54", "50ns", {"run.step_control=report"})));
+    EXPECT_EQ(reported.hash, fixed.hash);
+    EXPECT_EQ(reported.counters, fixed.counters);
+    EXPECT_EQ(fixed.errors.steps, 0);
+    EXPECT_EQ(reported.errors.steps, reported.counters.steps);
+    EXPECT_GT(reported.errors.largest, 0.0);
+}
+
+TEST(ErrorControl, IsRefusedToMethodsWithoutAnEstimate) {
+    try {
+        const Simulation simulation(settled_tiny(with("rk4", "50ns", {"run.step_control=error"})));
+        FAIL() << "accepted";
+    } catch (const SimulationError& error) {
+        EXPECT_STREQ(error.what(), "run.step_control: 'rk4' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)");
+    }
+}
+
+TEST(ErrorControl, EndsWhenNoStepIsShortEnough) {
+    const Outcome run = outcome(settled_tiny(with("dopri54", "1us", {"run.step_control=error", "run.tolerance=1e-12"})));
+    EXPECT_EQ(run.fault.kind, FaultKind::step_size);
+    EXPECT_THAT(run.fault.message(), testing::HasSubstr("to meet run.tolerance"));
+}
+
+/// The dense spectrum of the same state. Power iteration comes from below.
+TEST(SpectralBound, IsTheExtentOfTheSpectrum) {
+    const Simulation simulation(settled_tiny());
+    const FrozenStart start = frozen_start(simulation);
+    SpectralBound bound(simulation.variator());
+    const int evaluations = bound.estimate(start.time, start.state.data(), start.phases.data());
+    EXPECT_LE(evaluations, 121);
+    double real = 0.0, imaginary = 0.0;
+    for (const auto& value : spectrum(simulation.variator(), start.time, start.state, start.phases)) {
+        real = std::max(real, -value.real());
+        imaginary = std::max(imaginary, std::abs(value.imag()));
+    }
+    RecordProperty("real", std::to_string(bound.real() / real));
+    RecordProperty("imaginary", std::to_string(bound.imaginary() / imaginary));
+    EXPECT_GT(bound.real(), 0.85 * real);
+    EXPECT_LT(bound.real(), 1.1 * real);
+    EXPECT_GT(bound.imaginary(), 0.8 * imaginary);
+    EXPECT_LT(bound.imaginary(), 1.5 * imaginary);
+    EXPECT_LE(bound.estimate(start.time, start.state.data(), start.phases.data()), 25) << "a warm start is cheap";
+}
+
+TEST(SpectralMethods, StayStableAtStepsFarBeyondThoseOfRk4) {
+    MeasureSettings settings;
+    settings.duration = 24e-6;
+    const ErrorMeasure measure(settled_tiny(), settings, never);
+    for (const char* method : {"dumka3", "rkc", "rock2", "fitted"}) {
+        const Trajectory run = measure.run(with(method, "500ns"));
+        ASSERT_FALSE(run.fault) << method << ": " << run.fault.message();
+        EXPECT_LT(measure.errors(run).overall.tension, 1e-2) << method;
+    }
+}
+
+TEST(SpectralMethods, TakeStepsByError) {
+    for (const char* method : {"dumka3", "rkc", "rock2", "fitted"}) {
+        const Outcome run = outcome(settled_tiny(with(method, "5us", {"run.step_control=error", "run.tolerance=0.1"})));
+        EXPECT_FALSE(run.fault) << method << ": " << run.fault.message();
+        EXPECT_LE(run.errors.largest, 0.1) << method;
+    }
+}
+
+bool estimates_error(const std::string& method) {
+    try {
+        const Simulation simulation(settled_tiny(with(method, "20ns", {"run.step_control=report"})));
+        return true;
+    } catch (const SimulationError&) {
+        return false;
+    }
+}
+
+/// Every method, tables and programs, steps fixed or by error, on executors and segments: one hash.
+TEST(EveryMethod, GivesTheSameBitsOnEveryExecutor) {
+    for (const std::string& method : method_names()) {
+        std::vector<std::string> settings = with(method, "20ns", {"run.until=100ns", "run.output_interval=100ns", "run.state_interval=100ns"});
+        if (estimates_error(method)) settings.push_back("run.step_control=error");
+        const Scene scene = settled_tiny(settings);
+        const Outcome serial = outcome(scene);
+        ASSERT_FALSE(serial.fault) << method << ": " << serial.fault.message();
+        for (const engine::ExecutorRow& row : engine::executors()) {
+            if (row.name.starts_with("omp")) continue;   // a contended OpenMP team takes minutes
+            for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+                const Schedule schedule{std::string(row.name), {assembly}, 5, row.parallel ? 2 : 1};
+                EXPECT_EQ(outcome(scene, schedule).hash, serial.hash) << method << ' ' << schedule.text();
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
