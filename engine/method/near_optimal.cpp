@@ -9,7 +9,7 @@ namespace cvtflow::engine {
 
 namespace {
 
-/// a = 1 + 0.13/degree² gives a ripple of 0.95; a real part of 1 - 3.15/degree² the longest interval whose first bump stays below 1.
+/// a = 1 + 0.13/degree² gives a ripple of 0.96; a real part of 1 - 3.15/degree² the longest interval whose first bump stays below 1.
 /// Both are nearly independent of the degree.
 constexpr long double damping = 0.13L;
 constexpr long double first_bump = 3.15L;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "engine/event/interpolant.hpp"
 #include "engine/method/combine.hpp"
 
 namespace cvtflow::engine::test {
@@ -54,8 +55,8 @@ void advance(const CompiledPlan& plan, const Problem& problem, double t, double 
     std::copy(stage.begin(), stage.end(), states[0].begin());
 }
 
-double error_of(const StagePlan& plan, const Problem& problem, int steps) {
-    const State y = integrate(plan, problem, steps);
+double error_of(const StagePlan& plan, const Problem& problem, int steps, Integration integration) {
+    const State y = integration(plan, problem, steps);
     const State exact = problem.solution(problem.end);
     double sum = 0.0;
     for (std::size_t i = 0; i < y.size(); ++i) sum += (y[i] - exact[i]) * (y[i] - exact[i]);
@@ -79,11 +80,32 @@ State integrate(const StagePlan& plan, const Problem& problem, int steps) {
     return states[0];
 }
 
-double measured_order(const StagePlan& plan, const Problem& problem, double clear) {
+State integrate_with_cuts(const StagePlan& plan, const Problem& problem, int steps) {
+    const CompiledPlan compiled(plan);
+    std::vector<State> states(static_cast<std::size_t>(plan.state_slots), problem.solution(0.0));
+    std::vector<State> slopes(static_cast<std::size_t>(plan.slope_slots), State(states[0].size()));
+    const double h = problem.end / steps, share = 0.4;
+    for (int step = 0; step < steps; ++step) {
+        const double t = step * h;
+        if (step != steps / 4 && step != 3 * steps / 4) {
+            advance(compiled, problem, t, h, states, slopes);
+            continue;
+        }
+        const State start = states[0], first = problem.slope(t, start);
+        advance(compiled, problem, t, h, states, slopes);
+        const State end = states[0], last = problem.slope(t + h, end);
+        const Interpolant cubic{start.data(), first.data(), end.data(), last.data(), h};
+        cubic.evaluate(share, 0, static_cast<int>(start.size()), states[0].data());
+        advance(compiled, problem, t + share * h, (1.0 - share) * h, states, slopes);
+    }
+    return states[0];
+}
+
+double measured_order(const StagePlan& plan, const Problem& problem, double clear, Integration integration) {
     double order = 0.0;
-    double coarse = error_of(plan, problem, 4);
+    double coarse = error_of(plan, problem, 4, integration);
     for (int steps = 8; steps <= 8192; steps *= 2) {
-        const double fine = error_of(plan, problem, steps);
+        const double fine = error_of(plan, problem, steps, integration);
         if (fine < clear) break;
         order = std::log2(coarse / fine);
         coarse = fine;

@@ -24,9 +24,14 @@ struct Problem {
 
 /// Integrates with `steps` equal steps; sizes as the problem.
 [[nodiscard]] State integrate(const StagePlan& plan, const Problem& problem, int steps);
+/// The same, but two steps are cut at two fifths, as at a transition: the state there is that of the cubic through both ends, and the next step
+/// ends where the cut one would have ended. @param steps a multiple of 4
+[[nodiscard]] State integrate_with_cuts(const StagePlan& plan, const Problem& problem, int steps);
+
+using Integration = State (*)(const StagePlan& plan, const Problem& problem, int steps);
 /// Order seen when the step is halved, at the finest step whose error still stands clear of rounding.
 /// @param clear errors below are taken for rounding
-[[nodiscard]] double measured_order(const StagePlan& plan, const Problem& problem, double clear);
+[[nodiscard]] double measured_order(const StagePlan& plan, const Problem& problem, double clear, Integration integration = integrate);
 
 /// Two Euler steps of h/2 in one plan, chained by a kept state: by hand c = (0, 1/2), b = (1/2, 1/2), order 1.
 [[nodiscard]] StagePlan two_half_euler_steps();
