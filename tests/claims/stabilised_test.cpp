@@ -1,0 +1,87 @@
+/// Claims about stabilised methods on the baseline at full detail: what was published about DUMKA3, and what fitted polynomials add.
+/// The same figures by hand: cvtflow compare baseline rk4@50ns dumka3-p5@2us fitted@2us …
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "engine/method/dumka3_coefficients.hpp"
+#include "tasks/tradeoff/error_measure.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
+
+namespace cvtflow::claims {
+namespace {
+
+const engine::Cancellation never;
+
+std::vector<std::string> choice(const std::string& method, const std::string& step) { return {"run.method=" + method, "run.step=" + step}; }
+
+/// 120 us from the settled state, tips free to enter and leave, against RK4 at 12.5 ns.
+const tasks::ErrorMeasure& baseline() {
+    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), tasks::MeasureSettings{}, never);
+    return measure;
+}
+
+double axial_error(const std::string& method, const std::string& step) {
+    const double error = baseline().errors(baseline().run(choice(method, step))).overall.axial_force;
+    testing::Test::RecordProperty(method + "@" + step, std::to_string(error));
+    return error;
+}
+
+TEST(NightlyStabilised, TheRunHasTransitions) { EXPECT_GT(baseline().reference().counters.detected, 0); }
+
+TEST(NightlyStabilised, PolynomialFiveOfDumka3IsGoodAtTwoMicrosecondsAndNineIsNot) {
+    EXPECT_LT(axial_error("dumka3-p5", "2us"), 1e-4);
+    EXPECT_GT(axial_error("dumka3-p9", "2us"), 1e-3);
+    EXPECT_GT(axial_error("dumka3-p9", "1us"), 1e-3);
+}
+
+TEST(NightlyStabilised, NoPolynomialOfDumka3IsGoodAtFourMicroseconds) {
+    for (int polynomial = 0; polynomial < engine::dumka3_polynomials; ++polynomial)
+        EXPECT_GT(axial_error("dumka3-p" + std::to_string(polynomial), "4us"), 1e-3) << polynomial;
+}
+
+/// Published: 5.9 times (with step control of its own and on another machine). Alternating runs, the fastest of each.
+TEST(NightlyStabilised, PolynomialFiveOfDumka3IsFiveTimesFasterThanRk4) {
+    double rk4 = std::numeric_limits<double>::infinity(), dumka3 = rk4;
+    for (int round = 0; round < 3; ++round) {
+        rk4 = std::min(rk4, baseline().run(choice("rk4", "50ns")).wall_per_second());
+        dumka3 = std::min(dumka3, baseline().run(choice("dumka3-p5", "2us")).wall_per_second());
+    }
+    RecordProperty("faster", std::to_string(rk4 / dumka3));
+    EXPECT_GE(rk4 / dumka3, 5.0);
+}
+
+/// Fewest evaluations per simulated second among steps whose axial error is at most `error`; infinite if there is none.
+double cheapest(const std::vector<std::string>& methods, double error) {
+    double fewest = std::numeric_limits<double>::infinity();
+    for (const std::string& method : methods) {
+        for (const char* step : {"0.5us", "1us", "1.5us", "2us", "3us", "4us"}) {
+            const tasks::Trajectory run = baseline().run(choice(method, step));
+            if (baseline().errors(run).overall.axial_force <= error) fewest = std::min(fewest, run.evaluations_per_second());
+        }
+    }
+    return fewest;
+}
+
+/// Each family with what suits it: the published polynomials, and stages by the spectrum for the others.
+TEST(NightlyStabilised, FittedPolynomialsNeedTheFewestEvaluationsAtEqualError) {
+    for (const double error : {1e-3, 1e-4}) {
+        const double fitted = cheapest({"fitted"}, error);
+        EXPECT_TRUE(std::isfinite(fitted));
+        const std::vector<std::pair<const char*, std::vector<std::string>>> rivals{
+            {"dumka3", {"dumka3-p4", "dumka3-p5", "dumka3-p6", "dumka3-p7", "dumka3-p8"}}, {"rkc", {"rkc", "rkc-s20-e20"}}, {"rock2", {"rock2"}},
+            {"serk2", {"serk2-s10", "serk2-s20"}}};
+        for (const auto& [name, methods] : rivals) {
+            const double fewest = cheapest(methods, error);
+            RecordProperty(std::string(name) + "_over_fitted_at_" + std::to_string(error), std::to_string(fewest / fitted));
+            EXPECT_LT(fitted, fewest) << name << " at " << error;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::claims
