@@ -27,7 +27,7 @@ double read_time(const std::string& option, const std::string& text) {
     const auto parsed = tasks::parse_quantity(text);
     const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
     const bool time = quantity != nullptr && (!quantity->has_unit || quantity->dimension == tasks::dimension_of("s"));
-    if (!time || !(quantity->value > 0.0)) throw tasks::SceneError(fmt::format("{} {}: not a time above 0, such as 40ns", option, text));
+    if (!time || !(quantity->value > 0.0)) throw tasks::SceneError(fmt::format("{}: '{}' is not a time above 0, such as 40ns", option, text));
     return quantity->value;
 }
 
