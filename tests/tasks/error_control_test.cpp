@@ -57,12 +57,16 @@ TEST(ReusedSlopes, SaveAnEvaluationInEveryStepThatIsNotCut) {
 
 /// Against steps that evaluate every stage, with the phases held. Times of stages differ in the last digit.
 TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
-    const Scene scene = settled_tiny(with("dumka3-p1", "50ns", {"run.until=1us", "run.output_interval=1us", "run.state_interval=1us"}));
-    Simulation simulation(scene);
-    FrozenStart start = frozen_start(simulation);
+    Simulation simulation(settled_tiny(with("dumka3-p1", "50ns", {"run.output_interval=1us", "run.state_interval=1us"})));
     SilentObserver nobody;
+    FrozenStart start = frozen_start(simulation);
     ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, never));
+    for (int window = 0; simulation.counters().truncated > 0 && window < 40; ++window) {   // until one has no transition
+        start = frozen_start(simulation);
+        ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, never));
+    }
     ASSERT_EQ(simulation.counters().truncated, 0);
+    ASSERT_EQ(simulation.counters().steps, 20);
     FrozenStepper stepper(simulation.variator(), *engine::find_method("dumka3-p1"), start.phases);
     stepper.advance(start.time, 5e-8, 20, start.state);
     for (std::size_t k = 0; k < start.state.size(); ++k) EXPECT_NEAR(simulation.state()[k], start.state[k], 1e-10 * std::abs(start.state[k]) + 1e-12) << k;
@@ -86,10 +90,10 @@ TEST(ErrorControl, TighterTolerancesAreMoreExact) {
 }
 
 TEST(ErrorControl, EndsStepsAtOutputsAndStaysBelowTheTolerance) {
-    const Outcome run = outcome(settled_tiny(with("dopri54", "1us", {"run.step_control=error", "run.tolerance=0.01"})));
+    const Outcome run = outcome(settled_tiny(with("dopri54", "10us", {"run.step_control=error", "run.tolerance=1e-3"})));
     ASSERT_FALSE(run.fault) << run.fault.message();
-    EXPECT_GT(run.counters.rejected, 0) << "the first step is far too long";
-    EXPECT_LE(run.errors.largest, 0.01);
+    EXPECT_GT(run.counters.rejected, 0) << "the first step is far too long; largest error " << run.errors.largest << " in " << run.counters.steps;
+    EXPECT_LE(run.errors.largest, 1e-3);
     EXPECT_GT(run.errors.mean(), 0.0);
     EXPECT_EQ(run.errors.steps, run.counters.steps);
 }
@@ -114,7 +118,8 @@ TEST(ErrorControl, IsRefusedToMethodsWithoutAnEstimate) {
 }
 
 TEST(ErrorControl, EndsWhenNoStepIsShortEnough) {
-    const Outcome run = outcome(settled_tiny(with("dopri54", "1us", {"run.step_control=error", "run.tolerance=1e-12"})));
+    // RKC's estimate is a difference of states: rounding alone is more than that.
+    const Outcome run = outcome(settled_tiny(with("rkc-s10", "1us", {"run.step_control=error", "run.tolerance=1e-12"})));
     EXPECT_EQ(run.fault.kind, FaultKind::step_size);
     EXPECT_THAT(run.fault.message(), testing::HasSubstr("to meet run.tolerance"));
 }
