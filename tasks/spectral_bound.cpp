@@ -8,8 +8,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr int cold_iterations = 60, warm_iterations = 12;
-constexpr double converged = 2e-3;   ///< relative change of the estimate
+constexpr int cold_iterations = 150, warm_iterations = 15;
+constexpr double converged = 3e-4;   ///< relative change of the estimate
 
 /// A direction with something of every mode; the same everywhere.
 double seed(int index) { return std::sin(1.0 + 2.399963 * index) + 0.3 * ((index % 2 == 0) ? 1.0 : -1.0); }

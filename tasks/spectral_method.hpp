@@ -26,7 +26,7 @@ protected:
 
     /// Extent of the spectrum with a margin for what estimates from below and changes within a tenth of a millisecond [1/s].
     [[nodiscard]] double real() const noexcept { return 1.2 * bound_.real(); }
-    [[nodiscard]] double imaginary() const noexcept { return 1.05 * bound_.imaginary(); }
+    [[nodiscard]] double imaginary() const noexcept { return 1.15 * bound_.imaginary(); }
 
 private:
     void look();
