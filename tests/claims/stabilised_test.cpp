@@ -55,32 +55,45 @@ TEST(NightlyStabilised, PolynomialFiveOfDumka3IsFiveTimesFasterThanRk4) {
     EXPECT_GE(rk4 / dumka3, 5.0);
 }
 
-/// Fewest evaluations per simulated second among steps whose axial error is at most `error`; infinite if there is none.
-double cheapest(const std::vector<std::string>& methods, double error) {
-    double fewest = std::numeric_limits<double>::infinity();
+/// Twice as long: six transitions.
+const tasks::ErrorMeasure& longer() {
+    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), {240e-6, 12e-6, choice("rk4", "12.5ns"), 1}, never);
+    return measure;
+}
+
+/// Fewest evaluations per simulated second among steps whose axial error is at most 1e-3, at most 1e-4; infinite if there is none.
+struct Cheapest {
+    double rough = std::numeric_limits<double>::infinity();
+    double fine = std::numeric_limits<double>::infinity();
+};
+
+Cheapest cheapest(const std::string& family, const std::vector<std::string>& methods) {
+    Cheapest fewest;
     for (const std::string& method : methods) {
         for (const char* step : {"0.5us", "1us", "1.5us", "2us", "3us", "4us"}) {
-            const tasks::Trajectory run = baseline().run(choice(method, step));
-            if (baseline().errors(run).overall.axial_force <= error) fewest = std::min(fewest, run.evaluations_per_second());
+            const tasks::Trajectory run = longer().run(choice(method, step));
+            const double error = longer().errors(run).overall.axial_force;
+            if (error <= 1e-3) fewest.rough = std::min(fewest.rough, run.evaluations_per_second());
+            if (error <= 1e-4) fewest.fine = std::min(fewest.fine, run.evaluations_per_second());
         }
     }
+    testing::Test::RecordProperty(family + "_at_1e-3", std::to_string(fewest.rough));
+    testing::Test::RecordProperty(family + "_at_1e-4", std::to_string(fewest.fine));
     return fewest;
 }
 
-/// Each family with what suits it: the published polynomials, and stages by the spectrum for the others.
-TEST(NightlyStabilised, FittedPolynomialsNeedTheFewestEvaluationsAtEqualError) {
-    for (const double error : {1e-3, 1e-4}) {
-        const double fitted = cheapest({"fitted"}, error);
-        EXPECT_TRUE(std::isfinite(fitted));
-        const std::vector<std::pair<const char*, std::vector<std::string>>> rivals{
-            {"dumka3", {"dumka3-p4", "dumka3-p5", "dumka3-p6", "dumka3-p7", "dumka3-p8"}}, {"rkc", {"rkc", "rkc-s20-e20"}}, {"rock2", {"rock2"}},
-            {"serk2", {"serk2-s10", "serk2-s20"}}};
-        for (const auto& [name, methods] : rivals) {
-            const double fewest = cheapest(methods, error);
-            RecordProperty(std::string(name) + "_over_fitted_at_" + std::to_string(error), std::to_string(fewest / fitted));
-            EXPECT_LT(fitted, fewest) << name << " at " << error;
-        }
-    }
+/// Each family with what suits it: the published polynomials, and stages by the spectrum for the others. At 1e-3 nothing is cheaper than fitted
+/// polynomials. At 1e-4 they are still cheaper than DUMKA3, but plain RKC at a microsecond is cheaper than both (measured 1.15e7 against 1.57e7
+/// and 1.87e7): its stages do not look ahead of the step.
+TEST(NightlyStabilised, FittedPolynomialsNeedTheFewestEvaluationsForAThousandth) {
+    const Cheapest fitted = cheapest("fitted", {"fitted"});
+    const Cheapest dumka3 = cheapest("dumka3", {"dumka3-p4", "dumka3-p5", "dumka3-p6", "dumka3-p7", "dumka3-p8"});
+    const Cheapest rkc = cheapest("rkc", {"rkc", "rkc-s20-e20"});
+    const Cheapest rock2 = cheapest("rock2", {"rock2"});
+    const Cheapest serk2 = cheapest("serk2", {"serk2-s10", "serk2-s20"});
+    for (const Cheapest& rival : {dumka3, rkc, rock2, serk2}) EXPECT_LT(fitted.rough, rival.rough);
+    EXPECT_LT(fitted.fine, dumka3.fine);
+    EXPECT_LT(fitted.fine, std::min(rock2.fine, serk2.fine));
 }
 
 }  // namespace
