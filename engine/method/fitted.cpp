@@ -26,6 +26,7 @@ struct Point {
 constexpr double inner = 0.3;   ///< |z| below which consistency alone decides
 constexpr double knee = 4.0;    ///< real z beyond which the ripple applies
 constexpr int most_iterations = 60;
+constexpr double slimmest = 10.0;  ///< real over imaginary extent of the basis: off a short real interval its polynomials grow too fast
 constexpr int patience = 8;        ///< iterations after which
 constexpr double hopeless = 1.5;   ///< a largest residual beyond this will not come down to 1
 constexpr double margin = 5e-5;
@@ -164,7 +165,7 @@ void require_limits(const FitRequest& request) {
 }
 
 std::optional<FittedMethod> fit_points(const FitRequest& request, const std::vector<Point>& points, int stages) {
-    const ChebyshevBasis basis(stages, 1.03 * request.real);
+    const ChebyshevBasis basis(stages, 1.03 * std::max(request.real, slimmest * request.imaginary));
     LawsonFit least_squares(basis, points, request.order);
     const std::optional<int> iterations = least_squares.run();
     if (!iterations) return {};

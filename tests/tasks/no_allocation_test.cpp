@@ -9,6 +9,7 @@
 
 #include "tasks/simulation.hpp"
 #include "tests/engine/allocation_fixture.hpp"
+#include "tests/tasks/settled_tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -83,6 +84,21 @@ TEST(NoAllocation, TheCounterCounts) {
     const long before = engine::test::allocation_count();
     const std::vector<double> some(1000, 1.0);
     EXPECT_GT(engine::test::allocation_count() + static_cast<long>(some[0]) - 1, before);
+}
+
+/// Steps by error, rejections, estimates of the spectrum and changes of the polynomial.
+TEST(NoAllocation, HoldsForMethodsThatFollowTheSpectrumAndForStepsByError) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    for (const char* method : {"dumka3", "rkc", "rock2", "dopri54"}) {
+        Scene scene = test::settled_tiny({std::string("run.method=") + method, "run.step=5us", "run.step_control=error", "run.tolerance=1e-2", "run.until=400us"});
+        Simulation simulation(scene);
+        AllocationCounter counter(0);
+        const engine::Cancellation never;
+        const Fault fault = simulation.run(simulation.time() + 400e-6, counter, never);
+        EXPECT_FALSE(fault) << method << ": " << fault.message();
+        EXPECT_GT(counter.outputs_, 30) << method;
+        EXPECT_EQ(counter.between_, 0) << method;
+    }
 }
 
 }  // namespace

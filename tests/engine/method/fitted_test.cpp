@@ -65,6 +65,16 @@ TEST(Fitted, OrderThreeHoldsNearly) {
     EXPECT_LE(time_defect(tableau), 1e-13);
 }
 
+/// Elasticity alone decides: steps of a lightly loaded chain.
+TEST(Fitted, WideRegionsCanBeMetToo) {
+    for (const auto& [real, imaginary] : {std::pair{18.4, 4.88}, {5.0, 3.0}, {40.0, 6.0}}) {
+        const auto fitted = fit(region(real, imaginary));
+        ASSERT_TRUE(fitted) << real;
+        EXPECT_LE(fitted->plan.stages.size(), 65u) << real;
+        RecordProperty("stages_for_" + std::to_string(imaginary), std::to_string(fitted->plan.stages.size() - 1));
+    }
+}
+
 /// A list of eigenvalues instead of a region: oscillations without damping, which the region would not cover.
 TEST(Fitted, FollowsAListOfEigenvalues) {
     std::vector<std::complex<double>> points;
