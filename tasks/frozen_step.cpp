@@ -77,11 +77,18 @@ void FrozenStepper::step(double t, double h) {
         const engine::PlanStep row = plan_.stage(stage);
         engine::combine(row, h, view, 0, size, stage_.data());
         if (row.keep >= 0) std::copy(stage_.begin(), stage_.end(), state_slots_[static_cast<std::size_t>(row.keep)]);
-        model::right_hand_side(variator_, t + row.time * h, stage_.data(), phases_.data(),
-                               slope_slots_[static_cast<std::size_t>(row.slope)], scratch_);
+        double* slope = slope_slots_[static_cast<std::size_t>(row.slope)];
+        model::right_hand_side(variator_, drift_.empty() ? t + row.time * h : held_time_, stage_.data(), phases_.data(), slope, scratch_);
+        for (std::size_t k = 0; k < drift_.size(); ++k) slope[k] -= drift_[k];
     }
     engine::combine(plan_.result(), h, view, 0, size, stage_.data());
     std::copy(stage_.begin(), stage_.end(), state_slots_[0]);
+}
+
+void FrozenStepper::hold(double t, const std::vector<double>& state) {
+    drift_.resize(state.size());
+    held_time_ = t;
+    model::right_hand_side(variator_, t, state.data(), phases_.data(), drift_.data(), scratch_);
 }
 
 void FrozenStepper::advance(double t, double h, int steps, std::vector<double>& state) {

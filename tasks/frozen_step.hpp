@@ -25,6 +25,9 @@ class FrozenStepper {
 public:
     /// `variator` and `phases` must outlive the stepper.
     FrozenStepper(const model::Variator& variator, const engine::StagePlan& plan, std::span<const model::Phase> phases);
+    /// From now on the state stands still unless it is disturbed: its drift is subtracted from every slope and time is held at t. What is
+    /// left, u' = f(t, y + u) - f(t, y), shows whether small disturbances die out. Nothing is linearised.
+    void hold(double t, const std::vector<double>& state);
     /// Takes `steps` steps of length h from time t. @param state [layout.size()], replaced
     void advance(double t, double h, int steps, std::vector<double>& state);
 
@@ -37,6 +40,8 @@ private:
     std::vector<std::vector<double>> states_, slopes_;  ///< [slot][layout.size()]
     std::vector<double*> state_slots_, slope_slots_;
     std::vector<double> stage_;
+    std::vector<double> drift_;   ///< [layout.size()] while a state is held, else empty
+    double held_time_ = 0.0;      ///< [s]
     model::EvaluationScratch scratch_;
 };
 
