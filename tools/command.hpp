@@ -33,6 +33,7 @@ Action declare_list(CLI::App& app);
 Action declare_explain(CLI::App& app);
 Action declare_schema(CLI::App& app);
 Action declare_local_error(CLI::App& app);
+Action declare_spectrum(CLI::App& app);
 Action declare_profile(CLI::App& app);
 Action declare_dot(CLI::App& app);
 

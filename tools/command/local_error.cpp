@@ -8,11 +8,10 @@
 #include "engine/method/catalogue.hpp"
 #include "engine/method/order.hpp"
 #include "tasks/frozen_step.hpp"
-#include "tasks/run.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/command.hpp"
-#include "tools/interrupt.hpp"
 #include "tools/scene_arguments.hpp"
+#include "tools/settled_start.hpp"
 #include "tools/text.hpp"
 
 namespace cvtflow::tools {
@@ -38,23 +37,6 @@ std::vector<double> read_steps(const std::string& list) {
     }
     std::sort(steps.rbegin(), steps.rend());
     return steps;
-}
-
-/// Start of the scene; settled if need be and allowed.
-tasks::FrozenStart start_of(const tasks::Scene& scene, bool settle) {
-    tasks::Simulation simulation(scene);
-    if (simulation.needs_settling() && !settle) {
-        throw tasks::SceneError(
-            fmt::format("{}: the start is not settled, its errors would mean nothing: give --settle, or a state file with "
-                        "--set start.state=FILE (cvtflow settle)",
-                        scene.name));
-    }
-    if (simulation.needs_settling()) {
-        tasks::SilentObserver nobody;
-        const tasks::Fault fault = simulation.settle(nobody, catch_interrupts());
-        if (fault) throw tasks::SettlingFault(fault);
-    }
-    return tasks::frozen_start(simulation);
 }
 
 std::string cell(double error) { return error > 0.0 ? fmt::format("{:.3e}", error) : "0"; }
@@ -87,12 +69,10 @@ ExitStatus local_error(const LocalErrorArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
     if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
-    const tasks::FrozenStart start = start_of(scene, arguments.scene.settle);
+    const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "its errors");
     const engine::StagePlan& plan = *engine::find_method(scene.run.method);
-    const long touching =
-        std::count_if(start.phases.begin(), start.phases.end(), [](model::Phase phase) { return phase != model::Phase::free; });
     fmt::print("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene.name,
-               plan.name, engine::order_of(plan), engine::order_of(plan) + 1, plural(touching, "tip"));
+               plan.name, engine::order_of(plan), engine::order_of(plan) + 1, plural(touching_tips(start), "tip"));
     model::Parameters parameters = scene.parameters;
     for (const model::FrictionLaw law : {model::FrictionLaw::piecewise, model::FrictionLaw::smoothed}) {
         const std::string name = law == model::FrictionLaw::piecewise ? "piecewise" : "smoothed";
