@@ -97,6 +97,18 @@ void FrozenStepper::advance(double t, double h, int steps, std::vector<double>& 
     std::copy_n(state_slots_[0], state.size(), state.begin());
 }
 
+LocalError error_of(const model::Variator& variator, const FrozenStart& start, double h, const std::vector<double>& state, const std::vector<double>& reference) {
+    const Solution is = solution_of(variator, start.time + h, state, start);
+    const Solution should = solution_of(variator, start.time + h, reference, start);
+    return {h, relative_error(is.positions, should.positions), relative_error(is.velocities, should.velocities),
+            relative_error(is.axial_force, should.axial_force), relative_error(is.tension, should.tension)};
+}
+
+int reference_steps(double h, int refinement) noexcept {
+    constexpr double longest = 12.5e-9;   // [s]
+    return std::max(refinement, static_cast<int>(std::ceil(h / longest * (1.0 - 1e-12))));
+}
+
 std::vector<LocalError> local_errors(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start,
                                      std::span<const double> steps, int refinement) {
     FrozenStepper method(variator, plan, start.phases);
@@ -104,12 +116,10 @@ std::vector<LocalError> local_errors(const model::Variator& variator, const engi
     std::vector<LocalError> errors;
     for (const double h : steps) {
         std::vector<double> state = start.state, reference = start.state;
+        const int fine_steps = reference_steps(h, refinement);
         method.advance(start.time, h, 1, state);
-        fine.advance(start.time, h / refinement, refinement, reference);
-        const Solution is = solution_of(variator, start.time + h, state, start);
-        const Solution should = solution_of(variator, start.time + h, reference, start);
-        errors.push_back({h, relative_error(is.positions, should.positions), relative_error(is.velocities, should.velocities),
-                          relative_error(is.axial_force, should.axial_force), relative_error(is.tension, should.tension)});
+        fine.advance(start.time, h / fine_steps, fine_steps, reference);
+        errors.push_back(error_of(variator, start, h, state, reference));
     }
     return errors;
 }
