@@ -34,6 +34,8 @@ Action declare_explain(CLI::App& app);
 Action declare_schema(CLI::App& app);
 Action declare_local_error(CLI::App& app);
 Action declare_spectrum(CLI::App& app);
+Action declare_stability(CLI::App& app);
+Action declare_compare(CLI::App& app);
 Action declare_profile(CLI::App& app);
 Action declare_dot(CLI::App& app);
 
