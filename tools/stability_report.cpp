@@ -64,7 +64,7 @@ Plot stability_map(const StabilityResult& result, const tasks::Eigenvalues& valu
     const double reach = std::max({result.real, 1.0, step * tasks::extent_of(values).decay});
     double half = std::max({result.imaginary, result.ray_5, step * tasks::extent_of(values).oscillation, 1.0});
     const auto factor = engine::stability_function(result.plan);
-    const auto stable = [&](double x, double y) { return std::abs(factor({x, y})) <= 1.0; };
+    const auto stable = [factor](double x, double y) { return std::abs(factor({x, y})) <= 1.0; };
     for (double x = -reach; x < -1e-3; x *= 0.9) {
         while (half < 100.0 && stable(x, 1.05 * half)) half *= 1.1;   // the widest part is seen whole
     }

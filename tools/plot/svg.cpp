@@ -12,7 +12,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-constexpr double letter = 6.4;   ///< mean width of a character at 12 px, to leave room [px]
+constexpr double letter = 6.9;   ///< mean width of a character at 12 px, to leave room [px]
 
 /// A text as it may stand between tags or in an attribute.
 std::string escaped(const std::string& text) {
