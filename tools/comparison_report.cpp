@@ -92,6 +92,9 @@ std::string comparison_json(const std::string& scene, const Comparison& comparis
 
 namespace {
 
+/// Colours repeat after eight.
+Line line_of(std::size_t series) { return series < 8 ? Line::solid : Line::dashed; }
+
 Plot empty_plot(const std::string& scene, const Comparison& comparison, const std::string& quantity) {
     Plot plot;
     plot.title = fmt::format("{} of pin {}", quantity, comparison.pin);
@@ -112,7 +115,7 @@ Plot pin_plot(const std::string& scene, const Comparison& comparison) {
         plot.series.push_back(std::move(series));
     };
     for (const Compared& compared : comparison.candidates) {
-        if (!compared.fault) add(candidate_name(compared.candidate), compared.course, "", Line::solid);
+        if (!compared.fault) add(candidate_name(compared.candidate), compared.course, "", line_of(plot.series.size()));
     }
     add("reference", comparison.reference, "#000000", Line::dashed);
     return plot;
@@ -125,7 +128,7 @@ Plot pin_error_plot(const std::string& scene, const Comparison& comparison) {
     const std::vector<double> should = comparison.reference.pin_axial(comparison.pin, 0);
     for (const Compared& compared : comparison.candidates) {
         if (compared.fault) continue;
-        Series series{candidate_name(compared.candidate), {}, Mark::none, Line::solid, ""};
+        Series series{candidate_name(compared.candidate), {}, Mark::none, line_of(plot.series.size()), ""};
         const std::vector<double> force = compared.course.pin_axial(comparison.pin, 0);
         for (std::size_t k = 0; k < std::min(force.size(), should.size()); ++k) series.points.push_back({1e3 * compared.course.time[k], std::abs(force[k] - should[k])});
         plot.series.push_back(std::move(series));
