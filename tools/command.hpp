@@ -35,7 +35,7 @@ Action declare_schema(CLI::App& app);
 Action declare_local_error(CLI::App& app);
 Action declare_spectrum(CLI::App& app);
 Action declare_stability(CLI::App& app);
-Action declare_compare(CLI::App& app);
+Action declare_pin_entry(CLI::App& app);
 Action declare_profile(CLI::App& app);
 Action declare_dot(CLI::App& app);
 

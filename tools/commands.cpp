@@ -16,7 +16,7 @@ std::span<const Command> commands() noexcept {
         Command{"local-error", "Measure the error of a single step against its length", declare_local_error},
         Command{"spectrum", "Eigenvalues at a state: what a method has to cope with, and where it comes from", declare_spectrum},
         Command{"stability", "Regions of stability of methods, over the eigenvalues of a scene", declare_stability},
-        Command{"compare", "Run methods against each other: evaluations, time, error against a tight reference", declare_compare},
+        Command{"pin-entry", "Run methods through the entry of a pin: its axial force, errors, evaluations, time in turns", declare_pin_entry},
         Command{"profile", "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
         Command{"dot", "Draw the task graph of a step in Graphviz' language", declare_dot},
     };

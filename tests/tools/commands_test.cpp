@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::vector<std::string> names{"run", "settle", "check", "info", "list", "explain", "schema", "local-error", "spectrum", "stability", "compare", "profile", "dot"};
+const std::vector<std::string> names{"run", "settle", "check", "info", "list", "explain", "schema", "local-error", "spectrum", "stability", "pin-entry", "profile", "dot"};
 
 class Commands : public Program {};
 
@@ -151,8 +151,8 @@ TEST_F(Commands, StabilityNeedsNoScene) {
     EXPECT_FALSE(exists("maps/stability.csv"));
 }
 
-TEST_F(Commands, CompareCountsAndMeasuresErrors) {
-    const Outcome outcome = run(std::vector<std::string>{"compare", "tiny", "rk4@50ns", "dumka3-p2@1us", "--time", "24us", "--reference", "rk4@25ns", "--rounds", "1",
+TEST_F(Commands, PinEntryCountsAndMeasuresErrors) {
+    const Outcome outcome = run(std::vector<std::string>{"pin-entry", "tiny", "rk4@50ns", "dumka3-p2@1us", "--time", "24us", "--reference", "rk4@25ns", "--rounds", "1",
                                                          "--pin", "0", "-q", "-o", "c"} + brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, StartsWith("tiny: 24 us from t = 0 s, against rk4@25ns; one thread, medians of 1 round, in turns\n"));

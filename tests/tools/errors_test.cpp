@@ -59,7 +59,7 @@ TEST_F(Errors, OnTheCommandLineExitWithTwo) {
         {{"list", "method"}, 2, "WHAT: no list 'method', did you mean 'methods'? (cvtflow list --help)"},
         {{"dot", "tiny", "--cycle", "x"}, 2, "--cycle: x not in {evaluate,detect,locate,truncate} (cvtflow dot --help)"},
         {{"stability"}, 2, "METHOD is required (cvtflow stability --help)"},
-        {{"compare", "tiny"}, 2, "METHOD@STEP is required (cvtflow compare --help)"},
+        {{"pin-entry", "tiny"}, 2, "METHOD@STEP is required (cvtflow pin-entry --help)"},
         {{"local-error", "tiny", "--friction", "x"}, 2, "--friction: x not in {piecewise,smoothed,both} (cvtflow local-error --help)"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
@@ -90,7 +90,7 @@ TEST_F(Errors, InScenesSayWhereAndWhat) {
          1,
          "tiny: the start is not settled, its eigenvalues would mean nothing: give --settle, or a state file with --set start.state=FILE "
          "(cvtflow settle)"},
-        {{"compare", "tiny", "rk4@50ns", "-q"},
+        {{"pin-entry", "tiny", "rk4@50ns", "-q"},
          1,
          "tiny: the start is not settled, a comparison would mean nothing: give --settle, or a state file with --set start.state=FILE "
          "(cvtflow settle)"},
@@ -119,11 +119,11 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"spectrum", "tiny", "--method", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"stability", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 1, "no method 'heum' (did you mean 'heun'?)"},
-        {{"compare", "tiny", "rk4"}, 1, "rk4: a method and its step are wanted, such as rk4@50ns"},
-        {{"compare", "tiny", "rk4@50mm"}, 1, "rk4@50mm: '50mm' is not a time above 0, such as 40ns"},
-        {{"compare", "tiny", "rk5@50ns"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
-        {{"compare", "tiny", "rk4@50ns", "--time", "0s"}, 1, "--time: '0s' is not a time above 0, such as 40ns"},
-        {{"compare", "tiny", "rk4@50ns", "--settle", "--pin", "24", "-q"}, 1, "--pin 24: the chain has pins 0 to 23"},
+        {{"pin-entry", "tiny", "rk4"}, 1, "rk4: a method and its step are wanted, such as rk4@50ns"},
+        {{"pin-entry", "tiny", "rk4@50mm"}, 1, "rk4@50mm: '50mm' is not a time above 0, such as 40ns"},
+        {{"pin-entry", "tiny", "rk5@50ns"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
+        {{"pin-entry", "tiny", "rk4@50ns", "--time", "0s"}, 1, "--time: '0s' is not a time above 0, such as 40ns"},
+        {{"pin-entry", "tiny", "rk4@50ns", "--settle", "--pin", "24", "-q"}, 1, "--pin 24: the chain has pins 0 to 23"},
         {{"local-error", "tiny", "--settle", "--steps", "3mm"}, 1, "--steps 3mm: '3mm' is not a time above 0, such as 40ns"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);

@@ -16,7 +16,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-struct CompareArguments {
+struct PinEntryArguments {
     SceneArguments scene;
     OutputArguments output;
     std::vector<std::string> candidates;
@@ -52,7 +52,7 @@ void write_files(OutputFolder& folder, const std::string& scene, const tasks::Co
     folder.write("pin-force-error.svg", svg(pin_error_plot(scene, comparison)));
 }
 
-ExitStatus compare(const CompareArguments& arguments) {
+ExitStatus pin_entry(const PinEntryArguments& arguments) {
     std::vector<tasks::Candidate> candidates;
     for (const std::string& text : arguments.candidates) candidates.push_back(read_candidate(text));
     tasks::ComparisonOptions options;
@@ -87,12 +87,12 @@ constexpr const char* explanation =
     "Every candidate runs from the same start, with transitions. fewer by, faster by: evaluations and time of the first candidate over those of\n"
     "this one. err: ‖value - reference‖/‖reference‖ over all outputs, of the axial force of all tips, the tension of all links, and the axial\n"
     "force of the pin that enters the driving sheaves first (or --pin). Steps are shortened so that they divide the interval.\n"
-    "Example: cvtflow compare baseline rk4@50ns dumka3-p5@2us dumka3-p7@3us -o results/speed";
+    "Example: cvtflow pin-entry baseline rk4@50ns dumka3-p5@2us dumka3-p7@3us -o results/speed";
 
 }  // namespace
 
-Action declare_compare(CLI::App& app) {
-    const auto arguments = std::make_shared<CompareArguments>();
+Action declare_pin_entry(CLI::App& app) {
+    const auto arguments = std::make_shared<PinEntryArguments>();
     declare_scene(app, arguments->scene);
     app.add_option("METHOD@STEP", arguments->candidates, "Methods with their steps; speed-ups refer to the first")->required()->type_name("");
     app.add_option("--time", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
@@ -104,7 +104,7 @@ Action declare_compare(CLI::App& app) {
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress");
     app.footer(explanation);
-    return [arguments] { return compare(*arguments); };
+    return [arguments] { return pin_entry(*arguments); };
 }
 
 }  // namespace cvtflow::tools
