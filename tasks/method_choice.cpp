@@ -3,12 +3,13 @@
 #include <stdexcept>
 
 #include "engine/method/catalogue.hpp"
+#include "tasks/implicit/catalogue.hpp"
 #include "tasks/stage_method.hpp"
 
 namespace cvtflow::tasks {
 
 const std::vector<MethodProgram>& method_programs() {
-    static const std::vector<MethodProgram> all;
+    static const std::vector<MethodProgram> all = implicit_programs();
     return all;
 }
 

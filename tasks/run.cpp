@@ -53,6 +53,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     }
     report.end = simulation.time();
     report.step = simulation.step();
+    report.method_report = simulation.method_report();
     report.hash = simulation.hash();
     recorder.finish(report);
     return report;
@@ -103,6 +104,7 @@ std::string summary(const RunReport& r) {
     if (r.settled) text += fmt::format("  settled             {} steps, {} evaluations, {:.2f} s of wall time\n", r.settling.steps, r.settling.evaluations, r.settling_wall);
     if (r.outputs > 0) text += operating_point(r);
     text += fmt::format("  method              {}, step {:.4g} s: {} steps, {} evaluations\n", r.method, r.step, r.counters.steps, r.counters.evaluations);
+    if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated, r.counters.suppressed);
     if (simulated > 0.0) text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second\n", r.wall, r.wall / simulated);

@@ -32,6 +32,7 @@ struct RunReport {
     double begin = 0.0, end = 0.0;        ///< simulated time, after settling [s]
     double step = 0.0;                    ///< [s]
     std::string method;
+    std::string method_report;            ///< what the method did, one line; empty: nothing to say
     std::string schedule;                 ///< what ran it, and why if it was chosen
     Counters counters;                    ///< after settling
     Counters settling;

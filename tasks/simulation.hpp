@@ -49,6 +49,8 @@ public:
     [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->phases; }
     /// Of the last settle() or run().
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+    /// What its step method has to say of its work; empty: nothing.
+    [[nodiscard]] std::string method_report() const { return method_->report(); }
     /// Step in use in the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }
     /// Hash of state and phases: equal for every number of segments, threads and schedule.

@@ -2,6 +2,8 @@
 /// How one step is taken. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides which
 /// cycles of the task graph lead from the start to the result.
 
+#include <string>
+
 #include "engine/graph/task_graph.hpp"
 #include "tasks/workspace.hpp"
 
@@ -32,6 +34,8 @@ public:
     virtual void restart() noexcept {}
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
+    /// What the method has done since it was made, one line for the summary of a run; empty: nothing to say.
+    [[nodiscard]] virtual std::string report() const { return {}; }
 
 protected:
     StepMethod() = default;

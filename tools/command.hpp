@@ -38,5 +38,6 @@ Action declare_stability(CLI::App& app);
 Action declare_pin_entry(CLI::App& app);
 Action declare_profile(CLI::App& app);
 Action declare_dot(CLI::App& app);
+Action declare_newton(CLI::App& app);
 
 }  // namespace cvtflow::tools

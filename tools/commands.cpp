@@ -18,6 +18,7 @@ std::span<const Command> commands() noexcept {
         Command{"stability", "Regions of stability of methods, over the eigenvalues of a scene", declare_stability},
         Command{"pin-entry", "Run methods through the entry of a pin: its axial force, errors, evaluations, time in turns", declare_pin_entry},
         Command{"profile", "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
+        Command{"newton", "Try the implicit methods: Newton's convergence, cost and error by variant and step", declare_newton},
         Command{"dot", "Draw the task graph of a step in Graphviz' language", declare_dot},
     };
     return rows;

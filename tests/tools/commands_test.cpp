@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::vector<std::string> names{"run", "settle", "check", "info", "list", "explain", "schema", "local-error", "spectrum", "stability", "pin-entry", "profile", "dot"};
+const std::vector<std::string> names{"run", "settle", "check", "info", "list", "explain", "schema", "local-error", "spectrum", "stability", "pin-entry", "profile", "newton", "dot"};
 
 class Commands : public Program {};
 

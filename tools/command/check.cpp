@@ -45,7 +45,7 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
                                                 plural(run.segments, "segment")));
     text += field("steps",
                   settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
-    text += field("evaluations", fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));
+    text += field("evaluations", stages == 0 ? "as many as the method's iterations ask for" : fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));
     const long outputs = std::lround(std::floor(run.until / run.output_interval * (1.0 + 1e-12))) + 1;
     const long states = std::lround(std::floor(run.until / run.state_interval * (1.0 + 1e-12))) + 1;
     text += field("record", fmt::format("{} every {}, {} every {}", plural(outputs, "row"), time_text(run.output_interval),

@@ -1,0 +1,52 @@
+#pragma once
+/// Derivatives of all accelerations with respect to coordinates and velocities, as blocks: a link sees its two neighbours and, while it touches,
+/// the sheaves of its pulley. The pulleys' block counts the control integral I, where there is one, as its last unknown: a velocity without a
+/// coordinate, whose "acceleration" is I'.
+
+#include <vector>
+
+#include "model/chain_layout.hpp"
+
+namespace cvtflow::model {
+
+/// With respect to what: coordinates (K) or velocities (D).
+enum class With { position = 0, velocity = 1 };
+/// Whose: of the link before, the link itself, the link after.
+enum class Near { before = 0, same = 1, after = 2 };
+
+class AccelerationJacobian {
+public:
+    explicit AccelerationJacobian(const ChainLayout& layout);
+
+    [[nodiscard]] int links() const noexcept { return links_; }
+    /// Coordinates of a link.
+    [[nodiscard]] int size() const noexcept { return size_; }
+    /// Pulley coordinates and, with control, I.
+    [[nodiscard]] int border() const noexcept { return border_; }
+
+    /// ∂(acceleration of a link)/∂(coordinates or velocities of it or a neighbour): [size × size], row-major [1/s²] or [1/s].
+    [[nodiscard]] double* link(int link, Near near, With with) noexcept { return link_.data() + link_at(link, near, with); }
+    [[nodiscard]] const double* link(int link, Near near, With with) const noexcept { return link_.data() + link_at(link, near, with); }
+    /// ∂(acceleration of a link)/∂(pulleys): [size × border]. Zero for links that do not touch.
+    [[nodiscard]] double* columns(int link, With with) noexcept { return columns_.data() + border_at(link, with); }
+    [[nodiscard]] const double* columns(int link, With with) const noexcept { return columns_.data() + border_at(link, with); }
+    /// ∂(acceleration of the pulleys)/∂(a link): [border × size].
+    [[nodiscard]] double* rows(int link, With with) noexcept { return rows_.data() + border_at(link, with); }
+    [[nodiscard]] const double* rows(int link, With with) const noexcept { return rows_.data() + border_at(link, with); }
+    /// ∂(acceleration of the pulleys)/∂(pulleys): [border × border].
+    [[nodiscard]] double* corner(With with) noexcept { return corner_.data() + static_cast<int>(with) * border_ * border_; }
+    [[nodiscard]] const double* corner(With with) const noexcept { return corner_.data() + static_cast<int>(with) * border_ * border_; }
+
+    [[nodiscard]] std::size_t bytes() const noexcept { return (link_.size() + columns_.size() + rows_.size() + corner_.size()) * sizeof(double); }
+
+private:
+    [[nodiscard]] int link_at(int link, Near near, With with) const noexcept {
+        return ((3 * link + static_cast<int>(near)) * 2 + static_cast<int>(with)) * size_ * size_;
+    }
+    [[nodiscard]] int border_at(int link, With with) const noexcept { return (2 * link + static_cast<int>(with)) * size_ * border_; }
+
+    int links_, size_, border_;
+    std::vector<double> link_, columns_, rows_, corner_;
+};
+
+}  // namespace cvtflow::model

@@ -1,0 +1,88 @@
+#pragma once
+/// Derivatives of one link's generalized forces with respect to its own unknowns, those of its two neighbours, and the motion of its sheaves:
+/// rows of forces and one of the moment about z, filled contribution by contribution.
+
+#include <cstring>
+
+#include "model/force/link_frame.hpp"
+#include "model/inertia/link_inertia.hpp"
+#include "model/jacobian/exact_jacobian.hpp"
+#include "model/jacobian/inner_point.hpp"
+
+namespace cvtflow::model {
+
+/// Frame of a link, differentiated in (dx, dy, vx, vy), the difference of its halves and its rate.
+using DualFrame = FrameOf<Dual<4>>;
+
+template <int P>
+class LinkRows {
+public:
+    static constexpr int size = at<P>.link_size();
+    static constexpr int sheaves_at = 6 * size;
+    static constexpr int width = 6 * size + 2 * sheave_directions;
+
+    /// Column of an unknown. @param link 0 before, 1 itself, 2 after
+    [[nodiscard]] static constexpr int column(int link, With with, int coordinate) noexcept { return (2 * link + static_cast<int>(with)) * size + coordinate; }
+    [[nodiscard]] static constexpr int sheave_column(int side, int direction) noexcept { return sheaves_at + side * sheave_directions + direction; }
+
+    [[nodiscard]] double* row(int coordinate) noexcept { return rows_[coordinate]; }
+    [[nodiscard]] double* moment_row() noexcept { return rows_[size]; }
+    double moment = 0.0;   ///< value of the moment [N·m]
+
+    /// row += g_tx ∂tx + g_ty ∂ty + g_w ∂θ' with respect to the coordinates and velocities of a link with this frame.
+    static void add_frame(double* row, int link, const DualFrame& frame, double g_tx, double g_ty, double g_turning) noexcept {
+        for (std::size_t d = 0; d < 4; ++d) add_difference(row, link, static_cast<int>(d), g_tx * frame.tx.slope[d] + g_ty * frame.ty.slope[d] + g_turning * frame.turning.slope[d]);
+    }
+
+    /// The moment as a couple on the m = 0 coordinates; after all contributions.
+    void fold_moment(const DualFrame& frame) noexcept {
+        const Dual<4> cx = -(frame.inverse_length * frame.ty), cy = frame.inverse_length * frame.tx;
+        add_couple(at<P>.x(End::front, 0), 1.0, cx);
+        add_couple(at<P>.y(End::front, 0), 1.0, cy);
+        add_couple(at<P>.x(End::rear, 0), -1.0, cx);
+        add_couple(at<P>.y(End::rear, 0), -1.0, cy);
+    }
+
+    /// Forces to accelerations.
+    void accelerate(const LinkInertia& inertia) noexcept {
+        constexpr int lateral = 2 * (P + 1);
+        solve<lateral>(inertia.lateral, 0);
+        solve<lateral>(inertia.lateral, lateral);
+        solve<4>(inertia.axial, 2 * lateral);
+    }
+
+private:
+    static void add_difference(double* row, int link, int direction, double value) noexcept {
+        const With with = direction < 2 ? With::position : With::velocity;
+        const bool x = direction % 2 == 0;
+        row[column(link, with, x ? at<P>.x(End::front, 0) : at<P>.y(End::front, 0))] += value;
+        row[column(link, with, x ? at<P>.x(End::rear, 0) : at<P>.y(End::rear, 0))] -= value;
+    }
+    void add_couple(int coordinate, double sign, const Dual<4>& arm) noexcept {
+        double* out = rows_[coordinate];
+        for (int k = 0; k < width; ++k) out[k] += sign * arm.value * rows_[size][k];
+        for (int d = 0; d < 4; ++d) add_difference(out, 1, d, sign * moment * arm.slope[static_cast<std::size_t>(d)]);
+    }
+    template <int N>
+    void solve(const SmallCholesky& l, int first) noexcept {
+        const auto factor = [&](int r, int k) { return l.factor[static_cast<std::size_t>(r * N + k)]; };
+        const auto eliminate = [&](int r, int k, double by) {
+            for (int c = 0; c < width; ++c) rows_[first + r][c] -= by * rows_[first + k][c];
+        };
+        const auto scale = [&](int r) {
+            for (int c = 0; c < width; ++c) rows_[first + r][c] *= l.inverse_diagonal[static_cast<std::size_t>(r)];
+        };
+        for (int r = 0; r < N; ++r) {
+            for (int k = 0; k < r; ++k) eliminate(r, k, factor(r, k));
+            scale(r);
+        }
+        for (int r = N - 1; r >= 0; --r) {
+            for (int k = r + 1; k < N; ++k) eliminate(r, k, factor(k, r));
+            scale(r);
+        }
+    }
+
+    double rows_[size + 1][width] = {};
+};
+
+}  // namespace cvtflow::model

@@ -1,0 +1,62 @@
+#include "tasks/implicit/catalogue.hpp"
+
+#include <array>
+#include <utility>
+
+#include "tasks/implicit/linear_method.hpp"
+#include "tasks/implicit/trapezoidal.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr std::array<NewtonVariant, 7> variants{{
+    {"trapezoidal-analytic", "Newton with exact derivatives in every iteration", {.matrix = NewtonMatrix::every_iteration, .exact = true}},
+    {"trapezoidal-full", "Newton, Jacobian by coloured differences in every iteration", {.matrix = NewtonMatrix::every_iteration, .exact = false}},
+    {"trapezoidal-once", "Newton, Jacobian by differences once per step", {.matrix = NewtonMatrix::once_per_step, .exact = false}},
+    {"trapezoidal-frozen", "Newton, Jacobian by differences kept over steps until it serves no longer", {.matrix = NewtonMatrix::frozen, .exact = false}},
+    {"trapezoidal-broyden", "Broyden's updates of a Jacobian kept over steps", {.matrix = NewtonMatrix::broyden, .exact = false}},
+    {"trapezoidal-schubert", "Broyden's updates within the sparsity (Schubert) of a Jacobian kept over steps", {.matrix = NewtonMatrix::schubert, .exact = false}},
+    {"trapezoidal-plain", "Newton from the explicit Euler step without backtracking: how it fails on friction",
+     {.matrix = NewtonMatrix::every_iteration, .exact = true, .start = NewtonStart::euler, .backtracking = false}},
+}};
+
+template <std::size_t Variant>
+std::unique_ptr<StepMethod> make_trapezoidal(Workspace& workspace) {
+    return std::make_unique<TrapezoidalMethod>(workspace, variants[Variant].options);
+}
+
+template <std::size_t Plan>
+std::unique_ptr<StepMethod> make_linear(Workspace& workspace) {
+    return std::make_unique<LinearMethod>(workspace, linear_plans()[Plan]);
+}
+
+template <std::size_t... Variant>
+void add_trapezoidal(std::vector<MethodProgram>& all, std::index_sequence<Variant...>) {
+    const auto program = [](const NewtonVariant& variant, auto make) {
+        return MethodProgram{variant.name, std::string("trapezoidal rule, order 2, A-stable: ") + variant.description, "A. Orlov et al.; C. G. Broyden 1965; L. K. Schubert 1970",
+                             2, 0, TrapezoidalMethod::state_slots, TrapezoidalMethod::slope_slots, make};
+    };
+    (all.push_back(program(variants[Variant], make_trapezoidal<Variant>)), ...);
+}
+
+template <std::size_t... Plan>
+void add_linear(std::vector<MethodProgram>& all, std::index_sequence<Plan...>) {
+    const auto program = [](const LinearPlan& plan, auto make) {
+        return MethodProgram{plan.name, plan.description, plan.source, plan.order, static_cast<int>(plan.stages.size()), LinearMethod::state_slots(plan), 2, make};
+    };
+    (all.push_back(program(linear_plans()[Plan], make_linear<Plan>)), ...);
+}
+
+}  // namespace
+
+std::span<const NewtonVariant> newton_variants() noexcept { return variants; }
+
+std::vector<MethodProgram> implicit_programs() {
+    std::vector<MethodProgram> all;
+    add_trapezoidal(all, std::make_index_sequence<variants.size()>{});
+    add_linear(all, std::make_index_sequence<5>{});
+    return all;
+}
+
+}  // namespace cvtflow::tasks
