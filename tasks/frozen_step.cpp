@@ -77,17 +77,36 @@ void FrozenStepper::step(double t, double h) {
         const engine::PlanStep row = plan_.stage(stage);
         engine::combine(row, h, view, 0, size, stage_.data());
         if (row.keep >= 0) std::copy(stage_.begin(), stage_.end(), state_slots_[static_cast<std::size_t>(row.keep)]);
-        model::right_hand_side(variator_, t + row.time * h, stage_.data(), phases_.data(),
-                               slope_slots_[static_cast<std::size_t>(row.slope)], scratch_);
+        double* slope = slope_slots_[static_cast<std::size_t>(row.slope)];
+        model::right_hand_side(variator_, drift_.empty() ? t + row.time * h : held_time_, stage_.data(), phases_.data(), slope, scratch_);
+        for (std::size_t k = 0; k < drift_.size(); ++k) slope[k] -= drift_[k];
     }
     engine::combine(plan_.result(), h, view, 0, size, stage_.data());
     std::copy(stage_.begin(), stage_.end(), state_slots_[0]);
+}
+
+void FrozenStepper::hold(double t, const std::vector<double>& state) {
+    drift_.resize(state.size());
+    held_time_ = t;
+    model::right_hand_side(variator_, t, state.data(), phases_.data(), drift_.data(), scratch_);
 }
 
 void FrozenStepper::advance(double t, double h, int steps, std::vector<double>& state) {
     std::copy(state.begin(), state.end(), state_slots_[0]);
     for (int number = 0; number < steps; ++number) step(t + number * h, h);
     std::copy_n(state_slots_[0], state.size(), state.begin());
+}
+
+LocalError error_of(const model::Variator& variator, const FrozenStart& start, double h, const std::vector<double>& state, const std::vector<double>& reference) {
+    const Solution is = solution_of(variator, start.time + h, state, start);
+    const Solution should = solution_of(variator, start.time + h, reference, start);
+    return {h, relative_error(is.positions, should.positions), relative_error(is.velocities, should.velocities),
+            relative_error(is.axial_force, should.axial_force), relative_error(is.tension, should.tension)};
+}
+
+int reference_steps(double h, int refinement) noexcept {
+    constexpr double longest = 12.5e-9;   // [s]
+    return std::max(refinement, static_cast<int>(std::ceil(h / longest * (1.0 - 1e-12))));
 }
 
 std::vector<LocalError> local_errors(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start,
@@ -97,12 +116,10 @@ std::vector<LocalError> local_errors(const model::Variator& variator, const engi
     std::vector<LocalError> errors;
     for (const double h : steps) {
         std::vector<double> state = start.state, reference = start.state;
+        const int fine_steps = reference_steps(h, refinement);
         method.advance(start.time, h, 1, state);
-        fine.advance(start.time, h / refinement, refinement, reference);
-        const Solution is = solution_of(variator, start.time + h, state, start);
-        const Solution should = solution_of(variator, start.time + h, reference, start);
-        errors.push_back({h, relative_error(is.positions, should.positions), relative_error(is.velocities, should.velocities),
-                          relative_error(is.axial_force, should.axial_force), relative_error(is.tension, should.tension)});
+        fine.advance(start.time, h / fine_steps, fine_steps, reference);
+        errors.push_back(error_of(variator, start, h, state, reference));
     }
     return errors;
 }

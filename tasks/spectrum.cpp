@@ -1,7 +1,6 @@
 #include "tasks/spectrum.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <algorithm>
+#include "tasks/eigenvalues.hpp"
 
 namespace cvtflow::tasks {
 
@@ -38,14 +37,7 @@ std::vector<double> jacobian(const model::Variator& variator, double t, const st
 }
 
 std::vector<std::complex<double>> spectrum(const model::Variator& variator, double t, const std::vector<double>& state, const std::vector<model::Phase>& phases) {
-    std::vector<double> matrix = jacobian(variator, t, state, phases);
-    const auto n = static_cast<Eigen::Index>(state.size());
-    const Eigen::Map<const Eigen::MatrixXd> view(matrix.data(), n, n);
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(view, false);
-    const auto& values = solver.eigenvalues();
-    std::vector<std::complex<double>> sorted(values.data(), values.data() + n);
-    std::sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.real() != b.real() ? a.real() < b.real() : a.imag() < b.imag(); });
-    return sorted;
+    return eigenvalues(jacobian(variator, t, state, phases), static_cast<int>(state.size()));
 }
 
 }  // namespace cvtflow::tasks

@@ -81,15 +81,19 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
     }
 }
 
-void require_method(const tasks::Scene& scene) {
-    if (tasks::plan_for(scene.run.method)) return;
-    throw tasks::SceneError(tasks::no_method(scene.run.method));
-}
-
 }  // namespace
+
+void require_method(const std::string& method) {
+    if (tasks::plan_for(method)) return;
+    throw tasks::SceneError(tasks::no_method(method));
+}
 
 void declare_scene(CLI::App& app, SceneArguments& arguments) {
     app.add_option("SCENE", arguments.scene, "Scene file, or name of a ready scene (cvtflow list scenes)")->required()->type_name("");
+    declare_changes(app, arguments);
+}
+
+void declare_changes(CLI::App& app, SceneArguments& arguments) {
     app.add_option("--set", arguments.settings, "Change a key of the scene; may be repeated (cvtflow list keys)")
         ->type_name("KEY=VALUE")
         ->expected(1)
@@ -123,7 +127,7 @@ LoadedScene load_scene(const SceneArguments& arguments) {
         tasks::set_value(scene, "start.state=");
         loaded.notice = fmt::format("{}: the state in {} does not fit any more, the run settles anew", changed, own_state);
     }
-    require_method(scene);
+    require_method(scene.run.method);
     return loaded;
 }
 

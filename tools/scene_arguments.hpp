@@ -31,6 +31,8 @@ struct SceneArguments {
 
 /// Declares SCENE, --set and --detail. The arguments must outlive the parsing.
 void declare_scene(CLI::App& app, SceneArguments& arguments);
+/// Declares --set and --detail alone, for commands that name the scene otherwise.
+void declare_changes(CLI::App& app, SceneArguments& arguments);
 /// Declares --settle.
 void declare_fresh_start(CLI::App& app, SceneArguments& arguments);
 void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string option, std::string key, const std::string& type);
@@ -44,5 +46,8 @@ struct LoadedScene {
 /// no longer fits and is dropped (notice); one given with --set start.state stays, and the simulation will say that it does not fit.
 /// @throws tasks::SceneError
 [[nodiscard]] LoadedScene load_scene(const SceneArguments& arguments);
+
+/// @throws tasks::SceneError  `no method 'rk5' (did you mean 'rk4'?)`
+void require_method(const std::string& method);
 
 }  // namespace cvtflow::tools

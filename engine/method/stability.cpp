@@ -73,6 +73,10 @@ double largest_on(double length, Function function) {
 
 std::complex<double> stability_function(const StagePlan& plan, std::complex<double> z) { return LinearProblem(plan).factor(z); }
 
+std::function<std::complex<double>(std::complex<double>)> stability_function(const StagePlan& plan) {
+    return [problem = LinearProblem(plan)](Complex z) mutable { return problem.factor(z); };
+}
+
 double stability_reach(const StagePlan& plan, std::complex<double> direction, double tolerance) {
     LinearProblem problem(plan);
     const auto stable = [&](double r) { return std::abs(problem.factor(r * direction)) <= 1.0 + tolerance; };

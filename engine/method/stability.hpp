@@ -2,6 +2,7 @@
 /// Linear stability, found by executing the plan on y' = λ y.
 
 #include <complex>
+#include <functional>
 
 #include "engine/method/stage_plan.hpp"
 
@@ -10,6 +11,9 @@ namespace cvtflow::engine {
 /// R(z): what one step makes of y = 1 for h λ = z.
 /// @throws std::invalid_argument as validate()
 [[nodiscard]] std::complex<double> stability_function(const StagePlan& plan, std::complex<double> z);
+
+/// The same, ready to be called often: the plan is compiled once. Not to be called by two threads at a time.
+[[nodiscard]] std::function<std::complex<double>(std::complex<double>)> stability_function(const StagePlan& plan);
 
 /// Largest r such that |R(ρ direction)| ≤ 1 + tolerance for all ρ in [0, r]: scan in steps fine enough for a Chebyshev polynomial of the
 /// plan's degree, then bisection. At most 2 stages² + 10, which no consistent explicit method exceeds.

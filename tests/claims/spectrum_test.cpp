@@ -7,6 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/method/catalogue.hpp"
+#include "engine/method/stable_step.hpp"
+#include "tasks/attribution.hpp"
+#include "tasks/eigenvalues.hpp"
+#include "tasks/stable_step.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {
@@ -77,26 +82,64 @@ TEST(Spectrum, ItsImaginaryPartIsElasticAndDoesNotKnowTheFriction) {
     EXPECT_NEAR(tiny.extent(frictionless).fastest_oscillation, now.fastest_oscillation, 0.1 * now.fastest_oscillation);
 }
 
+/// The baseline at its saved state.
+const tasks::FrozenStart& baseline_start() {
+    static const tasks::FrozenStart start = tasks::frozen_start(tasks::Simulation(ready_scene("baseline")));
+    return start;
+}
+
+tasks::Eigenvalues edge_of(const model::Parameters& parameters) {
+    const tasks::FrozenStart& start = baseline_start();
+    return tasks::extremal_eigenvalues(tasks::jacobian(model::Variator(parameters), start.time, start.state, start.phases), static_cast<int>(start.state.size()),
+                                       {.first_dimension = 800, .progress = {}}).values;
+}
+
+TEST(Spectrum, OfTheBaselinePredictsTheLongestStableStepOfRk4WithinFivePercent) {
+    const tasks::Scene baseline = ready_scene("baseline");
+    const tasks::Eigenvalues edge = edge_of(baseline.parameters);
+    const tasks::Extent extent = tasks::extent_of(edge);
+    EXPECT_GT(extent.decay, 0.5e8);
+    EXPECT_LT(extent.decay, 1.0e8);
+    EXPECT_NEAR(extent.oscillation, 0.9e6, 0.2e6);
+    EXPECT_NEAR(extent.below_1e6, 720, 72);   // the trial program's count
+    const engine::StagePlan& rk4 = *engine::find_method("rk4");
+    const engine::StableStep predicted = engine::largest_stable_step(rk4, edge);
+    EXPECT_NEAR(predicted.step * extent.decay, 2.785, 0.001);
+    const tasks::MeasuredStep measured = tasks::measured_stable_step(model::Variator(baseline.parameters), rk4, baseline_start(), predicted.step);
+    RecordProperty("predicted_ns", std::to_string(1e9 * predicted.step));
+    RecordProperty("measured_ns", std::to_string(1e9 * measured.limit()));
+    EXPECT_NEAR(measured.limit() / predicted.step, 1.0, 0.05);
+}
+
 TEST(NightlySpectrum, OfTheBaselineIsThePublishedOneAndItsBandsBelongToJointsPlatesAndTips) {
-    const Running baseline(ready_scene("baseline"));
-    model::Parameters parameters = baseline.parameters();
-    std::vector<Extent> extents{baseline.extent(parameters)};
-    for (model::Friction* friction : {&parameters.joint.friction, &parameters.plate.friction, &parameters.tip.friction}) {
-        friction->saturation_speed *= 10.0;
-        extents.push_back(baseline.extent(parameters));
+    const tasks::Attribution found = tasks::attribute(ready_scene("baseline").parameters, baseline_start(), -1e6, {});
+    std::vector<tasks::Extent> one_after_the_other;
+    for (const std::size_t k : {0, 1, 4, 5}) one_after_the_other.push_back(tasks::extent_of(found.slowed[k].values));
+    for (std::size_t k = 0; k < one_after_the_other.size(); ++k) {
+        RecordProperty("decay_" + std::to_string(k), std::to_string(one_after_the_other[k].decay));
+        RecordProperty("fast_" + std::to_string(k), one_after_the_other[k].below_1e6);
     }
-    for (std::size_t k = 0; k < extents.size(); ++k) {
-        RecordProperty("decay_" + std::to_string(k), std::to_string(extents[k].fastest_decay));
-        RecordProperty("fast_" + std::to_string(k), extents[k].fast);
-    }
-    EXPECT_GT(extents[0].fastest_decay, 0.5e8);
-    EXPECT_LT(extents[0].fastest_decay, 1.0e8);
-    EXPECT_NEAR(extents[0].fastest_oscillation, 1e6, 0.3e6);
+    EXPECT_NEAR(one_after_the_other[0].oscillation, 1e6, 0.3e6);
     // Joints are the fastest; behind them come tips (an end of a pin of order 3 weighs a sixteenth of it), and more slowly plates.
-    // Each kind slowed tenfold takes a good part of the fast eigenvalues away; all three divide the largest by about ten.
-    EXPECT_LT(extents[1].fastest_decay, 0.6 * extents[0].fastest_decay);
-    for (std::size_t k = 1; k < extents.size(); ++k) EXPECT_LT(extents[k].fast, extents[k - 1].fast - 20) << k;
-    EXPECT_NEAR(extents[0].fastest_decay / extents[3].fastest_decay, 10.0, 3.0);
+    // Each kind slowed tenfold takes fast eigenvalues away; all three divide the largest by about ten.
+    EXPECT_LT(one_after_the_other[1].decay, 0.6 * one_after_the_other[0].decay);
+    EXPECT_LT(one_after_the_other[1].below_1e6, one_after_the_other[0].below_1e6 - 20);
+    EXPECT_LT(one_after_the_other[2].below_1e6, one_after_the_other[1].below_1e6 - 20);
+    EXPECT_LT(one_after_the_other[3].below_1e7, one_after_the_other[2].below_1e7 - 20);
+    EXPECT_NEAR(one_after_the_other[0].decay / one_after_the_other[3].decay, 10.0, 3.0);
+    EXPECT_EQ(found.main_kind(0), 0);   // joints
+}
+
+TEST(NightlySpectrum, ExtremalEigenvaluesOfTheBaselineAreThoseOfTheDenseMethod) {
+    const model::Parameters parameters = ready_scene("baseline").parameters;
+    const tasks::FrozenStart& start = baseline_start();
+    const tasks::Extent all = tasks::extent_of(tasks::spectrum(model::Variator(parameters), start.time, start.state, start.phases));
+    const tasks::Extent edge = tasks::extent_of(edge_of(parameters));
+    EXPECT_NEAR(edge.decay / all.decay, 1.0, 1e-6);
+    EXPECT_NEAR(edge.oscillation / all.oscillation, 1.0, 1e-6);
+    EXPECT_EQ(edge.below_1e6, all.below_1e6);
+    EXPECT_EQ(edge.below_1e7, all.below_1e7);
+    EXPECT_EQ(all.growing, 0);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::vector<std::string> names{"run", "settle", "check", "info", "list", "explain", "schema", "local-error", "method", "fit", "compare", "profile", "newton", "dot"};
+const std::vector<std::string> names{"run", "settle", "check", "info", "list", "explain", "schema", "local-error", "method", "fit", "compare", "spectrum", "stability", "pin-entry", "profile", "newton", "detail", "dot"};
 
 class Commands : public Program {};
 
@@ -106,6 +106,61 @@ TEST_F(Commands, LocalErrorShowsTheOrder) {
     EXPECT_THAT(outcome.out, StartsWith("tiny: error of one step of rk4 (order 4: slope 5 where the solution is smooth), phases held, "));
     EXPECT_THAT(outcome.out, AllOf(HasSubstr("\npiecewise friction\n"), HasSubstr("\nsmoothed friction\n"), HasSubstr("\n  160 ns "),
                                    HasSubstr("\n   80 ns ")));
+}
+
+const std::vector<std::string> brief_settling{"--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms"};
+
+std::vector<std::string> operator+(std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+TEST_F(Commands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
+    const Outcome outcome = run(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns", "-o", "errors"} + brief_settling);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("tiny: error of one step of rk4 (order 4"), HasSubstr("\ntiny: error of one step of heun (order 2")));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  written             errors/local-error.csv, errors/local-error-axial-force-piecewise.svg, "
+                                       "errors/local-error-velocities-piecewise.svg\n"));
+    EXPECT_THAT(read("errors/local-error.csv"), AllOf(StartsWith("method,friction,step,positions,velocities,axial_force,tension\nrk4,piecewise,1.6"),
+                                                      HasSubstr("\nheun,piecewise,8")));
+    EXPECT_THAT(read("errors/local-error-velocities-piecewise.svg"), AllOf(HasSubstr(">rk4</text>"), HasSubstr(">heun</text>")));
+}
+
+TEST_F(Commands, SpectrumTellsExtentBandsAndTheLongestStep) {
+    const Outcome outcome = run(std::vector<std::string>{"spectrum", "tiny", "--extremal", "-q", "-o", "s"} + brief_settling);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, StartsWith("tiny: eigenvalues of the Jacobian at t = 0 s, piecewise friction, "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  fastest decay       max -Re = [0-9.]+e\\+06 1/s\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ ns predicted \\(by .* 1/s\\), [0-9.]+ ns measured"));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  growth              not looked at: eigenvalues at the edge only\n"));
+    const auto json = nlohmann::json::parse(read("s/spectrum.json"));
+    EXPECT_EQ(json["unknowns"], 648);
+    EXPECT_EQ(json["eigenvalues"].size(), std::size_t(json["extent"]["below_1e6"]) + 2);   // and the pair that oscillates fastest
+    EXPECT_NEAR(double(json["stable_step"]["measured"]) / double(json["stable_step"]["predicted"]), 1.0, 0.15);   // barely settled, it moves
+    EXPECT_THAT(read("s/spectrum.csv"), StartsWith("real,imaginary,share_joints,share_plates,share_tips\n-"));
+    EXPECT_TRUE(exists("s/spectrum-linear.svg"));
+    EXPECT_THAT(read("s/spectrum-symlog.svg"), HasSubstr(">Re λ [1/s]</text>"));
+}
+
+TEST_F(Commands, StabilityNeedsNoScene) {
+    const Outcome outcome = run({"stability", "rk4", "dumka3-p2", "-q", "-o", "maps", "--svg"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +4 +2\\.785 +2\\.828 "));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  written             maps/stability-rk4.svg, maps/stability-dumka3-p2.svg\n"));
+    EXPECT_THAT(read("maps/stability-rk4.svg"), HasSubstr("class=\"region\" d=\"M"));
+    EXPECT_FALSE(exists("maps/stability.csv"));
+}
+
+TEST_F(Commands, PinEntryCountsAndMeasuresErrors) {
+    const Outcome outcome = run(std::vector<std::string>{"pin-entry", "tiny", "rk4@50ns", "dumka3-p2@1us", "--time", "24us", "--reference", "rk4@25ns", "--rounds", "1",
+                                                         "--pin", "0", "-q", "-o", "c"} + brief_settling);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, StartsWith("tiny: 24 us from t = 0 s, against rk4@25ns; one thread, medians of 1 round, in turns\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +50 ns +[0-9]+ +[0-9 ]+ +[0-9.e+]+ +1\\.00 +[0-9.e+]+ +1\\.00 "));
+    EXPECT_THAT(read("c/comparison.csv"), StartsWith("method,step,steps,evaluations,transitions,"));
+    EXPECT_THAT(read("c/pin-force.csv"), StartsWith("time,reference,rk4@50ns,dumka3-p2@1us\n0,"));
+    EXPECT_EQ(nlohmann::json::parse(read("c/comparison.json"))["candidates"].size(), 2u);
+    EXPECT_THAT(read("c/pin-force.svg"), HasSubstr(">reference</text>"));
 }
 
 TEST_F(Commands, DotDrawsATaskPerSegment) {

@@ -58,6 +58,8 @@ TEST_F(Errors, OnTheCommandLineExitWithTwo) {
         {{"explain"}, 2, "KEY is required (cvtflow explain --help)"},
         {{"list", "method"}, 2, "WHAT: no list 'method', did you mean 'methods'? (cvtflow list --help)"},
         {{"dot", "tiny", "--cycle", "x"}, 2, "--cycle: x not in {evaluate,detect,locate,truncate} (cvtflow dot --help)"},
+        {{"stability"}, 2, "METHOD is required (cvtflow stability --help)"},
+        {{"pin-entry", "tiny"}, 2, "METHOD@STEP is required (cvtflow pin-entry --help)"},
         {{"local-error", "tiny", "--friction", "x"}, 2, "--friction: x not in {piecewise,smoothed,both} (cvtflow local-error --help)"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
@@ -84,6 +86,15 @@ TEST_F(Errors, InScenesSayWhereAndWhat) {
          1,
          "tiny: the start is not settled, its errors would mean nothing: give --settle, or a state file with --set start.state=FILE "
          "(cvtflow settle)"},
+        {{"spectrum", "tiny", "-q"},
+         1,
+         "tiny: the start is not settled, its eigenvalues would mean nothing: give --settle, or a state file with --set start.state=FILE "
+         "(cvtflow settle)"},
+        {{"pin-entry", "tiny", "rk4@50ns", "-q"},
+         1,
+         "tiny: the start is not settled, a comparison would mean nothing: give --settle, or a state file with --set start.state=FILE "
+         "(cvtflow settle)"},
+        {{"stability", "rk4", "--scene", "basline", "-q"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
     EXPECT_THAT(run({"check", "syntax.toml"}).err, testing::StartsWith("cvtflow: syntax.toml:1:"));
@@ -104,6 +115,15 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"run", "tiny", "--threads=-1"}, 1, "--threads -1: -1 is outside [0, 1024]"},
         {{"run", "tiny", "--segments", "30"}, 1, "--segments 30: 30 segments for chain.pins = 24"},
         {{"settle", "tiny", "--time", "3ms"}, 1, "--time 3ms: start.ramp_time: 5e-3 s is longer than start.settling_time = 3e-3 s"},
+        {{"spectrum", "tiny", "--state", "gone.h5"}, 1, "--state gone.h5: there is no file \"gone.h5\""},
+        {{"spectrum", "tiny", "--method", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
+        {{"stability", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
+        {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 1, "no method 'heum' (did you mean 'heun'?)"},
+        {{"pin-entry", "tiny", "rk4"}, 1, "rk4: a method and its step are wanted, such as rk4@50ns"},
+        {{"pin-entry", "tiny", "rk4@50mm"}, 1, "rk4@50mm: '50mm' is not a time above 0, such as 40ns"},
+        {{"pin-entry", "tiny", "rk5@50ns"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
+        {{"pin-entry", "tiny", "rk4@50ns", "--time", "0s"}, 1, "--time: '0s' is not a time above 0, such as 40ns"},
+        {{"pin-entry", "tiny", "rk4@50ns", "--settle", "--pin", "24", "-q"}, 1, "--pin 24: the chain has pins 0 to 23"},
         {{"local-error", "tiny", "--settle", "--steps", "3mm"}, 1, "--steps 3mm: '3mm' is not a time above 0, such as 40ns"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);

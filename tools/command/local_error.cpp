@@ -2,17 +2,17 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <memory>
 
-#include "engine/method/catalogue.hpp"
 #include "engine/method/order.hpp"
-#include "tasks/frozen_step.hpp"
-#include "tasks/run.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/method_run.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/command.hpp"
-#include "tools/interrupt.hpp"
+#include "tools/local_error_report.hpp"
+#include "tools/output_folder.hpp"
 #include "tools/scene_arguments.hpp"
+#include "tools/settled_start.hpp"
 #include "tools/text.hpp"
 
 namespace cvtflow::tools {
@@ -21,7 +21,9 @@ namespace {
 
 struct LocalErrorArguments {
     SceneArguments scene;
+    OutputArguments output;
     std::string steps = "320ns,160ns,80ns,40ns,20ns,10ns,5ns";
+    std::vector<std::string> methods;
     std::string friction;
 };
 
@@ -40,46 +42,33 @@ std::vector<double> read_steps(const std::string& list) {
     return steps;
 }
 
-/// Start of the scene; settled if need be and allowed.
-tasks::FrozenStart start_of(const tasks::Scene& scene, bool settle) {
-    tasks::Simulation simulation(scene);
-    if (simulation.needs_settling() && !settle) {
-        throw tasks::SceneError(
-            fmt::format("{}: the start is not settled, its errors would mean nothing: give --settle, or a state file with "
-                        "--set start.state=FILE (cvtflow settle)",
-                        scene.name));
+/// Friction laws to measure with, by their names.
+std::vector<std::pair<model::FrictionLaw, std::string>> laws_of(const std::string& wanted, model::FrictionLaw own) {
+    std::vector<std::pair<model::FrictionLaw, std::string>> chosen;
+    for (const auto& [law, name] : {std::pair{model::FrictionLaw::piecewise, "piecewise"}, std::pair{model::FrictionLaw::smoothed, "smoothed"}}) {
+        if (wanted.empty() ? law == own : wanted == name || wanted == "both") chosen.emplace_back(law, name);
     }
-    if (simulation.needs_settling()) {
-        tasks::SilentObserver nobody;
-        const tasks::Fault fault = simulation.settle(nobody, catch_interrupts());
-        if (fault) throw tasks::SettlingFault(fault);
-    }
-    return tasks::frozen_start(simulation);
+    return chosen;
 }
 
-std::string cell(double error) { return error > 0.0 ? fmt::format("{:.3e}", error) : "0"; }
-
-/// log(e/e')/log(h/h') between a row and the one above it.
-std::string slope(double error, double above, double ratio) {
-    return error > 0.0 && above > 0.0 ? fmt::format("{:.2f}", std::log(above / error) / std::log(ratio)) : "";
+std::string heading(const std::string& scene, const std::string& method, long touching) {
+    if (const tasks::MethodProgram* program = tasks::find_program(method)) {
+        return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), {} touching at its start\n", scene, method, program->order,
+                           program->order + 1, plural(touching, "tip"));
+    }
+    const int order = engine::order_of(*tasks::plan_for(method));
+    return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene, method, order, order + 1,
+                       plural(touching, "tip"));
 }
 
-std::string error_table(const std::vector<tasks::LocalError>& errors) {
+void write_files(OutputFolder& folder, const std::vector<ErrorCurve>& curves, const std::string& scene) {
     using tasks::LocalError;
-    constexpr double LocalError::*parts[] = {&LocalError::positions, &LocalError::velocities, &LocalError::axial_force,
-                                             &LocalError::tension};
-    const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
-    Table table({right("step"), right("positions"), right("slope"), right("velocities"), right("slope"), right("axial force"),
-                 right("slope"), right("tension"), right("slope")});
-    for (std::size_t i = 0; i < errors.size(); ++i) {
-        std::vector<std::string> cells{time_text(errors[i].step)};
-        for (const auto part : parts) {
-            cells.push_back(cell(errors[i].*part));
-            cells.push_back(i == 0 ? "" : slope(errors[i].*part, errors[i - 1].*part, errors[i - 1].step / errors[i].step));
-        }
-        table.add(cells);
+    folder.write("local-error.csv", error_csv(curves));
+    for (const char* friction : {"piecewise", "smoothed"}) {
+        if (std::none_of(curves.begin(), curves.end(), [&](const ErrorCurve& curve) { return curve.friction == friction; })) continue;
+        folder.write(fmt::format("local-error-axial-force-{}.svg", friction), svg(error_plot(curves, friction, &LocalError::axial_force, "axial force of all tips", scene)));
+        folder.write(fmt::format("local-error-velocities-{}.svg", friction), svg(error_plot(curves, friction, &LocalError::velocities, "velocities of all links", scene)));
     }
-    return table.text(2);
 }
 
 ExitStatus local_error(const LocalErrorArguments& arguments) {
@@ -87,24 +76,23 @@ ExitStatus local_error(const LocalErrorArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
     if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
-    const tasks::FrozenStart start = start_of(scene, arguments.scene.settle);
-    const auto made = engine::make_method(scene.run.method);
-    if (!made) throw tasks::SceneError(fmt::format("'{}' is no table of stages, only those are taken step by step here", scene.run.method));
-    const engine::StagePlan& plan = *made;
-    const long touching =
-        std::count_if(start.phases.begin(), start.phases.end(), [](model::Phase phase) { return phase != model::Phase::free; });
-    fmt::print("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene.name,
-               plan.name, engine::order_of(plan), engine::order_of(plan) + 1, plural(touching, "tip"));
-    model::Parameters parameters = scene.parameters;
-    for (const model::FrictionLaw law : {model::FrictionLaw::piecewise, model::FrictionLaw::smoothed}) {
-        const std::string name = law == model::FrictionLaw::piecewise ? "piecewise" : "smoothed";
-        const bool wanted = arguments.friction.empty() ? law == scene.parameters.detail.friction
-                                                       : arguments.friction == name || arguments.friction == "both";
-        if (!wanted) continue;
-        parameters.detail.friction = law;
-        const std::vector<tasks::LocalError> errors = tasks::local_errors(model::Variator(parameters), plan, start, steps);
-        fmt::print("\n{} friction\n{}", name, error_table(errors));
+    std::vector<std::string> methods = arguments.methods;
+    for (const std::string& method : methods) require_method(method);
+    if (methods.empty()) methods.push_back(scene.run.method);
+    const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "its errors");
+    std::vector<ErrorCurve> curves;
+    for (const std::string& method : methods) {
+        fmt::print("{}{}", curves.empty() ? "" : "\n", heading(scene.name, method, touching_tips(start)));
+        for (const auto& [law, name] : laws_of(arguments.friction, scene.parameters.detail.friction)) {
+            model::Parameters parameters = scene.parameters;
+            parameters.detail.friction = law;
+            curves.push_back({method, name, tasks::local_errors(parameters, method, start, steps)});
+            fmt::print("\n{} friction\n{}", name, error_table(curves.back().errors));
+        }
     }
+    OutputFolder folder(arguments.output);
+    write_files(folder, curves, scene.name);
+    if (!folder.written().empty()) fmt::print("\n{}", folder.written());
     return ExitStatus::finished;
 }
 
@@ -114,14 +102,17 @@ Action declare_local_error(CLI::App& app) {
     const auto arguments = std::make_shared<LocalErrorArguments>();
     declare_scene(app, arguments->scene);
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    app.add_option("--methods", arguments->methods, "Several methods, separated by commas")->type_name("LIST")->delimiter(',');
     app.add_option("--steps", arguments->steps, "Step lengths, separated by commas")->type_name("LIST")->capture_default_str();
     app.add_option("--friction", arguments->friction, "Friction law: piecewise, smoothed or both (default: the scene's)")
         ->type_name("LAW")
         ->check(CLI::IsMember({"piecewise", "smoothed", "both"}));
     declare_fresh_start(app, arguments->scene);
+    declare_output(app, arguments->output);
     app.footer(
-        "Relative errors in the Euclidean norm against 32 steps of rk4 over the same time, from the scene's settled start.\n"
-        "slope: of the error over the step length, between a row and the one above; where rounding is reached, it falls to 0.");
+        "Relative errors in the Euclidean norm against rk4 over the same time, in 32 steps of at most 12.5 ns, from the scene's settled start.\n"
+        "slope: of the error over the step length, between a row and the one above; where rounding is reached, it falls to 0.\n"
+        "cut: a transition came in between, which only methods that are no tables of stages meet here.");
     return [arguments] { return local_error(*arguments); };
 }
 

@@ -1,0 +1,25 @@
+#include "tests/tasks/brief_start_fixture.hpp"
+
+#include <gtest/gtest.h>
+
+namespace cvtflow::tasks {
+
+Scene brief_scene() {
+    Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
+    const std::vector<std::string> brief{"start.settling_time=1ms", "start.ramp_time=0.5ms"};
+    set_values(scene, brief);
+    return scene;
+}
+
+const FrozenStart& brief_start() {
+    static const FrozenStart settled = [] {
+        Simulation simulation(brief_scene());
+        SilentObserver nobody;
+        const engine::Cancellation never;
+        EXPECT_FALSE(simulation.settle(nobody, never));
+        return frozen_start(simulation);
+    }();
+    return settled;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,57 @@
+#include "tasks/method_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "engine/method/catalogue.hpp"
+#include "tests/tasks/brief_start_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+std::vector<double> after(MethodRun& run, double duration) {
+    SilentObserver nobody;
+    const engine::Cancellation never;
+    EXPECT_FALSE(run.run(brief_start(), duration, 50e-9, 10e-6, nobody, never));
+    const double* state = run.workspace().states[0];
+    return {state, state + brief_start().state.size()};
+}
+
+TEST(MethodRun, IsTheRunOfASimulationBitByBit) {
+    Simulation settled(brief_scene());
+    SilentObserver nobody;
+    const engine::Cancellation never;
+    ASSERT_FALSE(settled.settle(nobody, never));
+    ASSERT_FALSE(settled.run(40e-6, nobody, never));
+    MethodRun run(brief_scene().parameters, "rk4");
+    const std::vector<double> state = after(run, 40e-6);
+    EXPECT_TRUE(std::equal(state.begin(), state.end(), settled.state()));
+    EXPECT_EQ(run.counters().steps, settled.counters().steps);
+}
+
+TEST(MethodRun, BeginsAgain) {
+    MethodRun run(brief_scene().parameters, "dumka3-p3");
+    const std::vector<double> first = after(run, 100e-6);
+    EXPECT_EQ(after(run, 100e-6), first);
+}
+
+TEST(MethodRun, OfAnUnknownMethodIsRefused) { EXPECT_THROW(MethodRun(brief_scene().parameters, "rk5"), std::invalid_argument); }
+
+TEST(MethodRun, LocalErrorsByNameAreThoseOfTheTable) {
+    const std::vector<double> steps{80e-9};
+    const model::Parameters parameters = brief_scene().parameters;
+    const LocalError named = local_errors(parameters, "heun", brief_start(), steps).front();
+    const LocalError direct = local_errors(model::Variator(parameters), *engine::find_method("heun"), brief_start(), steps).front();
+    EXPECT_EQ(named.velocities, direct.velocities);
+    EXPECT_GT(named.velocities, 0.0);
+}
+
+TEST(MethodRun, AReferenceTakesAtLeastAsManyStepsAsAskedAndNoneLongerThanIsStable) {
+    EXPECT_EQ(reference_steps(80e-9, 32), 32);
+    EXPECT_EQ(reference_steps(4e-6, 32), 320);
+    EXPECT_EQ(reference_steps(4.001e-6, 32), 321);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

@@ -1,0 +1,110 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "tasks/scene/units.hpp"
+#include "tools/command.hpp"
+#include "tools/comparison_report.hpp"
+#include "tools/interrupt.hpp"
+#include "tools/output_folder.hpp"
+#include "tools/scene_arguments.hpp"
+#include "tools/settled_start.hpp"
+#include "tools/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+struct PinEntryArguments {
+    SceneArguments scene;
+    OutputArguments output;
+    std::vector<std::string> candidates;
+    std::string reference = "rk4@12.5ns", duration = "1ms", interval = "12us";
+    int rounds = 3, pin = -1;
+    bool quiet = false;
+};
+
+/// A time above 0 [s]. @param where what to name in the error
+double read_time(const std::string& text, const std::string& where) {
+    const auto parsed = tasks::parse_quantity(text);
+    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
+    const bool time = quantity != nullptr && (!quantity->has_unit || quantity->dimension == tasks::dimension_of("s"));
+    if (!time || !(quantity->value > 0.0)) throw tasks::SceneError(fmt::format("{}: '{}' is not a time above 0, such as 40ns", where, text));
+    return quantity->value;
+}
+
+/// "rk4@50ns".
+tasks::Candidate read_candidate(const std::string& text) {
+    const std::size_t at = text.find('@');
+    if (at == std::string::npos) throw tasks::SceneError(fmt::format("{}: a method and its step are wanted, such as rk4@50ns", text));
+    const tasks::Candidate candidate{text.substr(0, at), read_time(text.substr(at + 1), text)};
+    require_method(candidate.method);
+    return candidate;
+}
+
+void write_files(OutputFolder& folder, const std::string& scene, const tasks::Comparison& comparison, const tasks::ComparisonOptions& options) {
+    folder.write("comparison.csv", comparison_csv(comparison, options));
+    folder.write("comparison.json", comparison_json(scene, comparison, options));
+    if (comparison.pin < 0) return;
+    folder.write("pin-force.csv", pin_csv(comparison));
+    folder.write("pin-force.svg", svg(pin_plot(scene, comparison)));
+    folder.write("pin-force-error.svg", svg(pin_error_plot(scene, comparison)));
+}
+
+ExitStatus pin_entry(const PinEntryArguments& arguments) {
+    std::vector<tasks::Candidate> candidates;
+    for (const std::string& text : arguments.candidates) candidates.push_back(read_candidate(text));
+    tasks::ComparisonOptions options;
+    options.reference = read_candidate(arguments.reference);
+    options.duration = read_time(arguments.duration, "--time");
+    options.output_interval = read_time(arguments.interval, "--interval");
+    options.rounds = arguments.rounds;
+    options.pin = arguments.pin;
+    const LoadedScene loaded = load_scene(arguments.scene);
+    const tasks::Scene& scene = loaded.scene;
+    if (options.pin >= scene.parameters.chain.pins) throw tasks::SceneError(fmt::format("--pin {}: the chain has pins 0 to {}", options.pin, scene.parameters.chain.pins - 1));
+    if (!arguments.quiet) {
+        options.progress = [](const std::string& what) { fmt::print(stderr, "cvtflow: {}\n", what); };
+        if (!loaded.notice.empty()) options.progress(loaded.notice);
+    }
+    const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "a comparison");
+    const engine::Cancellation& cancel = catch_interrupts();
+    const tasks::Comparison comparison = tasks::compare(scene.parameters, start, candidates, options, cancel);
+    if (cancel.requested()) return ExitStatus::cancelled;
+    OutputFolder folder(arguments.output);
+    write_files(folder, scene.name, comparison, options);
+    fmt::print("{}: {} from t = {}, against {}; one thread, medians of {}, in turns\n", scene.name, time_text(options.duration), time_text(start.time),
+               candidate_name(options.reference), plural(options.rounds, "round"));
+    fmt::print("{}\n{}", comparison.pin < 0 ? std::string("  no pin enters the driving sheaves\n")
+                                            : field("pin", fmt::format("{}, enters the driving sheaves at {}", comparison.pin, time_text(comparison.entry))),
+               comparison_table(comparison, options));
+    if (!folder.written().empty()) fmt::print("\n{}", folder.written());
+    return ExitStatus::finished;
+}
+
+constexpr const char* explanation =
+    "Every candidate runs from the same start, with transitions. fewer by, faster by: evaluations and time of the first candidate over those of\n"
+    "this one. err: ‖value - reference‖/‖reference‖ over all outputs, of the axial force of all tips, the tension of all links, and the axial\n"
+    "force of the pin that enters the driving sheaves first (or --pin). Steps are shortened so that they divide the interval.\n"
+    "Example: cvtflow pin-entry baseline rk4@50ns dumka3-p5@2us dumka3-p7@3us -o results/speed";
+
+}  // namespace
+
+Action declare_pin_entry(CLI::App& app) {
+    const auto arguments = std::make_shared<PinEntryArguments>();
+    declare_scene(app, arguments->scene);
+    app.add_option("METHOD@STEP", arguments->candidates, "Methods with their steps; speed-ups refer to the first")->required()->type_name("");
+    app.add_option("--time", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
+    app.add_option("--interval", arguments->interval, "Time between outputs")->type_name("TIME")->capture_default_str();
+    app.add_option("--reference", arguments->reference, "What errors refer to")->type_name("METHOD@STEP")->capture_default_str();
+    app.add_option("--rounds", arguments->rounds, "Rounds of timing; 0: none")->type_name("N")->check(CLI::Range(0, 1000))->capture_default_str();
+    app.add_option("--pin", arguments->pin, "Pin to look at")->type_name("N")->check(CLI::NonNegativeNumber);
+    declare_fresh_start(app, arguments->scene);
+    declare_output(app, arguments->output);
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.footer(explanation);
+    return [arguments] { return pin_entry(*arguments); };
+}
+
+}  // namespace cvtflow::tools

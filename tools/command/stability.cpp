@@ -1,0 +1,107 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+
+#include "engine/method/stability.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/spectrum.hpp"
+#include "tools/command.hpp"
+#include "tools/output_folder.hpp"
+#include "tools/scene_arguments.hpp"
+#include "tools/settled_start.hpp"
+#include "tools/stability_report.hpp"
+#include "tools/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+struct StabilityArguments {
+    std::vector<std::string> methods;
+    SceneArguments scene;
+    OutputArguments output;
+    bool all = false, quiet = false;
+    double step = 0.0;
+};
+
+engine::StagePlan plan_named(const std::string& name) {
+    require_method(name);
+    if (tasks::find_program(name) != nullptr) throw tasks::SceneError(fmt::format("{} is no table of stages: it has no stability function", name));
+    return *tasks::plan_for(name);
+}
+
+/// A scene's eigenvalues, and where its methods are tried.
+struct Ground {
+    std::string scene;
+    tasks::FrozenStart start;
+    std::optional<model::Variator> variator;
+    tasks::Eigenvalues values;
+};
+
+Ground ground_of(const StabilityArguments& arguments) {
+    const LoadedScene loaded = load_scene(arguments.scene);
+    if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    Ground ground{loaded.scene.name, settled_start(loaded.scene, arguments.scene.settle, "its eigenvalues"), {}, {}};
+    ground.variator.emplace(loaded.scene.parameters);
+    const int size = static_cast<int>(ground.start.state.size());
+    if (!arguments.quiet) fmt::print(stderr, "cvtflow: eigenvalues of {}\n", ground.scene);
+    std::vector<double> matrix = tasks::jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
+    ground.values = arguments.all ? tasks::eigenvalues(std::move(matrix), size) : tasks::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
+    return ground;
+}
+
+void try_on(StabilityResult& result, const Ground& ground) {
+    const std::string& name = result.plan.name;
+    const tasks::Extent extent = tasks::extent_of(ground.values);
+    StepLimit limit{name, engine::largest_stable_step(result.plan, ground.values), {}};
+    limit.measured = tasks::measured_stable_step(*ground.variator, result.plan, ground.start, limit.predicted.step, extent.growth);
+    result.growth = engine::stage_growth(result.plan, limit.predicted.step * extent.decay);
+    result.gain = engine::perturbation_gain(result.plan, limit.predicted.step * extent.decay);
+    result.limit = limit;
+}
+
+ExitStatus stability(const StabilityArguments& arguments) {
+    std::vector<engine::StagePlan> plans;
+    for (const std::string& name : arguments.methods) plans.push_back(plan_named(name));
+    std::optional<Ground> ground;
+    if (!arguments.scene.scene.empty()) ground = ground_of(arguments);
+    OutputFolder folder(arguments.output);
+    std::vector<StabilityResult> results;
+    for (const engine::StagePlan& plan : plans) {
+        if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", plan.name);
+        results.push_back(stability_of(plan));
+        if (ground) try_on(results.back(), *ground);
+        const double step = arguments.step > 0.0 ? arguments.step : ground ? results.back().limit->predicted.step : 1.0;
+        const std::string picture = fmt::format("stability-{}.svg", plan.name);
+        if (folder.wants(picture)) folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : tasks::Eigenvalues{}, step, ground ? ground->scene : "")));
+    }
+    folder.write("stability.csv", stability_csv(results));
+    fmt::print("{}{}", stability_table(results), folder.written());
+    return ExitStatus::finished;
+}
+
+constexpr const char* explanation =
+    "real, imag, ray: how far |R(z)| <= 1 reaches from 0 along the axes and along rays of that damping ratio. With --scene also:\n"
+    "growth, gain: largest stage value, and largest factor on an error made in a stage, over the scene's decays at the largest stable step;\n"
+    "the step itself, predicted by the eigenvalues and confirmed by steps about the state (cvtflow spectrum --help).\n"
+    "Maps show eigenvalues times the largest stable step, or times --step; --all also the inner ones (a minute or two at full detail).";
+
+}  // namespace
+
+Action declare_stability(CLI::App& app) {
+    const auto arguments = std::make_shared<StabilityArguments>();
+    app.add_option("METHOD", arguments->methods, "Methods (cvtflow list methods)")->required()->type_name("");
+    app.add_option("--scene", arguments->scene.scene, "Scene whose eigenvalues the methods have to cope with")->type_name("SCENE");
+    declare_changes(app, arguments->scene);
+    declare_fresh_start(app, arguments->scene);
+    app.add_option("--step", arguments->step, "Step of the map in seconds")->type_name("SECONDS")->check(CLI::PositiveNumber);
+    app.add_flag("--all", arguments->all, "All eigenvalues instead of those at the edge");
+    declare_output(app, arguments->output);
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.footer(explanation);
+    return [arguments] { return stability(*arguments); };
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,63 @@
+#pragma once
+/// A picture of numbers as data: series, a region, two axes. Drawn as SVG by svg(), without any library.
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace cvtflow::tools {
+
+/// How an axis places its values.
+enum class Scale {
+    linear,
+    logarithmic,  ///< decades; values ≤ 0 are left out
+    symlog,       ///< linear up to `Axis::linear_up_to`, decades beyond it on either side
+};
+
+struct Axis {
+    std::string label;            ///< with its unit: "step [s]"
+    Scale scale = Scale::linear;
+    double linear_up_to = 1.0;    ///< symlog only: > 0
+    std::optional<double> from, to;   ///< ends; absent: as the points demand, with a margin
+};
+
+enum class Mark { none, dot, small_dot, ring, square, diamond, triangle, cross };
+enum class Line { none, solid, dashed };
+
+struct Point {
+    double x, y;
+};
+
+struct Series {
+    std::string name;             ///< in the legend; empty: not in the legend
+    std::vector<Point> points;    ///< in the order in which a line joins them; points that are not finite interrupt it
+    Mark mark = Mark::dot;
+    Line line = Line::none;
+    std::string colour;           ///< as in CSS; empty: the next of the palette
+};
+
+/// A shaded part of the plane: where `inside` holds.
+struct Region {
+    std::string name;
+    std::function<bool(double x, double y)> inside;
+    std::string colour = "#dbe7f3";
+};
+
+struct Plot {
+    std::string title;
+    std::string subtitle;         ///< conditions, in smaller letters; may be empty
+    Axis x, y;
+    std::vector<Series> series;
+    std::vector<Region> regions;  ///< below the series, in this order
+    double width = 860.0, height = 540.0;   ///< of the picture [px], legend included
+};
+
+/// The plot as an SVG document: white background, grid, ticks with round numbers, legend at the right.
+/// @throws std::invalid_argument if an axis has no length, or a symlog axis no linear part
+[[nodiscard]] std::string svg(const Plot& plot);
+
+/// The colour that the series of that number gets if it names none: eight, told apart by the colour-blind, repeated.
+[[nodiscard]] std::string palette(std::size_t number);
+
+}  // namespace cvtflow::tools

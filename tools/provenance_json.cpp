@@ -1,0 +1,13 @@
+#include "tools/provenance_json.hpp"
+
+#include "engine/base/provenance.hpp"
+
+namespace cvtflow::tools {
+
+nlohmann::ordered_json provenance_json() {
+    const engine::Provenance here = engine::current_provenance();
+    return {{"version", here.version}, {"commit", here.commit},   {"compiler", here.compiler}, {"build_type", here.build_type}, {"instruction_set", here.instruction_set},
+            {"cpu", here.cpu},         {"cores", here.cores}, {"os", here.os},             {"date", here.date}};
+}
+
+}  // namespace cvtflow::tools
