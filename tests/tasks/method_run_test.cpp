@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "engine/method/catalogue.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"
@@ -45,6 +46,18 @@ TEST(MethodRun, LocalErrorsByNameAreThoseOfTheTable) {
     const LocalError direct = local_errors(model::Variator(parameters), *engine::find_method("heun"), brief_start(), steps).front();
     EXPECT_EQ(named.velocities, direct.velocities);
     EXPECT_GT(named.velocities, 0.0);
+}
+
+TEST(MethodRun, LocalErrorsOfAProgramFallWithItsOrderPlusOne) {
+    const std::vector<double> steps{200e-9, 100e-9, 50e-9};   // within half a microsecond a tip changes
+    const std::vector<LocalError> errors = local_errors(brief_scene().parameters, "trapezoidal-analytic", brief_start(), steps);
+    int slopes = 0;
+    for (std::size_t k = 1; k < errors.size(); ++k) {
+        if (!(errors[k].positions > 0.0 && errors[k - 1].positions > 0.0)) continue;   // a transition came in between
+        EXPECT_NEAR(std::log2(errors[k - 1].positions / errors[k].positions), 3.0, 0.2);
+        ++slopes;
+    }
+    EXPECT_EQ(slopes, 2);
 }
 
 TEST(MethodRun, AReferenceTakesAtLeastAsManyStepsAsAskedAndNoneLongerThanIsStable) {
