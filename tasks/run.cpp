@@ -7,7 +7,6 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/state_file.hpp"
-#include "tasks/auto_schedule.hpp"
 #include "tasks/run_recorder.hpp"
 
 namespace cvtflow::tasks {
@@ -35,12 +34,10 @@ void settle(Simulation& simulation, const Scene& scene, RunRecorder& recorder, c
 
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
     const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
-    const Choice choice = scene.run.schedule == "auto" ? choose_schedule(scene) : Choice{schedule_of(scene.run, scene.parameters.chain.pins), {}, ""};
-    Simulation simulation(scene, choice.schedule);
+    Simulation simulation(scene);
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
     report.method = scene.run.method;
-    report.schedule = choice.reason.empty() ? choice.schedule.text() : fmt::format("{} ({})", choice.schedule.text(), choice.reason);
     report.start_differences = simulation.start_differences();
     settle(simulation, scene, recorder, cancel, report);
     if (!report.fault) {
@@ -53,6 +50,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     }
     report.end = simulation.time();
     report.step = simulation.step();
+    report.schedule = simulation.runner().text();
     report.hash = simulation.hash();
     recorder.finish(report);
     return report;

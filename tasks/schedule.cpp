@@ -62,7 +62,7 @@ AssemblyOptions assembly_named(const std::string& name) {
 
 std::string Schedule::text() const {
     if (executor == "serial" && segments == 1 && assembly.kind == Assembly::fused) return "serial";
-    return fmt::format("{}, {}, {} segments, {} threads", executor, assembly_name(assembly), segments, threads);
+    return fmt::format("{}, {}, {} segments, {} threads{}", executor, assembly_name(assembly), segments, threads, balanced ? ", balanced" : "");
 }
 
 Schedule schedule_of(const RunSettings& run, int links) {

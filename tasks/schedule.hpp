@@ -24,6 +24,7 @@ struct Schedule {
     engine::Wait wait = engine::Wait::balanced;
     bool pin = false;
 
+    bool operator==(const Schedule&) const = default;
     /// "flow, fused, 2 segments, 2 threads"
     [[nodiscard]] std::string text() const;
 };
