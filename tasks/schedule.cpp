@@ -94,21 +94,46 @@ std::unique_ptr<engine::Executor> make_executor(const Schedule& schedule, engine
     return row->make(options);
 }
 
-Partition balanced_partition(const std::vector<model::Phase>& phases, int links, int segments, const LinkCosts& costs) {
-    std::vector<double> until{0.0};   // cost of the links before
-    for (int link = 0; link < links; ++link) {
-        const auto tips = phases.begin() + model::tips_per_link * link;
-        const bool touching = std::any_of(tips, tips + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; });
-        until.push_back(until.back() + (touching ? costs.touching : costs.free));
+namespace {
+
+[[nodiscard]] double link_cost(const std::vector<model::Phase>& phases, int link, const LinkCosts& costs) noexcept {
+    const auto tips = phases.begin() + model::tips_per_link * link;
+    return std::any_of(tips, tips + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; }) ? costs.touching : costs.free;
+}
+
+}  // namespace
+
+double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts, const LinkCosts& costs) noexcept {
+    double longest = 0.0;
+    for (std::size_t s = 1; s < cuts.size(); ++s) {
+        double cost = 0.0;
+        for (int link = cuts[s - 1]; link < cuts[s]; ++link) cost += link_cost(phases, link, costs);
+        longest = std::max(longest, cost);
     }
-    std::vector<int> cuts{0};
-    for (int s = 1; s < segments; ++s) {
-        const double wanted = until.back() * s / segments;
-        const auto above = std::lower_bound(until.begin(), until.end(), wanted);
-        const auto nearest = above != until.begin() && wanted - *(above - 1) < *above - wanted ? above - 1 : above;
-        cuts.push_back(std::clamp(static_cast<int>(nearest - until.begin()), cuts.back() + 1, links - (segments - s)));
+    return longest;
+}
+
+void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs) noexcept {
+    const int links = static_cast<int>(phases.size()) / model::tips_per_link, segments = static_cast<int>(cuts.size()) - 1;
+    double total = 0.0;
+    for (int link = 0; link < links; ++link) total += link_cost(phases, link, costs);
+    double until = 0.0, before = 0.0;   // cost of the links before `at`, and before the one in front of it
+    cuts.front() = 0;
+    for (int s = 1, at = 0; s < segments; ++s) {
+        const double wanted = total * s / segments;
+        for (; at < links && until < wanted; ++at) {
+            before = until;
+            until += link_cost(phases, at, costs);
+        }
+        const int nearest = at > 0 && wanted - before < until - wanted ? at - 1 : at;
+        cuts[static_cast<std::size_t>(s)] = std::clamp(nearest, cuts[static_cast<std::size_t>(s) - 1] + 1, links - (segments - s));
     }
-    cuts.push_back(links);
+    cuts.back() = links;
+}
+
+Partition balanced_partition(const std::vector<model::Phase>& phases, int segments, const LinkCosts& costs) {
+    std::vector<int> cuts(static_cast<std::size_t>(segments) + 1);
+    balance(phases, cuts, costs);
     return Partition::at(cuts);
 }
 

@@ -2,6 +2,7 @@
 /// How a step is cut into tasks and who runs them: partition x assembly x executor. Results do not depend on it.
 
 #include <memory>
+#include <span>
 #include <string>
 
 #include "engine/executor/executor.hpp"
@@ -49,7 +50,12 @@ struct LinkCosts {
     double touching = 1.35;   ///< measured at full detail: tips are a third of what else a link costs (bench rhs)
 };
 
-/// Contiguous segments of about equal cost, judged by which links touch now.
-[[nodiscard]] Partition balanced_partition(const std::vector<model::Phase>& phases, int links, int segments, const LinkCosts& costs = {});
+/// Contiguous segments of about equal cost, judged by which links touch now. @param phases [4 links]
+[[nodiscard]] Partition balanced_partition(const std::vector<model::Phase>& phases, int segments, const LinkCosts& costs = {});
+
+/// The same without memory of its own: cuts[0] = 0 < cuts[1] < … < cuts[segments] = links. @param cuts [segments + 1, out]
+void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs = {}) noexcept;
+/// Cost of the most costly segment between such cuts.
+[[nodiscard]] double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts, const LinkCosts& costs = {}) noexcept;
 
 }  // namespace cvtflow::tasks

@@ -8,8 +8,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// Growth of the imbalance from which on borders are moved: a move costs an end and a beginning of the threads' common run.
-constexpr double tolerable_growth = 1.02;
+/// Longest segment over that of balanced borders from which on they are moved: a move costs an end and a beginning of the threads' common run.
+constexpr double tolerable = 1.02;
 
 [[nodiscard]] bool touches(const Workspace& w, int link) noexcept {
     const model::Phase* tips = w.phases.data() + model::tips_per_link * link;
@@ -22,16 +22,23 @@ constexpr double tolerable_growth = 1.02;
     return count;
 }
 
+[[nodiscard]] std::vector<int> equal_cuts(int links, int segments) {
+    std::vector<int> cuts{0};
+    for (const Segment& segment : Partition::equal(links, segments).segments()) cuts.push_back(segment.last);
+    return cuts;
+}
+
 [[nodiscard]] std::string times(long count, const char* what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
 }  // namespace
 
 ScheduleRunner::ScheduleRunner(Workspace& workspace, std::vector<Schedule> candidates, const ChooserOptions& options, engine::StampRecorder* recorder)
     : w_(workspace), chooser_(static_cast<int>(candidates.size()), options), recorder_(recorder) {
-    for (Schedule& each : candidates) slots_.push_back({each, Partition::equal(w_.layout().links, each.segments)});
+    for (Schedule& each : candidates) slots_.push_back({each, equal_cuts(w_.layout().links, each.segments)});
+    cuts_.reserve(static_cast<std::size_t>(w_.layout().links) + 1);
     Slot& first = slots_.front();
     first.executor = make_executor(first.schedule, recorder_);   // complaints come now
-    w_.repartition(first.partition);
+    w_.repartition(Partition::at(first.cuts));
     first.graph = step_graph(w_, first.schedule.assembly);
 }
 
@@ -52,35 +59,28 @@ void ScheduleRunner::take_up() {
     Slot& slot = slots_[current()];
     if (!slot.executor) slot.executor = make_executor(slot.schedule, recorder_);
     bool stale = slot.graph.size() == 0;
-    if (slot.schedule.balanced && slot.schedule.segments > 1) {
-        Partition moved = balanced_partition(w_.phases, w_.layout().links, slot.schedule.segments);
-        if (!std::ranges::equal(moved.segments(), slot.partition.segments())) {
-            slot.partition = std::move(moved);
-            stale = true;
-            moves_ += rests_ > 0;
-        }
+    if (wants_other_borders() || (stale && slot.schedule.balanced)) {
+        moves_ += !stale;
+        cuts_.resize(slot.cuts.size());
+        balance(w_.phases, cuts_);
+        slot.cuts = cuts_;
+        stale = true;
     }
-    w_.repartition(slot.partition);
+    w_.repartition(Partition::at(slot.cuts));
     if (stale) slot.graph = step_graph(w_, slot.schedule.assembly);
-    balanced_at_ = imbalance();
 }
 
-/// Cost of the most costly segment over the mean, as links are now.
-double ScheduleRunner::imbalance() const noexcept {
-    const LinkCosts costs;
-    double longest = 0.0, all = 0.0;
-    for (const Segment& segment : w_.partition.segments()) {
-        double cost = 0.0;
-        for (int link = segment.first; link < segment.last; ++link) cost += touches(w_, link) ? costs.touching : costs.free;
-        longest = std::max(longest, cost);
-        all += cost;
-    }
-    return longest * w_.partition.size() / all;
+bool ScheduleRunner::wants_other_borders() noexcept {
+    const Slot& slot = slots_[current()];
+    if (!slot.schedule.balanced || slot.schedule.segments == 1) return false;
+    cuts_.resize(slot.cuts.size());   // within what was reserved
+    balance(w_.phases, cuts_);
+    return longest_segment(w_.phases, slot.cuts) > tolerable * longest_segment(w_.phases, cuts_);
 }
 
 bool ScheduleRunner::rest(double seconds, double per_cycle) noexcept {
     const bool other = chooser_.took({seconds, per_cycle, touching_links(w_)});
-    return other || (schedule().balanced && imbalance() > tolerable_growth * balanced_at_);
+    return other || wants_other_borders();
 }
 
 std::string ScheduleRunner::text() const {

@@ -33,7 +33,7 @@ public:
 private:
     struct Slot {
         Schedule schedule;
-        Partition partition;
+        std::vector<int> cuts;                          ///< borders of its segments
         std::unique_ptr<engine::Executor> executor{};   ///< made when it is first used
         engine::TaskGraph graph{};
     };
@@ -42,13 +42,13 @@ private:
     void take_up();
     [[nodiscard]] double window() const noexcept override { return chooser_.window(); }
     [[nodiscard]] bool rest(double seconds, double per_cycle) noexcept override;
-    [[nodiscard]] double imbalance() const noexcept;
+    [[nodiscard]] bool wants_other_borders() noexcept;
 
     Workspace& w_;
     ScheduleChooser chooser_;
     std::vector<Slot> slots_;
     engine::StampRecorder* recorder_;
-    double balanced_at_ = 0.0;   ///< imbalance() when borders were last moved
+    std::vector<int> cuts_;   ///< room for balanced borders
     long moves_ = 0, rests_ = 0;
 };
 
