@@ -60,7 +60,7 @@ void ScheduleRunner::take_up() {
     if (!slot.executor) slot.executor = make_executor(slot.schedule, recorder_);
     bool stale = slot.graph.size() == 0;
     if (wants_other_borders() || (stale && slot.schedule.balanced)) {
-        moves_ += !stale;
+        moves_ += rests_ > 0 && !stale;
         cuts_.resize(slot.cuts.size());
         balance(w_.phases, cuts_);
         slot.cuts = cuts_;

@@ -6,20 +6,30 @@
 #include <cmath>
 
 #include "engine/base/hash.hpp"
-#include "engine/method/catalogue.hpp"
 #include "engine/record/state_file.hpp"
 #include "model/start_state.hpp"
 #include "tasks/auto_schedule.hpp"
+#include "tasks/method_choice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
 
-const engine::StagePlan& plan_of(const Scene& scene) {
-    const engine::StagePlan* plan = engine::find_method(scene.run.method);
-    if (plan == nullptr) throw SimulationError(fmt::format("run.method: there is no method '{}' (cvtflow list methods)", scene.run.method));
-    return *plan;
+engine::StagePlan plan_of(const Scene& scene) {
+    auto plan = plan_for(scene.run.method);
+    if (!plan) throw SimulationError(fmt::format("run.method: there is no method '{}' (cvtflow list methods)", scene.run.method));
+    return std::move(*plan);
+}
+
+std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) {
+    try {
+        auto method = make_step_method(scene.run.method, workspace);
+        workspace.method = method.get();   // its tasks are in every graph
+        return method;
+    } catch (const std::invalid_argument& error) {
+        throw SimulationError(fmt::format("run.method: {}", error.what()));
+    }
 }
 
 const std::string* text_attribute(const engine::SavedState& saved, std::string_view name) {
@@ -56,7 +66,7 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
 Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options, engine::StampRecorder* recorder)
     : scene_(scene), workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene),
                                                             Partition::equal(scene.parameters.chain.pins, candidates.front().segments))),
-      runner_(*workspace_, candidates, options, recorder) {
+      method_(method_of(scene, *workspace_)), runner_(*workspace_, candidates, options, recorder) {
     if (!scene_.state_file.empty()) {
         take_state(engine::read_state(scene_.state_file));
         return;
@@ -105,7 +115,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
 }
 
 Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
-    StepController controller(*workspace_, settings, observer, cancel);
+    StepController controller(*workspace_, *method_, settings, observer, cancel);
     runner_.run(controller);
     counters_ = controller.counters();
     step_ = controller.step();

@@ -70,6 +70,7 @@ private:
 
     Scene scene_;
     std::unique_ptr<Workspace> workspace_;
+    std::unique_ptr<StepMethod> method_;
     ScheduleRunner runner_;
     bool needs_settling_ = false;
     double time_ = 0.0;

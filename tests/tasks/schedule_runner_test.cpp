@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "tasks/auto_schedule.hpp"
+#include "tasks/method_choice.hpp"
 #include "tasks/simulation.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
@@ -82,6 +83,24 @@ TEST(ScheduleRunner, BordersFollowTheLinksThatTouch) {
     const Outcome moved = outcome(scene, balanced, options);
     EXPECT_GT(moved.moves, 0);
     EXPECT_EQ(moved.hash, outcome(scene, {Schedule{}}, {}).hash);
+}
+
+TEST(ScheduleRunner, NoMethodMindsOtherSegmentsBetweenItsSteps) {
+    for (const std::string& method : method_names()) {
+        Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+        scene.run.method = method;
+        scene.run.step = 1e-8;   // within every method's stability
+        SilentObserver quiet;
+        const engine::Cancellation never;
+        std::uint64_t expected = 0;
+        for (const std::vector<Schedule>& candidates : {std::vector{Schedule{}}, std::vector{Schedule{}, Schedule{"barrier", {Assembly::staged}, 5, 2}, Schedule{"serial", {Assembly::fused}, 24, 1}}}) {
+            Simulation simulation(scene, candidates, restless());
+            EXPECT_EQ(simulation.run_steps(30, quiet, never).kind, FaultKind::max_steps) << method;
+            if (candidates.size() == 1) expected = simulation.hash();
+            EXPECT_EQ(simulation.hash(), expected) << method;
+            EXPECT_EQ(simulation.runner().rests() > 0, candidates.size() > 1);
+        }
+    }
 }
 
 /// Counts allocations between outputs between which the run did not rest.
