@@ -23,8 +23,9 @@ constexpr double tolerable = 1.02;
 }
 
 [[nodiscard]] std::vector<int> equal_cuts(int links, int segments) {
+    const Partition partition = Partition::equal(links, segments);
     std::vector<int> cuts{0};
-    for (const Segment& segment : Partition::equal(links, segments).segments()) cuts.push_back(segment.last);
+    for (const Segment& segment : partition.segments()) cuts.push_back(segment.last);
     return cuts;
 }
 

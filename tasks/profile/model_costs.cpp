@@ -124,7 +124,8 @@ double stretch_of(const ScheduleResult& result, const ProfileModel& model) {
     double measured = 0.0;
     for (std::size_t task = 0; task < times.size(); ++task) measured += stage_of(recording.tasks[task]) == Stage::force ? times[task] : 0.0;
     double expected = 0.0;
-    for (const Segment& segment : partition_of(result, links).segments()) {
+    const Partition partition = partition_of(result, links);
+    for (const Segment& segment : partition.segments()) {
         const int touching = static_cast<int>(std::count(model.touching.begin() + segment.first, model.touching.begin() + segment.last, true));
         expected += evaluation_time(model.costs, {segment.size() - touching, touching, 0.0});
     }

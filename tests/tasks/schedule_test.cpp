@@ -155,6 +155,17 @@ TEST(Schedule, BalancedSegmentsCostAboutTheSame) {
     }
 }
 
+TEST(Schedule, BalancingIsWorthWhatTheLongestSegmentSays) {
+    std::vector<model::Phase> phases(4 * 12, model::Phase::free);
+    for (int link = 0; link < 4; ++link) phases[static_cast<std::size_t>(4 * link + 3)] = model::Phase::touching;
+    const LinkCosts costs{1.0, 2.0};
+    EXPECT_DOUBLE_EQ(longest_segment(phases, std::vector<int>{0, 6, 12}, costs), 4 * 2.0 + 2);
+    std::vector<int> cuts(3);
+    balance(phases, cuts, costs);
+    EXPECT_EQ(cuts, (std::vector<int>{0, 4, 12}));   // 8 and 8
+    EXPECT_DOUBLE_EQ(longest_segment(phases, cuts, costs), 8.0);
+}
+
 TEST(Schedule, AnUnknownExecutorIsRefused) {
     RunSettings run;
     run.schedule = "flaw";
