@@ -14,13 +14,16 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// Whole processors of a cgroup's CPU quota ("max 100000" or "quota period" in cpu.max), or a large number.
-[[nodiscard]] int quota_processors() {
-    std::ifstream file("/sys/fs/cgroup/cpu.max");
-    std::string quota;
-    double period = 0.0;
-    if (!(file >> quota >> period) || quota == "max" || period <= 0.0) return std::numeric_limits<int>::max();
-    return std::max(1, static_cast<int>(std::strtod(quota.c_str(), nullptr) / period));
+/// Least quota of the group and all that it lies in ("max 100000" or "quota period" in cpu.max), whole processors; a large number: none.
+[[nodiscard]] int least_quota(const std::filesystem::path& root, std::filesystem::path group) {
+    int least = std::numeric_limits<int>::max();
+    for (group = group.relative_path();; group = group.parent_path()) {
+        std::ifstream file(root / group / "cpu.max");
+        std::string quota;
+        double period = 0.0;
+        if (file >> quota >> period && quota != "max" && period > 0.0) least = std::min(least, std::max(1, static_cast<int>(std::strtod(quota.c_str(), nullptr) / period)));
+        if (group.empty()) return least;
+    }
 }
 
 /// What a batch system granted to this task, or a large number.
@@ -32,7 +35,16 @@ namespace {
 
 }  // namespace
 
-int usable_threads() { return std::max(1, std::min({engine::usable_processors(), quota_processors(), granted_processors()})); }
+int quota_processors(const std::filesystem::path& root, const std::filesystem::path& membership) {
+    std::ifstream file(membership);
+    std::filesystem::path group;
+    for (std::string line; std::getline(file, line);) {
+        if (line.starts_with("0::")) group = line.substr(3);
+    }
+    return least_quota(root, group);
+}
+
+int usable_threads() { return std::max(1, std::min({engine::usable_processors(), quota_processors("/sys/fs/cgroup", "/proc/self/cgroup"), granted_processors()})); }
 
 namespace {
 

@@ -1,6 +1,7 @@
 #pragma once
 /// How a step is cut into tasks and who runs them: partition x assembly x executor. Results do not depend on it.
 
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -15,6 +16,9 @@ namespace cvtflow::tasks {
 
 /// Processors that this process may use: affinity, CPU quota of its cgroup, SLURM_CPUS_PER_TASK.
 [[nodiscard]] int usable_threads();
+/// Whole processors that the CPU quota of a process's control group (version 2), or of one that it lies in, leaves it; a large number: there is none.
+/// @param root where control groups are mounted   @param membership the process's file of groups
+[[nodiscard]] int quota_processors(const std::filesystem::path& root, const std::filesystem::path& membership);
 
 struct Schedule {
     std::string executor = "serial";    ///< name in the catalogue of executors

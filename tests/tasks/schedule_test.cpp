@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "engine/executor/catalogue.hpp"
@@ -164,6 +167,31 @@ TEST(Schedule, BalancingIsWorthWhatTheLongestSegmentSays) {
     balance(phases, cuts, costs);
     EXPECT_EQ(cuts, (std::vector<int>{0, 4, 12}));   // 8 and 8
     EXPECT_DOUBLE_EQ(longest_segment(phases, cuts, costs), 8.0);
+}
+
+TEST(UsableThreads, AreNoMoreThanABatchSystemGrants) {
+    const char* before = std::getenv("SLURM_CPUS_PER_TASK");
+    const std::string kept = before != nullptr ? before : "";
+    setenv("SLURM_CPUS_PER_TASK", "1", 1);
+    EXPECT_EQ(usable_threads(), 1);
+    setenv("SLURM_CPUS_PER_TASK", "none", 1);
+    EXPECT_GE(usable_threads(), 1);
+    before != nullptr ? setenv("SLURM_CPUS_PER_TASK", kept.c_str(), 1) : unsetenv("SLURM_CPUS_PER_TASK");
+}
+
+TEST(UsableThreads, AreNoMoreThanTheQuotaOfAnyGroupAround) {
+    const std::filesystem::path root = testing::TempDir() + "quota";
+    std::filesystem::create_directories(root / "outer" / "inner");
+    const auto write = [&](const char* name, const char* text) { std::ofstream(root / name) << text << "\n"; };
+    write("membership", "1:name=systemd:/elsewhere\n0::/outer/inner");
+    EXPECT_GT(quota_processors(root, root / "membership"), 1000000);
+    write("outer/inner/cpu.max", "max 100000");
+    EXPECT_GT(quota_processors(root, root / "membership"), 1000000);
+    write("outer/cpu.max", "350000 100000");
+    EXPECT_EQ(quota_processors(root, root / "membership"), 3);
+    write("outer/inner/cpu.max", "50000 100000");
+    EXPECT_EQ(quota_processors(root, root / "membership"), 1);   // half a processor is one thread
+    std::filesystem::remove_all(root);
 }
 
 TEST(Schedule, AnUnknownExecutorIsRefused) {
