@@ -72,8 +72,8 @@ void ScheduleChooser::next_turn() noexcept {
 void ScheduleChooser::tried(const Pace& pace) noexcept {
     Candidate& own = candidates_[static_cast<std::size_t>(now_)];
     own.turns.push_back(pace.per_cycle);
-    lost_ += pace.seconds * std::max(0.0, 1.0 - best_ / pace.per_cycle);
-    best_ = std::min(best_, pace.per_cycle);
+    // Against the pace of work, in which neighbours' interference is already; the chosen one's own turns are work.
+    if (now_ != chosen_) lost_ += pace.seconds * std::max(0.0, 1.0 - best_ / pace.per_cycle);
     own.out = now_ != 0 && pace.per_cycle > options_.hopeless * best_;
     ++next_;
     next_turn();
