@@ -36,7 +36,7 @@ bool ScheduleChooser::due(const Pace& pace) noexcept {
 }
 
 void ScheduleChooser::worked(const Pace& pace) noexcept {
-    best_ = pace.per_cycle;
+    work_ = pace.per_cycle;
     const bool wanted = due(pace);
     if (!checking_ && wanted && affordable()) {
         touching_ = pace.touching;
@@ -73,8 +73,8 @@ void ScheduleChooser::tried(const Pace& pace) noexcept {
     Candidate& own = candidates_[static_cast<std::size_t>(now_)];
     own.turns.push_back(pace.per_cycle);
     // Against the pace of work, in which neighbours' interference is already; the chosen one's own turns are work.
-    if (now_ != chosen_) lost_ += pace.seconds * std::max(0.0, 1.0 - best_ / pace.per_cycle);
-    own.out = now_ != 0 && pace.per_cycle > options_.hopeless * best_;
+    if (now_ != chosen_) lost_ += pace.seconds * std::max(0.0, 1.0 - work_ / pace.per_cycle);
+    own.out = now_ != 0 && pace.per_cycle > options_.hopeless * work_;
     ++next_;
     next_turn();
 }

@@ -3,7 +3,7 @@
 /// clock nor thread, so that its promise can be tested on invented machines.
 ///
 /// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only what the
-/// schedule on trial is slower. These losses are counted, and a turn is taken only while all of them together, this turn being wasted entirely, stay
+/// schedule on trial is slower than the one at work. These losses are counted, and a turn is taken only while all of them together, this turn being wasted entirely, stay
 /// below `regret` of the time so far. A run too short for a trial stays with the first candidate.
 ///
 ///     work (windows) ── due and affordable ──► check: rounds of turns of all candidates ──► medians ──► work
@@ -20,7 +20,7 @@ struct ChooserOptions {
     double regret = 0.01;          ///< share of all time that trials may cost
     double gain = 1.05;            ///< what another candidate must bring to replace the first
     double edge = 1.02;            ///< what it must bring to replace any other, and what that must keep over the first
-    double hopeless = 1.5;         ///< a turn so much slower than the best ends a candidate's part in a check
+    double hopeless = 1.5;         ///< a turn so much slower than work ends a candidate's part in a check
     double drift = 1.12;           ///< change of pace, two windows in a row, that calls for a check
     double changed_links = 0.1;    ///< change in the number of touching links that does, as a share of it
     double first_period = 1.0;     ///< a check is due after so long at the latest …
@@ -76,7 +76,7 @@ private:
     bool trying_ = false;        ///< candidate() is on trial
     bool checking_ = false;      ///< a check has begun and not ended
     int next_ = 0, round_ = 0;   ///< whose turn in the check
-    double best_ = 0.0;          ///< least time per cycle known at present [s]
+    double work_ = 0.0;          ///< time per cycle of the last window of work [s]
     double reference_ = 0.0;     ///< time per cycle of the first window after the choice; 0: not known
     int touching_ = -1;          ///< links that touched at the last check
     int drifting_ = 0;           ///< windows in a row whose pace differs

@@ -11,6 +11,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 class ProfileCommand : public Program {};
+class NightlyProfileCommand : public Program {};   // nine children
 
 TEST_F(ProfileCommand, MeasuresAndWritesItsFiles) {
     const Outcome outcome = run({"profile", "tiny", "--schedules", "serial:staged,flow:fused,flow:staged", "--threads", "2", "--steps", "4", "--rounds", "1",
@@ -33,7 +34,7 @@ TEST_F(ProfileCommand, WritesThePublishedChartsAndCurvesAsTables) {
     EXPECT_THAT(read("c.csv"), testing::StartsWith("scene,threads,ideal,even,amdahl,critical_path,low,high,measured,"));
 }
 
-TEST_F(ProfileCommand, StartsItselfAgainForEveryWaitPolicy) {
+TEST_F(NightlyProfileCommand, StartsItselfAgainForEveryWaitPolicy) {
     const Outcome outcome = run({"profile", "tiny", "--policies", "--schedules", "omp_region,barrier", "--threads", "2", "--steps", "2", "--rounds", "1", "--neighbours", "0",
                                  "--csv", "p.csv", "--json", "p.json", "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
