@@ -1,7 +1,9 @@
 /// What the synchronisation of one cycle costs: every executor on empty tasks, and on two tasks of 2.6 µs, the cost above the ideal.
-/// Beside them a hand-made barrier of two spinning threads, the least that is possible; and what time stamps cost on a task of 5 µs.
+/// Beside them a hand-made barrier of as many spinning threads, the least that is possible; and what time stamps cost on a task of 5 µs.
 /// A plain program, because executors must alternate within one process and medians be taken over repetitions: on a machine with
 /// neighbours nothing else can be compared.
+///
+/// Committed figures come from `bench_synchronisation --repetitions 31 --csv FILE` with OMP_WAIT_POLICY=active on a quiet machine.
 ///
 ///     bench_synchronisation [--repetitions N] [--threads N] [--wait spin|balanced|passive] [--pin yes|no] [--csv FILE]
 ///
@@ -15,6 +17,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <memory>
@@ -24,6 +27,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/base/provenance.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/executor/pinning.hpp"
 #include "engine/executor/runtimes.hpp"
@@ -61,7 +65,8 @@ void work(void* context, int item) noexcept {
     own.value = x;
 }
 
-/// Cycles for 20 ms, each of them timed (9 ns for the clock), without the first 4 ms: when a run begins, threads are still on their way.
+/// Cycles for 20 ms, each of them timed (9 ns for the clock), without the first 4 ms: when a run begins, threads are still on their way. On a busy machine
+/// longer, up to 300 ms, until there are enough to have a median that is not the neighbours'.
 class Cycles final : public Controller {
 public:
     explicit Cycles(const TickScale& scale) : per_tick_(1e-3 * scale.nanoseconds_per_tick()) { times_.reserve(most); }
@@ -69,7 +74,7 @@ public:
     int next() noexcept override {
         const std::int64_t now = ticks(), last = std::exchange(last_, now);
         if (now < from_) return 0;
-        if (times_.size() == most || now > until_) return stop;
+        if (times_.size() == most || now > limit_ || (now > until_ && times_.size() >= enough)) return stop;
         if (last >= from_) times_.push_back(static_cast<double>(now - last));
         return 0;
     }
@@ -81,10 +86,11 @@ public:
     }
 
 private:
-    static constexpr std::size_t most = 200000;
+    static constexpr std::size_t most = 200000, enough = 1000;
     double per_tick_;  // [µs]
     std::int64_t begin_ = ticks(), last_ = begin_;
     std::int64_t from_ = begin_ + static_cast<std::int64_t>(4e3 / per_tick_), until_ = begin_ + static_cast<std::int64_t>(20e3 / per_tick_);
+    std::int64_t limit_ = begin_ + static_cast<std::int64_t>(300e3 / per_tick_);
     std::vector<double> times_;
 };
 
@@ -102,29 +108,43 @@ long length_of(double wanted) {
     return static_cast<long>(wanted / least * static_cast<double>(probe.length));
 }
 
-/// Two threads, two tasks, one counter each: opened by one, answered by the other.
-Turn bare_barrier(std::vector<Work>& data, const TickScale& scale, bool pin) {
+/// A counter that others read, on lines of its own.
+struct alignas(128) Counter {
+    std::atomic<long> value{0};
+};
+
+/// Threads with a contiguous share of the tasks each, one counter each: the first opens a cycle, the others answer.
+Turn bare_barrier(std::vector<Work>& data, const TickScale& scale, const Settings& settings) {
     const Processors processors;
-    const Pin own(pin, processors, 0);
-    alignas(128) std::atomic<long> opened{0};
-    alignas(128) std::atomic<long> answered{0};
-    std::jthread other([&] {
-        const Pin pinned(pin, processors, 1);
-        for (long cycle = 1;; ++cycle) {
-            long now = opened.load(std::memory_order_acquire);
-            for (; now >= 0 && now < cycle; now = opened.load(std::memory_order_acquire)) {}
-            if (now < 0) return;
-            work(data.data(), 1);
-            answered.store(cycle, std::memory_order_release);
-        }
-    });
+    const Pin own(settings.pin, processors, 0);
+    const int tasks = static_cast<int>(data.size()), members = std::min(settings.threads, tasks);
+    const auto run_share = [&](int member) {
+        for (int task = tasks * member / members; task < tasks * (member + 1) / members; ++task) work(data.data(), task);
+    };
+    Counter opened;
+    std::vector<Counter> answered(static_cast<std::size_t>(members));
+    std::vector<std::jthread> others;
+    for (int member = 1; member < members; ++member) {
+        others.emplace_back([&, member] {
+            const Pin pinned(settings.pin, processors, member);
+            for (long cycle = 1;; ++cycle) {
+                long now = opened.value.load(std::memory_order_acquire);
+                for (; now >= 0 && now < cycle; now = opened.value.load(std::memory_order_acquire)) {}
+                if (now < 0) return;
+                run_share(member);
+                answered[static_cast<std::size_t>(member)].value.store(cycle, std::memory_order_release);
+            }
+        });
+    }
     Cycles controller(scale);
     for (long cycle = 1; controller.next() != Controller::stop; ++cycle) {
-        opened.store(cycle, std::memory_order_release);
-        work(data.data(), 0);
-        while (answered.load(std::memory_order_acquire) < cycle) {}
+        opened.value.store(cycle, std::memory_order_release);
+        run_share(0);
+        for (int member = 1; member < members; ++member) {
+            while (answered[static_cast<std::size_t>(member)].value.load(std::memory_order_acquire) < cycle) {}
+        }
     }
-    opened.store(-1, std::memory_order_release);
+    opened.value.store(-1, std::memory_order_release);
     return controller.turn();
 }
 
@@ -162,10 +182,8 @@ std::vector<Contender> contenders(const Settings& settings, StampRecorder& recor
                 result.push_back(
                     contender(row, tasks, time, length, {.threads = threads, .wait = settings.wait, .pin = settings.pin}, scale));
             }
-            const bool pin = settings.pin;
-            if (tasks != 2) continue;
-            auto data = std::make_shared<std::vector<Work>>(2, Work{1.0, length});
-            result.push_back({"bare spin barrier", tasks, time, [=] { return bare_barrier(*data, scale, pin); }});
+            auto data = std::make_shared<std::vector<Work>>(static_cast<std::size_t>(tasks), Work{1.0, length});
+            result.push_back({"bare spin barrier", tasks, time, [=] { return bare_barrier(*data, scale, settings); }});
         }
     }
     const ExecutorRow& serial = *find_executor("serial");
@@ -222,12 +240,17 @@ void write_csv(const std::vector<Contender>& contenders, const Settings& setting
     auto file = fmt::output_file(settings.csv);
     file.print(
         "executor,tasks,task_us,typical_us,lower_quartile_us,upper_quartile_us,least_us,mean_us,threads,pinned,wait,repetitions,machine,");
-    file.print("processors,compiler,tbb,openmp\n");
+    file.print("processors,compiler,tbb,openmp,omp_wait_policy,load_average,commit,date\n");
+    const Provenance here = current_provenance();
+    const char* policy = std::getenv("OMP_WAIT_POLICY");
+    double load = 0.0;
+    const bool known = getloadavg(&load, 1) == 1;
     for (const Contender& each : contenders) {
         file.print("{},{},{}", each.name, each.tasks, each.task_time);
         for (const double part : {0.5, 0.25, 0.75, 0.0}) file.print(",{:.4f}", quantile(each, &Turn::typical, part));
-        file.print(",{:.4f},{},{},{},{},\"{}\",{},\"{}\",\"{}\",{}\n", quantile(each, &Turn::mean, 0.5), settings.threads, settings.pin,
-                   settings.wait_name, settings.repetitions, machine(), usable_processors(), __VERSION__, tbb_version(), openmp_version());
+        file.print(",{:.4f},{},{},{},{},\"{}\",{},\"{}\",\"{}\",{},{},{},{},{}\n", quantile(each, &Turn::mean, 0.5), settings.threads, settings.pin,
+                   settings.wait_name, settings.repetitions, machine(), usable_processors(), __VERSION__, tbb_version(), openmp_version(),
+                   policy != nullptr ? policy : "", known ? fmt::format("{:.2f}", load) : "", here.commit, here.date);
     }
 }
 

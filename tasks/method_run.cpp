@@ -20,6 +20,7 @@ engine::StagePlan plan_of(const std::string& method) {
 
 engine::TaskGraph graph_of(Workspace& workspace, StepMethod& method, const AssemblyOptions& assembly) {
     workspace.method = &method;
+    workspace.staged_states = assembly.kind == Assembly::staged;
     return step_graph(workspace, assembly);
 }
 

@@ -8,7 +8,6 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/state_file.hpp"
-#include "tasks/auto_schedule.hpp"
 #include "tasks/run_recorder.hpp"
 
 namespace cvtflow::tasks {
@@ -36,14 +35,12 @@ void settle(Simulation& simulation, const Scene& scene, RunRecorder& recorder, c
 
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
     const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
-    const Choice choice = scene.run.schedule == "auto" ? choose_schedule(scene) : Choice{schedule_of(scene.run, scene.parameters.chain.pins), {}, ""};
-    Simulation simulation(scene, choice.schedule);
+    Simulation simulation(scene);
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
     report.method = scene.run.method;
     report.step_control = scene.run.step_control;
     report.tolerance = scene.run.tolerance;
-    report.schedule = choice.reason.empty() ? choice.schedule.text() : fmt::format("{} ({})", choice.schedule.text(), choice.reason);
     report.kernels = model::name_of(simulation.variator().chain().isa());
     report.working_set = simulation.workspace().bytes();
     report.start_differences = simulation.start_differences();
@@ -60,6 +57,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.end = simulation.time();
     report.step = simulation.step();
     report.method_report = simulation.method_report();
+    report.schedule = simulation.runner().text();
     report.hash = simulation.hash();
     recorder.finish(report);
     return report;

@@ -14,13 +14,16 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// Whole processors of a cgroup's CPU quota ("max 100000" or "quota period" in cpu.max), or a large number.
-[[nodiscard]] int quota_processors() {
-    std::ifstream file("/sys/fs/cgroup/cpu.max");
-    std::string quota;
-    double period = 0.0;
-    if (!(file >> quota >> period) || quota == "max" || period <= 0.0) return std::numeric_limits<int>::max();
-    return std::max(1, static_cast<int>(std::strtod(quota.c_str(), nullptr) / period));
+/// Least quota of the group and all that it lies in ("max 100000" or "quota period" in cpu.max), whole processors; a large number: none.
+[[nodiscard]] int least_quota(const std::filesystem::path& root, std::filesystem::path group) {
+    int least = std::numeric_limits<int>::max();
+    for (group = group.relative_path();; group = group.parent_path()) {
+        std::ifstream file(root / group / "cpu.max");
+        std::string quota;
+        double period = 0.0;
+        if (file >> quota >> period && quota != "max" && period > 0.0) least = std::min(least, std::max(1, static_cast<int>(std::strtod(quota.c_str(), nullptr) / period)));
+        if (group.empty()) return least;
+    }
 }
 
 /// What a batch system granted to this task, or a large number.
@@ -32,7 +35,16 @@ namespace {
 
 }  // namespace
 
-int usable_threads() { return std::max(1, std::min({engine::usable_processors(), quota_processors(), granted_processors()})); }
+int quota_processors(const std::filesystem::path& root, const std::filesystem::path& membership) {
+    std::ifstream file(membership);
+    std::filesystem::path group;
+    for (std::string line; std::getline(file, line);) {
+        if (line.starts_with("0::")) group = line.substr(3);
+    }
+    return least_quota(root, group);
+}
+
+int usable_threads() { return std::max(1, std::min({engine::usable_processors(), quota_processors("/sys/fs/cgroup", "/proc/self/cgroup"), granted_processors()})); }
 
 namespace {
 
@@ -62,7 +74,7 @@ AssemblyOptions assembly_named(const std::string& name) {
 
 std::string Schedule::text() const {
     if (executor == "serial" && segments == 1 && assembly.kind == Assembly::fused) return "serial";
-    return fmt::format("{}, {}, {} segments, {} threads", executor, assembly_name(assembly), segments, threads);
+    return fmt::format("{}, {}, {} segments, {} threads{}", executor, assembly_name(assembly), segments, threads, balanced ? ", balanced" : "");
 }
 
 Schedule schedule_of(const RunSettings& run, int links) {
@@ -94,21 +106,46 @@ std::unique_ptr<engine::Executor> make_executor(const Schedule& schedule, engine
     return row->make(options);
 }
 
-Partition balanced_partition(const std::vector<model::Phase>& phases, int links, int segments, const LinkCosts& costs) {
-    std::vector<double> until{0.0};   // cost of the links before
-    for (int link = 0; link < links; ++link) {
-        const auto tips = phases.begin() + model::tips_per_link * link;
-        const bool touching = std::any_of(tips, tips + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; });
-        until.push_back(until.back() + (touching ? costs.touching : costs.free));
+namespace {
+
+[[nodiscard]] double link_cost(const std::vector<model::Phase>& phases, int link, const LinkCosts& costs) noexcept {
+    const auto tips = phases.begin() + model::tips_per_link * link;
+    return std::any_of(tips, tips + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; }) ? costs.touching : costs.free;
+}
+
+}  // namespace
+
+double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts, const LinkCosts& costs) noexcept {
+    double longest = 0.0;
+    for (std::size_t s = 1; s < cuts.size(); ++s) {
+        double cost = 0.0;
+        for (int link = cuts[s - 1]; link < cuts[s]; ++link) cost += link_cost(phases, link, costs);
+        longest = std::max(longest, cost);
     }
-    std::vector<int> cuts{0};
-    for (int s = 1; s < segments; ++s) {
-        const double wanted = until.back() * s / segments;
-        const auto above = std::lower_bound(until.begin(), until.end(), wanted);
-        const auto nearest = above != until.begin() && wanted - *(above - 1) < *above - wanted ? above - 1 : above;
-        cuts.push_back(std::clamp(static_cast<int>(nearest - until.begin()), cuts.back() + 1, links - (segments - s)));
+    return longest;
+}
+
+void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs) noexcept {
+    const int links = static_cast<int>(phases.size()) / model::tips_per_link, segments = static_cast<int>(cuts.size()) - 1;
+    double total = 0.0;
+    for (int link = 0; link < links; ++link) total += link_cost(phases, link, costs);
+    double until = 0.0, before = 0.0;   // cost of the links before `at`, and before the one in front of it
+    cuts.front() = 0;
+    for (int s = 1, at = 0; s < segments; ++s) {
+        const double wanted = total * s / segments;
+        for (; at < links && until < wanted; ++at) {
+            before = until;
+            until += link_cost(phases, at, costs);
+        }
+        const int nearest = at > 0 && wanted - before < until - wanted ? at - 1 : at;
+        cuts[static_cast<std::size_t>(s)] = std::clamp(nearest, cuts[static_cast<std::size_t>(s) - 1] + 1, links - (segments - s));
     }
-    cuts.push_back(links);
+    cuts.back() = links;
+}
+
+Partition balanced_partition(const std::vector<model::Phase>& phases, int segments, const LinkCosts& costs) {
+    std::vector<int> cuts(static_cast<std::size_t>(segments) + 1);
+    balance(phases, cuts, costs);
     return Partition::at(cuts);
 }
 

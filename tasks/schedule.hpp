@@ -1,7 +1,9 @@
 #pragma once
 /// How a step is cut into tasks and who runs them: partition x assembly x executor. Results do not depend on it.
 
+#include <filesystem>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "engine/executor/executor.hpp"
@@ -14,6 +16,9 @@ namespace cvtflow::tasks {
 
 /// Processors that this process may use: affinity, CPU quota of its cgroup, SLURM_CPUS_PER_TASK.
 [[nodiscard]] int usable_threads();
+/// Whole processors that the CPU quota of a process's control group (version 2), or of one that it lies in, leaves it; a large number: there is none.
+/// @param root where control groups are mounted   @param membership the process's file of groups
+[[nodiscard]] int quota_processors(const std::filesystem::path& root, const std::filesystem::path& membership);
 
 struct Schedule {
     std::string executor = "serial";    ///< name in the catalogue of executors
@@ -24,6 +29,7 @@ struct Schedule {
     engine::Wait wait = engine::Wait::balanced;
     bool pin = false;
 
+    bool operator==(const Schedule&) const = default;
     /// "flow, fused, 2 segments, 2 threads"
     [[nodiscard]] std::string text() const;
 };
@@ -48,7 +54,12 @@ struct LinkCosts {
     double touching = 1.35;   ///< measured at full detail: tips are a third of what else a link costs (bench rhs)
 };
 
-/// Contiguous segments of about equal cost, judged by which links touch now.
-[[nodiscard]] Partition balanced_partition(const std::vector<model::Phase>& phases, int links, int segments, const LinkCosts& costs = {});
+/// Contiguous segments of about equal cost, judged by which links touch now. @param phases [4 links]
+[[nodiscard]] Partition balanced_partition(const std::vector<model::Phase>& phases, int segments, const LinkCosts& costs = {});
+
+/// The same without memory of its own: cuts[0] = 0 < cuts[1] < … < cuts[segments] = links. @param cuts [segments + 1, out]
+void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs = {}) noexcept;
+/// Cost of the most costly segment between such cuts.
+[[nodiscard]] double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts, const LinkCosts& costs = {}) noexcept;
 
 }  // namespace cvtflow::tasks

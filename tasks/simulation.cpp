@@ -33,13 +33,8 @@ std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) 
         throw SimulationError(fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
                                           scene.run.method));
     }
+    workspace.method = method.get();   // its tasks are in every graph
     return method;
-}
-
-engine::TaskGraph graph_of(Workspace& workspace, StepMethod& method, const AssemblyOptions& assembly) {
-    workspace.method = &method;
-    workspace.staged_states = assembly.kind == Assembly::staged;
-    return step_graph(workspace, assembly);
 }
 
 const std::string* text_attribute(const engine::SavedState& saved, std::string_view name) {
@@ -69,12 +64,14 @@ std::vector<std::string> differences(const std::string& saved_scene, const Scene
 
 }  // namespace
 
-Simulation::Simulation(const Scene& scene) : Simulation(scene, schedule_for(scene)) {}
+Simulation::Simulation(const Scene& scene) : Simulation(scene, schedules_for(scene), ChooserOptions{}) {}
 
-Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder)
-    : scene_(scene), schedule_(schedule),
-      workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene), Partition::equal(scene.parameters.chain.pins, schedule.segments))),
-      method_(method_of(scene, *workspace_)), graph_(graph_of(*workspace_, *method_, schedule.assembly)), executor_(make_executor(schedule, recorder)) {
+Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder) : Simulation(scene, std::vector{schedule}, ChooserOptions{}, recorder) {}
+
+Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options, engine::StampRecorder* recorder)
+    : scene_(scene), workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene),
+                                                            Partition::equal(scene.parameters.chain.pins, candidates.front().segments))),
+      method_(method_of(scene, *workspace_)), runner_(*workspace_, candidates, options, recorder) {
     if (!scene_.state_file.empty()) {
         take_state(engine::read_state(scene_.state_file));
         return;
@@ -84,13 +81,6 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
     workspace_->phases = start.phases;
     needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
     time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
-}
-
-/// Moves the borders of segments to where the cost of links is now; the graph's declared accesses move with them.
-void Simulation::balance() {
-    if (!schedule_.balanced || schedule_.segments == 1) return;
-    workspace_->repartition(balanced_partition(workspace_->phases, workspace_->layout().links, schedule_.segments));
-    graph_ = graph_of(*workspace_, *method_, schedule_.assembly);
 }
 
 Simulation::~Simulation() = default;
@@ -131,8 +121,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
 
 Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
     StepController controller(*workspace_, *method_, settings, observer, cancel);
-    balance();
-    executor_->run(graph_, workspace_.get(), controller);
+    runner_.run(controller);
     counters_ = controller.counters();
     local_errors_ = controller.local_errors();
     step_ = controller.step();

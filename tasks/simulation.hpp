@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tasks/scene/scene.hpp"
-#include "tasks/schedule.hpp"
+#include "tasks/schedule_runner.hpp"
 #include "tasks/step_controller.hpp"
 
 namespace cvtflow::engine {
@@ -28,6 +28,8 @@ public:
     explicit Simulation(const Scene& scene);
     /// The same with a schedule of one's own and, if wanted, time stamps of its tasks.
     Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
+    /// The same with schedules to choose from while it runs, serial first (see ScheduleChooser).
+    Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options, engine::StampRecorder* recorder = nullptr);
     ~Simulation();
 
     /// Whether the start is geometric and has to settle before t = 0.
@@ -40,8 +42,11 @@ public:
     /// Runs so many steps with the scene's run settings, for measurements; ends with a Fault of kind max_steps.
     [[nodiscard]] Fault run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel);
 
-    [[nodiscard]] const Schedule& schedule() const noexcept { return schedule_; }
-    [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return graph_; }
+    /// At present.
+    [[nodiscard]] const Schedule& schedule() const noexcept { return runner_.schedule(); }
+    [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return runner_.graph(); }
+    /// How schedules have come and gone.
+    [[nodiscard]] const ScheduleRunner& runner() const noexcept { return runner_; }
     [[nodiscard]] double time() const noexcept { return time_; }
     [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
     [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
@@ -65,15 +70,12 @@ public:
 
 private:
     [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
-    void balance();
     void take_state(const engine::SavedState& saved);
 
     Scene scene_;
-    Schedule schedule_;
     std::unique_ptr<Workspace> workspace_;
     std::unique_ptr<StepMethod> method_;
-    engine::TaskGraph graph_;
-    std::unique_ptr<engine::Executor> executor_;
+    ScheduleRunner runner_;
     bool needs_settling_ = false;
     double time_ = 0.0;
     double step_ = 0.0;

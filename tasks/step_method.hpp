@@ -27,6 +27,9 @@ public:
     /// and find the method at workspace.method. Called again whenever segments change.
     virtual void add_tasks(engine::TaskGraph& graph) { (void)graph; }
 
+    /// The workspace's segments have changed.
+    virtual void repartitioned() {}
+
     /// true: at a transition the step is taken again up to there, and the search for it uses positions and velocities at both ends only.
     /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the end,
     /// so slopes[0] must hold the slope at the start when the step is done.

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "tasks/step_method.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -43,14 +45,15 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     after.assign(phases.size(), {});
     changed.assign(phases.size(), -1e300);
     repartition(std::move(parts));
-    verdicts.resize(static_cast<std::size_t>(partition.size()));
     tail.resize(static_cast<std::size_t>(tail_size()));
 }
 
 void Workspace::repartition(Partition parts) {
     partition = std::move(parts);
+    verdicts.resize(static_cast<std::size_t>(partition.size()));
     windows.resize(static_cast<std::size_t>(partition.size()));
     for (int s = 0; s < partition.size(); ++s) windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
+    if (method != nullptr) method->repartitioned();
 }
 
 std::size_t Workspace::bytes() const noexcept {

@@ -97,7 +97,7 @@ public:
     model::SheaveMotion end_sheaves[4]{};      ///< at the step's end
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
-    /// New borders of the same number of segments; between runs only.
+    /// Other segments; while no executor runs, and between two steps.
     void repartition(Partition parts);
     /// Brings the list of touching links up to date; after every change of phases.
     void list_touching() noexcept;

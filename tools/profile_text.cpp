@@ -38,7 +38,7 @@ std::string bare_text(const tasks::Profile& profile) {
 
 std::string timing_text(const tasks::Profile& profile) {
     Table table({{"schedule"}, right("threads"), right("segments"), right("step [us]"), right("quartiles"), right("evaluation"), right("speed-up"),
-                 right("cpu/wall"), right("active"), right("sync"), right("alone"), right("least task"), right("imbalance"), right("recording"), {""}});
+                 right("cpu/wall"), right("active"), right("sync"), right("alone"), right("bare"), right("least task"), right("imbalance"), right("recording"), {""}});
     for (const ScheduleResult& result : profile.results) {
         const LoadResult& load = result.loads.front();
         const tasks::RecordedPass& pass = result.recording.pass;
@@ -48,7 +48,7 @@ std::string timing_text(const tasks::Profile& profile) {
         const bool known = recorded(result);
         const bool came = result.cycle.active == result.schedule.threads;
         cells.insert(cells.end(), {known ? fmt::format("{}", pass.active()) : "", known ? microseconds(pass.synchronisation()) : "",
-                                   came ? microseconds(result.cycle.seconds) : "absent", known ? microseconds(pass.least_task()) : "",
+                                   came ? microseconds(result.cycle.seconds) : "absent", microseconds(result.bare), known ? microseconds(pass.least_task()) : "",
                                    known ? fmt::format("{:.2f}", pass.imbalance()) : "", known ? fmt::format("{:+.0f} %", 100.0 * result.recording.cost) : "", load.dropped});
         table.add(cells);
     }
@@ -62,6 +62,7 @@ std::string neighbours_text(const tasks::Profile& profile) {
     for (const LoadResult& load : loads) {
         columns.push_back(right(fmt::format("{} busy [us]", load.neighbours)));
         columns.push_back(right("factor"));
+        columns.push_back(right("burnt"));
     }
     Table table(columns);
     for (const ScheduleResult& result : profile.results) {
@@ -70,10 +71,11 @@ std::string neighbours_text(const tasks::Profile& profile) {
             const bool known = load.rounds > 0;
             cells.push_back(known ? microseconds(load.step.median) : "dropped");
             cells.push_back(known ? fmt::format("{}{}", factor(load.speed_up), load.dropped.empty() ? "" : "*") : "");
+            cells.push_back(known ? microseconds(load.burnt) : "");
         }
         table.add(cells);
     }
-    return "Beside busy neighbours: time per step, speed-up against serial under the same load (*: dropped after that round)\n" + table.text();
+    return "Beside busy neighbours: time per step, speed-up against serial under the same load (*: dropped after that round), processor time per step beyond serial's [us]\n" + table.text();
 }
 
 std::string stage_bar(const tasks::ThreadTimes& times, int width) {
@@ -135,41 +137,66 @@ std::string serial_text(const tasks::Profile& profile) {
 
 namespace {
 
-/// Best measured speed-up of a fused schedule with so many threads; empty if none was measured.
 std::string measured_cell(const tasks::Profile& profile, int threads) {
-    const ScheduleResult* best = nullptr;
-    for (const ScheduleResult& result : profile.results) {
-        if (result.schedule.threads != threads || result.schedule.assembly.kind != tasks::Assembly::fused || result.loads.front().rounds == 0) continue;
-        if (best == nullptr || result.loads.front().speed_up > best->loads.front().speed_up) best = &result;
-    }
+    const ScheduleResult* best = profile.best_fused(threads);
     return best == nullptr ? "" : fmt::format("{:.2f} ({})", best->loads.front().speed_up, best->schedule.executor);
+}
+
+std::string synchronisation_text(const tasks::ProfileModel& model) {
+    const tasks::PathCosts& costs = model.costs;
+    std::string text = fmt::format("per cycle {} us + {} us x M, or {} us + {} us x log2(M)", microseconds(costs.synchronisation), microseconds(costs.per_thread),
+                                   microseconds(costs.synchronisation_tree), microseconds(costs.per_doubling));
+    if (model.assumed) return text + "; assumed: threads did not come, the machine is too busy";
+    text += "; measured";
+    for (const tasks::ThreadCost& cost : model.synchronisation) text += fmt::format(" {} us (M = {})", microseconds(cost.seconds), cost.threads);
+    return text;
+}
+
+std::string costs_text(const tasks::Profile& profile) {
+    const tasks::PathCosts& costs = profile.model.costs;
+    const auto touching = std::count(profile.model.touching.begin(), profile.model.touching.end(), true);
+    const double serial = profile.results.front().loads.front().step.median;
+    std::string text = field("link", fmt::format("{} us free, {} us touching ({} of {}), detection {} us; the fit leaves {:.1f} %", microseconds(costs.free),
+                                                 microseconds(costs.touching), touching, profile.model.touching.size(), microseconds(costs.detect),
+                                                 100.0 * profile.model.fit_error));
+    text += field("segment", fmt::format("{} us per evaluation for the neighbours' joints", microseconds(costs.border)));
+    text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluations and {:.2f} other cycles per step", microseconds(costs.controller), costs.evaluations,
+                                            1.0 + costs.other_cycles));
+    text += field("stretch", profile.model.stretched ? fmt::format("tasks on several threads take {:.3f} times as long", costs.stretch) : "not measured: no fused schedule got all its threads");
+    text += field("jitter", fmt::format("{:.3f} us per evaluation and square root of links", 1e6 * costs.jitter));
+    text += field("synchronisation", synchronisation_text(profile.model));
+    text += field("serial step", fmt::format("{} us by this model, {} us measured", microseconds(profile.model.serial_step), microseconds(serial)));
+    return text + field("serial share", fmt::format("{:.2f} %", 100.0 * profile.model.serial_share));
 }
 
 }  // namespace
 
 std::string model_text(const tasks::Profile& profile) {
-    const tasks::PathCosts& costs = profile.model.costs;
-    const auto touching = std::count(profile.model.touching.begin(), profile.model.touching.end(), true);
-    std::string text = "Critical path (fused, a thread per segment):\n";
-    text += field("link", fmt::format("{} us free, {} us touching ({} of {}), detection {} us", microseconds(costs.free), microseconds(costs.touching), touching,
-                                      profile.model.touching.size(), microseconds(costs.detect)));
-    text += field("segment", fmt::format("{} us per evaluation for the neighbours' joints", microseconds(costs.border)));
-    text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluations per step", microseconds(costs.controller), costs.evaluations));
-    text += field("synchronisation", fmt::format("{} us + {} us x M per cycle, {}", microseconds(costs.synchronisation), microseconds(costs.per_thread),
-                                                 profile.model.assumed ? "assumed: threads did not come, the machine is too busy" : "from"));
-    text.pop_back();
-    for (const tasks::ThreadCost& cost : profile.model.synchronisation) text += profile.model.assumed ? "" : fmt::format(" M = {}: {} us", cost.threads, microseconds(cost.seconds));
-    if (profile.model.synchronisation.size() == 2) text += " (beyond, two samples extrapolated: take it as the pessimistic end)";
-    text += "\n" + field("serial share", fmt::format("{:.2f} %", 100.0 * profile.model.serial_share));
-    Table table({right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("measured")});
+    std::string text = "Critical path (fused, a thread per segment):\n" + costs_text(profile);
+    Table table({right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("bounds"), right("measured")});
     for (const tasks::SpeedUpRow& row : profile.model.curves) {
         const std::string measured = measured_cell(profile, row.threads);
         const bool round = row.threads <= 4 || row.threads % 16 == 0 || (row.threads <= 16 && row.threads % 4 == 0) || row.threads == 6 || row.threads == 24;
         if (!round && measured.empty()) continue;
         table.add({fmt::format("{}", row.threads), fmt::format("{:.2f}", row.ideal), fmt::format("{:.2f}", row.even), fmt::format("{:.2f}", row.amdahl),
-                   fmt::format("{:.2f}", row.predicted), measured});
+                   fmt::format("{:.2f}", row.predicted), fmt::format("{:.2f} .. {:.2f}", row.low, row.high), measured});
     }
-    return text + table.text(2);
+    const int known = profile.model.assumed ? 0 : profile.model.synchronisation.back().threads;
+    return text + table.text(2) +
+           fmt::format("  Beyond M = {} synchronisation is extrapolated: by the linear law; bounds: threads beyond cost {:.0f} times as much, and the logarithmic law without jitter.\n",
+                       known, tasks::far);
+}
+
+std::string predictions_text(const tasks::Profile& profile) {
+    Table table({{"schedule"}, right("threads"), right("segments"), right("predicted"), right("measured"), right("error")});
+    for (const ScheduleResult& result : profile.results) {
+        const LoadResult& load = result.loads.front();
+        if (result.predicted <= 0.0 || load.rounds == 0) continue;
+        std::vector<std::string> cells = schedule_cells(result);
+        cells.insert(cells.end(), {fmt::format("{:.2f}", result.predicted), factor(load.speed_up), fmt::format("{:+.1f} %", 100.0 * (result.predicted / load.speed_up - 1.0))});
+        table.add(cells);
+    }
+    return "Predicted and measured speed-ups (each with its executor's own synchronisation, where all threads came)\n" + table.text();
 }
 
 }  // namespace cvtflow::tools

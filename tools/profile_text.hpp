@@ -18,6 +18,9 @@ namespace cvtflow::tools {
 /// Costs, three curves and the critical path beside what was measured.
 [[nodiscard]] std::string model_text(const tasks::Profile& profile);
 
+/// Predicted speed-up of every schedule beside the measured one.
+[[nodiscard]] std::string predictions_text(const tasks::Profile& profile);
+
 /// "CCCCHHHH..": shares of a thread's time as letters, largest remainders filled up to exactly `width`.
 [[nodiscard]] std::string stage_bar(const tasks::ThreadTimes& times, int width);
 

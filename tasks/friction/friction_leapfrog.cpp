@@ -39,7 +39,6 @@ FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, Kick kick)
     : w_(workspace), system_(workspace, kick_state_slots + 1, kick_slope_slots), tables_(kick) {}
 
 void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
-    system_.repartition(w_.partition);
     for (int s = 0; s < w_.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
         const auto own = [&] { return LinkAccesses(w_, s); };

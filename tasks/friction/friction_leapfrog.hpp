@@ -26,6 +26,7 @@ public:
     [[nodiscard]] int begin() override;
     [[nodiscard]] int next() override;
     void add_tasks(engine::TaskGraph& graph) override;
+    void repartitioned() override { system_.repartition(w_.partition); }
     [[nodiscard]] bool retakes() const noexcept override { return true; }
     void restart() noexcept override { continues_ = false; }
     void transition() noexcept override {}   // history stays good: nothing jumps

@@ -44,11 +44,9 @@ FrictionSystem::FrictionSystem(const Workspace& w, int states, int slopes)
 }
 
 void FrictionSystem::repartition(const Partition& partition) {
-    segments_.resize(at(partition.size()));
-    for (int s = 0; s < partition.size(); ++s) {
-        SegmentMemory& memory = segments_[at(s)];
-        memory.window = model::Columns(friction_.chain().layout().link_size(), friction_.chain().layout().links + 2);
-        memory.scratch.assign(at(friction_.scratch_size(partition[s].size())), 0.0);
+    const int links = friction_.chain().layout().links;
+    while (segments_.size() < at(partition.size())) {   // each for as many links as a segment can have: borders move without allocation
+        segments_.push_back({model::Columns(friction_.chain().layout().link_size(), links + 2), std::vector<double>(at(friction_.scratch_size(links)), 0.0)});
     }
 }
 

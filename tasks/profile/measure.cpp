@@ -14,18 +14,21 @@ namespace {
 
 constexpr long first_steps = 4;
 constexpr long more_steps = 36;
+constexpr double cycle_seconds = 0.01;   // of a turn of bare cycles
 constexpr long most_stamps = 500000;   // of a thread: 12 MB
 
 /// Samples of one lane under one load.
 struct Samples {
-    std::vector<double> step, evaluation, busy;
+    std::vector<double> step, evaluation, busy, cpu;
     long steps = first_steps;
     std::string dropped;
 
     void add(const TrialSample& sample, double neighbours_cpu) {
         step.push_back(sample.per_step());
         evaluation.push_back(sample.wall / static_cast<double>(sample.evaluations));
-        busy.push_back(std::max(0.0, sample.cpu - neighbours_cpu) / sample.wall);
+        const double own = std::max(0.0, sample.cpu - neighbours_cpu);
+        busy.push_back(own / sample.wall);
+        cpu.push_back(own / static_cast<double>(sample.steps));
     }
 };
 
@@ -41,9 +44,26 @@ void turn(Lane& lane, Samples& samples, const MeasureOptions& options, int round
 }
 
 LoadResult load_result(const Samples& samples, int neighbours) {
-    LoadResult result{neighbours, spread(samples.step), median(samples.evaluation), median(samples.busy), 0.0, static_cast<int>(samples.step.size()),
-                      samples.dropped};
-    return result;
+    return {neighbours, spread(samples.step), median(samples.evaluation), median(samples.busy), 0.0, static_cast<int>(samples.step.size()), samples.dropped,
+            median(samples.cpu), 0.0};
+}
+
+/// Synchronisation alone, right beside the schedule's own turn.
+void cycle_turn(Lane& lane) {
+    lane.cycles.push_back(cycle_cost(lane.result.schedule, cycle_seconds));
+    lane.bare.push_back(engine::bare_barrier_cycle(lane.result.schedule.threads, 0.5 * cycle_seconds));
+}
+
+/// Medians over the rounds in which all threads came; if they mostly did not, the cost says nothing and `active` says why.
+void sum_up_cycles(Lane& lane) {
+    std::vector<double> seconds, active;
+    for (const CycleCost& cost : lane.cycles) {
+        active.push_back(cost.active);
+        if (cost.active == lane.result.schedule.threads) seconds.push_back(cost.seconds);
+    }
+    const bool mostly = 2 * seconds.size() > lane.cycles.size();
+    lane.result.cycle = {median(seconds), mostly ? lane.result.schedule.threads : static_cast<int>(median(active))};
+    lane.result.bare = median(lane.bare);
 }
 
 }  // namespace
@@ -92,6 +112,7 @@ void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int n
             if (lanes[k].dropped) continue;
             turn(lanes[k], samples[k], options, round, busy);
             lanes[k].dropped = k > 0 && !samples[k].dropped.empty();
+            if (neighbours == 0 && round >= 0) cycle_turn(lanes[k]);
         }
     }
     for (std::size_t k = 0; k < lanes.size(); ++k) {
@@ -99,6 +120,8 @@ void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int n
         LoadResult result = load_result(samples[k], neighbours);
         const double serial = k == 0 ? result.step.median : lanes.front().result.loads.back().step.median;
         result.speed_up = result.rounds == 0 ? 0.0 : serial / result.step.median;
+        if (k > 0 && result.rounds > 0) result.burnt = result.cpu - lanes.front().result.loads.back().cpu;
+        if (neighbours == 0) sum_up_cycles(lanes[k]);
         lanes[k].result.loads.push_back(result);
     }
 }

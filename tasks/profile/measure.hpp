@@ -31,6 +31,8 @@ struct LoadResult {
     double speed_up = 0.0;       ///< median of serial over median of this, under the same load
     int rounds = 0;              ///< that count; 0: not measured
     std::string dropped;         ///< why there are not more, empty: there are all
+    double cpu = 0.0;            ///< median processor time of this process per step, neighbours not counted [s]
+    double burnt = 0.0;          ///< of that, what serial does not need under the same load: burnt while waiting, or lost to caches [s]
 };
 
 /// A recorded pass, separate from the timing.
@@ -48,7 +50,9 @@ struct ScheduleResult {
     std::string name;                 ///< "flow:fused"
     std::vector<LoadResult> loads;    ///< in the order of MeasureOptions::neighbours
     Recording recording;
-    CycleCost cycle;                  ///< synchronisation of the executor by itself
+    CycleCost cycle;                  ///< synchronisation of the executor by itself: median over rounds
+    double bare = 0.0;                ///< a bare barrier of as many threads, measured in turn with it [s per cycle]
+    double predicted = 0.0;           ///< speed-up without neighbours by the critical path; 0: no prediction
     std::uint64_t hash = 0;           ///< after `hash_steps` steps
     long hash_steps = 0;
 };
@@ -63,6 +67,8 @@ struct ScheduleResult {
 struct Lane {
     std::unique_ptr<Trial> trial;
     ScheduleResult result;
+    std::vector<CycleCost> cycles;    ///< one per round without neighbours
+    std::vector<double> bare;
     bool dropped = false;
 };
 
@@ -70,7 +76,8 @@ struct Lane {
 /// @param short_hash [out] of the first schedule after 4 steps
 [[nodiscard]] std::vector<Lane> start_lanes(const Scene& scene, const std::vector<Schedule>& schedules, double patience, std::uint64_t& short_hash);
 
-/// Alternating rounds beside so many neighbours. The first lane is the reference of speed-ups.
+/// Alternating rounds beside so many neighbours. The first lane is the reference of speed-ups. Without neighbours every turn is followed by some cycles of the
+/// executor by itself and of a bare barrier.
 void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int neighbours);
 
 /// A recorded trial beside the unrecorded one, alternating; keeps the recorded round of median length.

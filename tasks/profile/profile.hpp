@@ -3,8 +3,7 @@
 
 #include <functional>
 
-#include "tasks/profile/measure.hpp"
-#include "tasks/profile/model.hpp"
+#include "tasks/profile/model_costs.hpp"
 
 namespace cvtflow::tasks {
 
@@ -13,23 +12,13 @@ struct ScheduleChoice {
     std::vector<std::string> names{};   ///< "executor" (the scene's assembly) or "executor:fused", "executor:staged"; none: all executors x both
     std::vector<int> threads{};         ///< none: as many as are usable
     std::vector<int> segments{};        ///< 0: as many as threads; none: 0
+    engine::Wait wait = engine::Wait::balanced;   ///< of our own executors
+    bool pin = false;                   ///< each thread on one processor
 };
 
 /// The schedules of a choice, serial:fused with one segment first, none twice. Executors of one thread appear once per assembly.
 /// @throws SceneError for an executor or assembly that does not exist, or more segments than links
 [[nodiscard]] std::vector<Schedule> chosen_schedules(const Scene& scene, const ScheduleChoice& choice);
-
-/// Synchronisation of `flow` with two threads on a quiet machine [s]: what the model takes where it cannot be measured.
-inline constexpr double assumed_synchronisation = 0.3e-6;
-
-struct ProfileModel {
-    PathCosts costs;
-    double serial_share = 0.0;             ///< of the serial fused run
-    std::vector<bool> touching;            ///< [links]
-    std::vector<ThreadCost> synchronisation;   ///< cycles of the `flow` executor on which all threads came
-    bool assumed = false;                  ///< no such cycle with more than one thread: the synchronisation is `assumed_synchronisation`
-    std::vector<SpeedUpRow> curves;
-};
 
 struct Profile {
     std::vector<ScheduleResult> results;   ///< the first is serial:fused
@@ -39,6 +28,8 @@ struct Profile {
     double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown
     double load_after = 0.0;
 
+    /// Fused schedule with the best speed-up on so many threads; nullptr: none was measured.
+    [[nodiscard]] const ScheduleResult* best_fused(int threads) const noexcept;
     /// Processors that the hungriest schedule kept busy, and how many it could have.
     [[nodiscard]] double processors_got() const noexcept;
     [[nodiscard]] int processors_wanted() const noexcept;
@@ -50,9 +41,5 @@ struct Profile {
 /// @throws as Simulation; SimulationError if the scene's run ends by itself
 [[nodiscard]] Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& schedules, const MeasureOptions& options,
                                         const std::function<void(const std::string&)>& progress = {});
-
-/// Costs of links from recorded serial runs with two numbers of segments, of detection and controller beside; of the synchronisation from
-/// cycles of `flow` on 1, 2, 4 … threads, up to the usable ones.
-[[nodiscard]] ProfileModel measure_model(const Scene& scene, const Recording& serial, const MeasureOptions& options);
 
 }  // namespace cvtflow::tasks

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "engine/base/hash.hpp"
@@ -22,6 +23,16 @@ std::string quoted(const std::string& text) {
     return result + "\"";
 }
 
+std::string_view wait_name(engine::Wait wait) {
+    return wait == engine::Wait::spin ? "spin" : wait == engine::Wait::passive ? "passive" : "balanced";
+}
+
+/// Of the OpenMP runtimes, which read it when they are loaded.
+std::string environment(const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr ? value : "";
+}
+
 ordered_json provenance_json() {
     const engine::Provenance here = engine::current_provenance();
     return {{"version", here.version},       {"commit", here.commit},
@@ -38,6 +49,8 @@ ordered_json load_json(const LoadResult& load) {
             {"step", {{"lower_quartile", load.step.lower_quartile}, {"median", load.step.median}, {"upper_quartile", load.step.upper_quartile}}},
             {"evaluation", load.evaluation},
             {"cpu_per_wall", load.cpu_per_wall},
+            {"cpu", load.cpu},
+            {"burnt", load.burnt},
             {"speed_up", load.speed_up},
             {"rounds", load.rounds},
             {"dropped", load.dropped}};
@@ -77,6 +90,10 @@ ordered_json result_json(const ScheduleResult& result) {
                       {"hash_steps", result.hash_steps},
                       {"cycle_cost", result.cycle.seconds},
                       {"cycle_active_threads", result.cycle.active},
+                      {"bare_barrier", result.bare},
+                      {"wait", wait_name(result.schedule.wait)},
+                      {"pinned", result.schedule.pin},
+                      {"predicted_speed_up", result.predicted},
                       {"loads", loads}};
     json["recording"] = recording_json(result.recording);
     return json;
@@ -92,7 +109,7 @@ ordered_json model_json(const ProfileModel& model) {
     const PathCosts& costs = model.costs;
     ordered_json curves = ordered_json::array();
     for (const SpeedUpRow& row : model.curves) {
-        curves.push_back({{"threads", row.threads}, {"ideal", row.ideal}, {"even", row.even}, {"amdahl", row.amdahl}, {"predicted", row.predicted}});
+        curves.push_back({{"threads", row.threads}, {"ideal", row.ideal}, {"even", row.even}, {"amdahl", row.amdahl}, {"predicted", row.predicted}, {"low", row.low}, {"high", row.high}});
     }
     return {{"links", model.touching.size()},
             {"touching_links", std::count(model.touching.begin(), model.touching.end(), true)},
@@ -103,6 +120,14 @@ ordered_json model_json(const ProfileModel& model) {
             {"controller", costs.controller},
             {"synchronisation", costs.synchronisation},
             {"synchronisation_per_thread", costs.per_thread},
+            {"synchronisation_tree", costs.synchronisation_tree},
+            {"synchronisation_per_doubling", costs.per_doubling},
+            {"stretch", costs.stretch},
+            {"stretch_measured", model.stretched},
+            {"jitter", costs.jitter},
+            {"fit_error", model.fit_error},
+            {"serial_step", model.serial_step},
+            {"other_cycles_per_step", costs.other_cycles},
             {"evaluations_per_step", costs.evaluations},
             {"serial_share", model.serial_share},
             {"synchronisation_assumed", model.assumed},
@@ -117,8 +142,8 @@ std::string compiler_flags() { return CVTFLOW_FLAGS; }
 std::string profile_csv(const Scene& scene, const Profile& profile) {
     std::string text =
         "scene,schedule,executor,assembly,threads,segments,neighbours,step_us,step_lower_quartile_us,step_upper_quartile_us,evaluation_us,speed_up,"
-        "cpu_per_wall,rounds,dropped,active_threads,synchronisation_us,cycle_cost_us,least_task_us,imbalance,recording_cost,hash,commit,compiler,flags,tbb,openmp,cpu,"
-        "cores,date\n";
+        "cpu_per_wall,rounds,dropped,active_threads,synchronisation_us,cycle_cost_us,least_task_us,imbalance,recording_cost,hash,wait,pinned,omp_wait_policy,"
+        "gomp_spincount,kmp_blocktime,cpu_us,burnt_us,bare_barrier_us,predicted_speed_up,commit,compiler,flags,tbb,openmp,cpu,cores,date\n";
     const engine::Provenance here = engine::current_provenance();
     const std::string provenance =
         fmt::format("{},{},{},{},{},{},{},{}", quoted(here.commit), quoted(here.compiler + " " + here.build_type), quoted(compiler_flags()),
@@ -134,7 +159,10 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
             text += pass.active() == 0 ? fmt::format(",,{},,,,", alone)
                                        : fmt::format("{},{:.4f},{},{:.4f},{:.4f},{:.4f},", pass.active(), 1e6 * pass.synchronisation(),
                                                      alone, 1e6 * pass.least_task(), pass.imbalance(), result.recording.cost);
-            text += engine::hex(result.hash) + "," + provenance + "\n";
+            text += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{}\n", engine::hex(result.hash), wait_name(result.schedule.wait),
+                                result.schedule.pin ? "yes" : "no", quoted(environment("OMP_WAIT_POLICY")), quoted(environment("GOMP_SPINCOUNT")),
+                                quoted(environment("KMP_BLOCKTIME")), 1e6 * load.cpu, 1e6 * load.burnt, 1e6 * result.bare,
+                                load.neighbours == 0 && result.predicted > 0.0 ? fmt::format("{:.4f}", result.predicted) : "", provenance);
         }
     }
     return text;
@@ -145,6 +173,7 @@ std::string profile_json(const Scene& scene, const MeasureOptions& options, cons
     for (const ScheduleResult& result : profile.results) results.push_back(result_json(result));
     ordered_json json{{"scene", scene.name}, {"provenance", provenance_json()}};
     json["options"] = {{"rounds", options.rounds}, {"round_seconds", options.round_seconds}, {"steps", options.steps}, {"patience", options.patience}};
+    json["environment"] = {{"OMP_WAIT_POLICY", environment("OMP_WAIT_POLICY")}, {"GOMP_SPINCOUNT", environment("GOMP_SPINCOUNT")}, {"KMP_BLOCKTIME", environment("KMP_BLOCKTIME")}};
     json["load_average"] = {{"before", profile.load_before}, {"after", profile.load_after}};
     json["crowded"] = profile.crowded();
     json["schedules"] = results;
@@ -152,6 +181,32 @@ std::string profile_json(const Scene& scene, const MeasureOptions& options, cons
     json["model"] = model_json(profile.model);
     json["hash_differences"] = profile.differences;
     return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string profile_stages_csv(const Scene& scene, const Profile& profile) {
+    std::string text = "scene,schedule,threads,segments,thread,stage,seconds,share,per_step_us\n";
+    for (const ScheduleResult& result : profile.results) {
+        const auto& threads = result.recording.pass.threads;
+        for (std::size_t thread = 0; thread < threads.size(); ++thread) {
+            for (const StageRow& row : stages()) {
+                const double seconds = threads[thread].at(row.stage), total = threads[thread].total();
+                text += fmt::format("{},{},{},{},{},{},{:.9f},{:.5f},{:.4f}\n", quoted(scene.name), result.name, result.schedule.threads, result.schedule.segments, thread,
+                                    quoted(std::string(row.name)), seconds, total > 0.0 ? seconds / total : 0.0,
+                                    result.recording.steps > 0 ? 1e6 * seconds / static_cast<double>(result.recording.steps) : 0.0);
+            }
+        }
+    }
+    return text;
+}
+
+std::string profile_curves_csv(const Scene& scene, const Profile& profile) {
+    std::string text = "scene,threads,ideal,even,amdahl,critical_path,low,high,measured,schedule\n";
+    for (const SpeedUpRow& row : profile.model.curves) {
+        const ScheduleResult* best = profile.best_fused(row.threads);
+        text += fmt::format("{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", quoted(scene.name), row.threads, row.ideal, row.even, row.amdahl, row.predicted, row.low,
+                            row.high, best != nullptr ? fmt::format("{:.4f}", best->loads.front().speed_up) : "", best != nullptr ? best->name : "");
+    }
+    return text;
 }
 
 namespace {

@@ -307,7 +307,7 @@ const std::vector<Parameter>& rows() {
      "Pin whose own channels are recorded, counted from 0.",
      "model choice", [](Scene& s) -> Slot { return &s.run.followed_pin; }},
     {"run.schedule", "", 0, 0, {},
-     "Executor of the step's task graph, a name from the catalogue, or auto: the fastest of a short measurement; does not change results.",
+     "Executor of the step's task graph, a name from the catalogue, or auto: the fastest by trials during the run; does not change results.",
      "model choice", [](Scene& s) -> Slot { return &s.run.schedule; }},
     {"run.assembly", "", 0, 0, {"fused", "staged"},
      "How a step is cut into tasks: one per segment, or one per stage and segment as published; does not change results.",

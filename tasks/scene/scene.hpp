@@ -31,7 +31,7 @@ struct RunSettings {
     long max_steps = 0;               ///< 0: no limit
     double max_wall = 0.0;            ///< wall-clock limit, 0: none [s]
     int followed_pin = 0;             ///< pin whose own channels are recorded
-    std::string schedule = "auto";    ///< executor by name in the catalogue, or auto: measured at the start
+    std::string schedule = "auto";    ///< executor by name in the catalogue, or auto: the fastest by trials during the run
     Assembly assembly = Assembly::fused;
     PartitionKind partition = PartitionKind::equal;
     int segments = 0;                 ///< parts of the chain that are tasks of their own; 0: as many as threads

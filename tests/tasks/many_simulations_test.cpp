@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "engine/executor/catalogue.hpp"
 #include "engine/record/state_file.hpp"
 #include "tasks/simulation.hpp"
 
@@ -34,12 +35,14 @@ TEST(ManySimulations, AThousandLeaveNeitherThreadsNorMemoryBehind) {
     scene.state_file = state;
     SilentObserver silent;
     const engine::Cancellation never;
-    const char* executors[] = {"flow", "barrier", "flow_messages", "tbb_loop"};
+    const auto executors = engine::executors();
     double memory = 0.0;
     std::size_t in_use = 0;
     long started = 0;
     for (int number = 0; number < 1000; ++number) {
-        Simulation simulation(scene, Schedule{executors[number % 4], {number % 8 < 4 ? Assembly::fused : Assembly::staged}, 4, 2});
+        const engine::ExecutorRow& row = executors[static_cast<std::size_t>(number) % executors.size()];
+        const bool staged = static_cast<std::size_t>(number) / executors.size() % 2 == 1;
+        Simulation simulation(scene, Schedule{std::string(row.name), {staged ? Assembly::staged : Assembly::fused}, 4, row.parallel ? 2 : 1});
         EXPECT_EQ(simulation.run_steps(3, silent, never).kind, FaultKind::max_steps);
         if (number == 200) {
             memory = resident();
@@ -47,7 +50,7 @@ TEST(ManySimulations, AThousandLeaveNeitherThreadsNorMemoryBehind) {
             started = threads();
         }
     }
-    // oneTBB keeps its workers; what it and the allocator keep is there after the first 200.
+    // oneTBB and OpenMP keep their workers; what they and the allocator keep is there after the first 200.
     EXPECT_LE(threads(), started);
     EXPECT_LT(mallinfo2().uordblks, in_use + 100'000);   // bytes handed out and not given back: 100 a simulation
     EXPECT_LT(resident() - memory, 32e6);                // stacks of workers come and go; one simulation alone takes 0.2 MB

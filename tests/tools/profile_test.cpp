@@ -11,6 +11,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 class ProfileCommand : public Program {};
+class NightlyProfileCommand : public Program {};   // nine children
 
 TEST_F(ProfileCommand, MeasuresAndWritesItsFiles) {
     const Outcome outcome = run({"profile", "tiny", "--schedules", "serial:staged,flow:fused,flow:staged", "--threads", "2", "--steps", "4", "--rounds", "1",
@@ -22,6 +23,28 @@ TEST_F(ProfileCommand, MeasuresAndWritesItsFiles) {
     EXPECT_THAT(read("p.csv"), testing::StartsWith("scene,schedule,"));
     EXPECT_EQ(nlohmann::json::parse(read("p.json"))["schedules"].size(), 4u);
     EXPECT_GT(nlohmann::json::parse(read("t.json"))["traceEvents"].size(), 20u);
+}
+
+TEST_F(ProfileCommand, WritesThePublishedChartsAndCurvesAsTables) {
+    const Outcome outcome = run({"profile", "tiny", "--schedules", "serial:staged,barrier:fused", "--threads", "2", "--steps", "4", "--rounds", "1", "--neighbours", "0",
+                                 "--stages", "s.csv", "--curves", "c.csv", "--wait", "passive", "--pin", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("\nPredicted and measured speed-ups"));
+    EXPECT_THAT(read("s.csv"), AllOf(testing::StartsWith("scene,schedule,threads,"), HasSubstr("serial:staged,1,1,0,\"Cholesky\"")));
+    EXPECT_THAT(read("c.csv"), testing::StartsWith("scene,threads,ideal,even,amdahl,critical_path,low,high,measured,"));
+}
+
+TEST_F(NightlyProfileCommand, StartsItselfAgainForEveryWaitPolicy) {
+    const Outcome outcome = run({"profile", "tiny", "--policies", "--schedules", "omp_region,barrier", "--threads", "2", "--steps", "2", "--rounds", "1", "--neighbours", "0",
+                                 "--csv", "p.csv", "--json", "p.json", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto policies = nlohmann::json::parse(read("p.json"))["policies"];
+    ASSERT_EQ(policies.size(), 9u);   // two for both, five for OpenMP, two for our own
+    EXPECT_EQ(policies[2]["policy"], "OMP_WAIT_POLICY=active");
+    EXPECT_EQ(policies[2]["profile"]["environment"]["OMP_WAIT_POLICY"], "active");
+    EXPECT_EQ(policies[2]["profile"]["schedules"].size(), 2u);   // serial and what the policy concerns
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("\nWait policies: "), HasSubstr("OMP_WAIT_POLICY=passive"), HasSubstr("--wait passive")));
+    EXPECT_THAT(read("p.csv"), HasSubstr(",\"passive\","));
 }
 
 TEST_F(ProfileCommand, SaysWhatItDoesNotKnow) {

@@ -1,9 +1,12 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
@@ -12,6 +15,7 @@
 #include "tools/profile_text.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text.hpp"
+#include "tools/wait_policies.hpp"
 
 namespace cvtflow::tools {
 
@@ -22,9 +26,13 @@ struct ProfileArguments {
     tasks::ScheduleChoice choice;
     tasks::MeasureOptions measure;
     double round_milliseconds = 60.0;
-    std::string csv, json, trace;
+    std::string csv, json, trace, stages, curves;
+    std::string wait = "balanced";
+    bool policies = false;
     bool quiet = false;
 };
+
+const std::map<std::string, engine::Wait> waits{{"spin", engine::Wait::spin}, {"balanced", engine::Wait::balanced}, {"passive", engine::Wait::passive}};
 
 void write_file(const std::string& path, const std::string& text) {
     if (path.empty()) return;
@@ -55,23 +63,62 @@ tasks::MeasureOptions options_of(const ProfileArguments& arguments) {
     return options;
 }
 
+/// This command's words again, but for what the sweep says itself.
+std::vector<std::string> repeated(const ProfileArguments& arguments, const tasks::MeasureOptions& options) {
+    std::vector<std::string> words{"profile", arguments.scene.scene, "--steps", fmt::format("{}", options.steps), "--rounds", fmt::format("{}", options.rounds),
+                                   "--round-ms", fmt::format("{}", arguments.round_milliseconds), "--neighbours", fmt::format("{}", fmt::join(options.neighbours, ","))};
+    const auto add = [&](const std::string& option, const std::string& value) {
+        if (!value.empty()) words.insert(words.end(), {option, value});
+    };
+    for (const std::string& setting : arguments.scene.settings) add("--set", setting);
+    add("--detail", arguments.scene.detail);
+    add("--threads", fmt::format("{}", fmt::join(arguments.choice.threads, ",")));
+    add("--segments", fmt::format("{}", fmt::join(arguments.choice.segments, ",")));
+    if (options.steps == 0) words.erase(words.begin() + 2, words.begin() + 4);
+    return words;
+}
+
+void write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const tasks::MeasureOptions& options, const tasks::Profile& result,
+                 const std::vector<PolicyResult>& policies) {
+    std::string rows;
+    auto list = nlohmann::ordered_json::array();
+    for (const PolicyResult& each : policies) {
+        rows += each.csv_rows;
+        list.push_back({{"policy", each.name}, {"profile", each.json}});
+    }
+    write_file(arguments.csv, tasks::profile_csv(scene, result) + rows);
+    if (!arguments.json.empty()) {
+        auto json = nlohmann::ordered_json::parse(tasks::profile_json(scene, options, result));
+        json["policies"] = list;
+        write_file(arguments.json, json.dump(2) + "\n");
+    }
+    if (!arguments.trace.empty()) write_file(arguments.trace, tasks::profile_trace(result));
+    write_file(arguments.stages, tasks::profile_stages_csv(scene, result));
+    write_file(arguments.curves, tasks::profile_curves_csv(scene, result));
+}
+
 ExitStatus profile(const ProfileArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
     const tasks::Scene& scene = loaded.scene;
     const tasks::MeasureOptions options = options_of(arguments);
-    const auto schedules = tasks::chosen_schedules(scene, arguments.choice);
+    tasks::ScheduleChoice choice = arguments.choice;
+    choice.wait = waits.at(arguments.wait);
+    const auto schedules = tasks::chosen_schedules(scene, choice);
     const auto progress = [&](const std::string& line) {
         if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", line);
     };
     const tasks::Profile result = tasks::profile_schedules(scene, schedules, options, progress);
     fmt::print("{}: {}, alternating, medians of {}\n{}", scene.name, plural(static_cast<long>(schedules.size()), "schedule"), plural(options.rounds, "round"), machine_text(result));
-    for (const std::string& part : {timing_text(result), neighbours_text(result), stages_text(result), serial_text(result), model_text(result)}) {
+    for (const std::string& part : {timing_text(result), neighbours_text(result), stages_text(result), serial_text(result), model_text(result), predictions_text(result)}) {
         if (!part.empty()) fmt::print("\n{}", part);
     }
-    write_file(arguments.csv, tasks::profile_csv(scene, result));
-    write_file(arguments.json, tasks::profile_json(scene, options, result));
-    if (!arguments.trace.empty()) write_file(arguments.trace, tasks::profile_trace(result));
+    std::vector<PolicyResult> policies;
+    if (arguments.policies) {
+        policies = measure_policies(repeated(arguments, options), arguments.choice.names, progress);
+        fmt::print("\n{}", policies_text(policies));
+    }
+    write_files(arguments, scene, options, result, policies);
     for (const std::string& line : result.differences) fmt::print(stderr, "cvtflow: states differ: {}\n", line);
     return result.differences.empty() ? ExitStatus::finished : ExitStatus::error;
 }
@@ -87,10 +134,14 @@ constexpr const char* explanation =
     "               (waits of the n active threads - (n - 1) x controller) / (n x cycles), that is\n"
     "               (n x (time - controller) - task times) / (n x cycles) without entering and leaving\n"
     "  alone        a cycle of one task of 2 us per thread, above the time of that task [us]; absent: a thread never came\n"
-    "  least task   task length at which half the time is lost: the loss per level of the graph [us]\n"
+    "  bare         a bare barrier of as many threads, in turn with `alone` [us]\n"
+    "  burnt        processor time per step beyond what serial needs under the same load [us]: threads that wait without sleeping\n"
+    "  least task   METG: task length at which half the time is lost: the loss per level of the graph [us]\n"
     "  imbalance    longest over mean task time of the threads\n"
     "  recording    what recording added to the step time in its own pass\n"
-    "The critical path takes of every cycle the slowest segment, the controller and the synchronisation a + b M.";
+    "The critical path takes of every cycle the slowest segment, the controller and the synchronisation a + b M.\n"
+    "--policies starts this program again for each way of waiting, because OpenMP's runtimes read OMP_WAIT_POLICY, GOMP_SPINCOUNT and KMP_BLOCKTIME when they\n"
+    "are loaded; oneTBB has no such switch. Each child compares with serial in its own process. Their rows follow in the CSV file, their profiles in the JSON file.";
 
 }  // namespace
 
@@ -117,9 +168,14 @@ Action declare_profile(CLI::App& app) {
         ->delimiter(',')
         ->check(CLI::Range(0, 1024))
         ->default_str("0,1,2");
+    app.add_option("--wait", arguments->wait, "How flow and barrier wait: spin, balanced or passive")->type_name("POLICY")->check(CLI::IsMember({"spin", "balanced", "passive"}))->capture_default_str();
+    app.add_flag("--pin", arguments->choice.pin, "Each thread on one processor");
+    app.add_flag("--policies", arguments->policies, "Measure again under every wait policy, pinned and not");
     app.add_option("--csv", arguments->csv, "Table to write, one row per schedule and load")->type_name("FILE");
     app.add_option("--json", arguments->json, "Everything, with provenance")->type_name("FILE");
     app.add_option("--trace", arguments->trace, "Recorded passes for chrome://tracing or ui.perfetto.dev")->type_name("FILE");
+    app.add_option("--stages", arguments->stages, "Table of stages by thread: the published charts")->type_name("FILE");
+    app.add_option("--curves", arguments->curves, "Table of the speed-up curves")->type_name("FILE");
     app.add_flag("-q,--quiet", arguments->quiet, "No progress");
     app.footer(explanation);
     return [arguments] { return profile(*arguments); };

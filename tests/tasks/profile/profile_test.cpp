@@ -29,6 +29,13 @@ TEST(ChosenSchedules, CombineThreadsAndSegments) {
     EXPECT_EQ(list[4].segments, 6);
 }
 
+TEST(ChosenSchedules, WaitAndPinAsAsked) {
+    const auto list = chosen_schedules(tiny(), {.names = {"barrier"}, .threads = {2}, .wait = engine::Wait::spin, .pin = true});
+    EXPECT_EQ(list[0], Schedule{});   // serial waits for nobody
+    EXPECT_EQ(list[1].wait, engine::Wait::spin);
+    EXPECT_TRUE(list[1].pin);
+}
+
 TEST(ChosenSchedules, RefuseWhatDoesNotExist) {
     EXPECT_THROW(names({.names = {"flaw"}}), SceneError);
     EXPECT_THROW(names({.names = {"flow:stages"}}), SceneError);
@@ -70,7 +77,12 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
         EXPECT_NEAR(result.recording.pass.cycles, 25.0, 15.0);   // five steps of five cycles, and transitions
     }
     EXPECT_EQ(profile.results[0].loads[0].speed_up, 1.0);
+    for (const ScheduleResult& result : profile.results) EXPECT_GT(result.predicted, 0.0) << result.name;   // staged ones too: serial:staged is there
+    EXPECT_NEAR(profile.results[0].predicted, 1.0, 1e-12);   // serial by definition
+    EXPECT_GT(profile.results[2].loads[1].cpu, 0.0);
+    EXPECT_EQ(profile.bare.size(), 2u);   // of one and of two threads
     EXPECT_GT(profile.model.costs.free, 0.0);
+    EXPECT_GT(profile.model.serial_step, 0.0);
     EXPECT_EQ(profile.model.curves.size(), 24u);
 }
 

@@ -74,6 +74,33 @@ TEST_F(Report, JsonTellsEverythingAndWhereItComesFrom) {
     EXPECT_EQ(json["bare_barrier"][0]["seconds"], 1.8e-7);
 }
 
+TEST_F(Report, StagesHaveARowPerScheduleThreadAndStage) {
+    profile_.results[1].recording.pass.threads.resize(2);
+    profile_.results[1].recording.pass.threads[1].seconds[4] = 3e-6;   // all forces
+    profile_.results[1].recording.pass.threads[1].seconds[9] = 1e-6;   // wait
+    profile_.results[1].recording.steps = 2;
+    std::istringstream lines(profile_stages_csv(scene_, profile_));
+    std::string line;
+    std::vector<std::vector<std::string>> rows;
+    while (std::getline(lines, line)) rows.push_back(cells(line));
+    ASSERT_THAT(rows, SizeIs(1 + 2 * 11));   // serial was not recorded
+    EXPECT_EQ(rows[1 + 11 + 4][5], "\"all forces (fused)\"");
+    EXPECT_EQ(rows[1 + 11 + 4][7], "0.75000");
+    EXPECT_EQ(rows[1 + 11 + 4][8], "1.5000");   // [us] per step
+}
+
+TEST_F(Report, CurvesHaveARowPerNumberOfThreadsAndTheBestMeasuredBeside) {
+    std::istringstream lines(profile_curves_csv(scene_, profile_));
+    std::string line;
+    std::vector<std::vector<std::string>> rows;
+    while (std::getline(lines, line)) rows.push_back(cells(line));
+    ASSERT_THAT(rows, SizeIs(1 + 3));
+    for (const auto& row : rows) EXPECT_EQ(row.size(), rows[0].size());
+    EXPECT_EQ(rows[2][8], "1.8300");
+    EXPECT_EQ(rows[2][9], "flow:fused");
+    EXPECT_EQ(rows[3][8], "");
+}
+
 TEST_F(Report, TraceIsJsonWithASpanPerTask) {
     const auto json = nlohmann::json::parse(profile_trace(profile_));
     const auto& events = json["traceEvents"];

@@ -1,0 +1,87 @@
+#pragma once
+/// Which of several schedules a run goes on with. Pure bookkeeping: told how fast the run was, it says what to run next and for how long; it knows neither
+/// clock nor thread, so that its promise can be tested on invented machines.
+///
+/// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only what the
+/// schedule on trial is slower than the one at work. These losses are counted, and a turn is taken only while all of them together, this turn being wasted entirely, stay
+/// below `regret` of the time so far. A run too short for a trial stays with the first candidate.
+///
+///     work (windows) ── due and affordable ──► check: rounds of turns of all candidates ──► medians ──► work
+///          ▲ not affordable: back to work for a window, the check goes on afterwards ─┘
+
+#include <vector>
+
+namespace cvtflow::tasks {
+
+struct ChooserOptions {
+    double window = 0.05;          ///< of work between two looks [s]
+    double turn = 0.004;           ///< of a candidate on trial [s]
+    int rounds = 5;                ///< turns of each candidate in a check
+    double regret = 0.01;          ///< share of all time that trials may cost
+    double gain = 1.05;            ///< what another candidate must bring to replace the first
+    double edge = 1.02;            ///< what it must bring to replace any other, and what that must keep over the first
+    double hopeless = 1.5;         ///< a turn so much slower than work ends a candidate's part in a check
+    double drift = 1.12;           ///< change of pace, two windows in a row, that calls for a check
+    double changed_links = 0.1;    ///< change in the number of touching links that does, as a share of it
+    double first_period = 1.0;     ///< a check is due after so long at the latest …
+    double longest_period = 30.0;  ///< … doubled up to here as long as the choice stays [s]
+};
+
+/// How a stretch of steps went.
+struct Pace {
+    double seconds = 0.0;      ///< wall time, the arrival of threads included [s]
+    double per_cycle = 0.0;    ///< wall time per cycle once threads have arrived [s]
+    int touching = 0;          ///< links that touch now
+};
+
+class ScheduleChooser {
+public:
+    /// @param candidates at least one; the first is the reference
+    ScheduleChooser(int candidates, const ChooserOptions& options);
+
+    /// What to run now.
+    [[nodiscard]] int candidate() const noexcept { return now_; }
+    /// Time after which took() is to be called [s].
+    [[nodiscard]] double window() const noexcept { return trying_ ? options_.turn : options_.window; }
+    /// The candidate has run for about window(). Allocates nothing. @return whether another one runs now
+    bool took(const Pace& pace) noexcept;
+
+    [[nodiscard]] int chosen() const noexcept { return chosen_; }
+    [[nodiscard]] long checks() const noexcept { return checks_; }
+    [[nodiscard]] long changes() const noexcept { return changes_; }
+    /// Median time per cycle in the last check in which it had a turn; 0: none [s].
+    [[nodiscard]] double per_cycle(int candidate) const noexcept { return candidates_[static_cast<std::size_t>(candidate)].median; }
+    /// What all trials have cost [s].
+    [[nodiscard]] double lost() const noexcept { return lost_; }
+
+private:
+    struct Candidate {
+        std::vector<double> turns;   ///< of the check at hand; room for all rounds
+        double median = 0.0;
+        bool out = false;            ///< of the check at hand
+    };
+
+    void worked(const Pace& pace) noexcept;
+    void tried(const Pace& pace) noexcept;
+    [[nodiscard]] bool due(const Pace& pace) noexcept;
+    [[nodiscard]] bool affordable() const noexcept;
+    void begin_check() noexcept;
+    void next_turn() noexcept;
+    void end_check() noexcept;
+    void choose() noexcept;
+
+    ChooserOptions options_;
+    std::vector<Candidate> candidates_;
+    int now_ = 0, chosen_ = 0;
+    bool trying_ = false;        ///< candidate() is on trial
+    bool checking_ = false;      ///< a check has begun and not ended
+    int next_ = 0, round_ = 0;   ///< whose turn in the check
+    double work_ = 0.0;          ///< time per cycle of the last window of work [s]
+    double reference_ = 0.0;     ///< time per cycle of the first window after the choice; 0: not known
+    int touching_ = -1;          ///< links that touched at the last check
+    int drifting_ = 0;           ///< windows in a row whose pace differs
+    double elapsed_ = 0.0, since_check_ = 0.0, lost_ = 0.0, period_;
+    long checks_ = 0, changes_ = 0;
+};
+
+}  // namespace cvtflow::tasks
