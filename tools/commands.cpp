@@ -7,6 +7,7 @@ namespace cvtflow::tools {
 std::span<const Command> commands() noexcept {
     static constexpr std::array rows{
         Command{"run", "Simulate a scene and record it", declare_run},
+        Command{"resume", "Go on from a checkpoint, bit for bit", declare_resume},
         Command{"settle", "Settle a scene's geometric start and save the state for start.state", declare_settle},
         Command{"check", "Check a scene without running it; say what it is and what it will cost", declare_check},
         Command{"info", "Show what is in a record or a state file", declare_info},

@@ -45,4 +45,7 @@ struct LoadedScene {
 /// @throws tasks::SceneError
 [[nodiscard]] LoadedScene load_scene(const SceneArguments& arguments);
 
+/// A length of wall time given with its unit. @throws tasks::SceneError that names the option
+[[nodiscard]] double seconds_of(const std::string& option, const std::string& text);
+
 }  // namespace cvtflow::tools
