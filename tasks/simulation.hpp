@@ -48,7 +48,7 @@ public:
     /// Where the integration stands.
     [[nodiscard]] const IntegrationState& integration_state() const noexcept { return rest_; }
     /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
-    /// @throws SimulationError if the numbers of unknowns, tips or values of the method's memory differ
+    /// @throws SimulationError if the numbers of unknowns or tips differ
     void restore(const IntegrationState& state);
 
     /// Runs so many steps with the scene's run settings, for measurements; ends with a Fault of kind max_steps.
@@ -85,6 +85,7 @@ private:
     Scene scene_;
     Schedule schedule_;
     std::unique_ptr<Workspace> workspace_;
+    std::unique_ptr<StepMethod> method_;
     engine::TaskGraph graph_;
     std::unique_ptr<engine::Executor> executor_;
     bool needs_settling_ = false;

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "engine/method/catalogue.hpp"
+#include "tasks/method_choice.hpp"
 #include "tasks/batch/axis_reader.hpp"
 #include "tasks/batch/sweep.hpp"
 #include "tasks/batch/table_view.hpp"
@@ -159,7 +159,7 @@ private:
                 seen.push_back(key->key);
             }
         }
-        if (engine::find_method(sweep_.scene.run.method) == nullptr) problems_.push_back({{}, fmt::format("run.method: there is no method {}", toml_text(sweep_.scene.run.method))});
+        if (!plan_for(sweep_.scene.run.method)) problems_.push_back({{}, fmt::format("run.method: there is no method {}", toml_text(sweep_.scene.run.method))});
     }
 
     const FindScene& find_scene_;

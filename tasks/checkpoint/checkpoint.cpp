@@ -7,7 +7,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
-#include "engine/method/catalogue.hpp"
+#include "tasks/method_choice.hpp"
 #include "engine/record/state_file.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/simulation.hpp"
@@ -30,8 +30,8 @@ void add_combination(const std::vector<engine::Term>& terms, engine::Hash& hash)
 }
 
 std::string hash_of_method(const Scene& scene) {
-    const engine::StagePlan* plan = engine::find_method(scene.run.method);
-    if (plan == nullptr) return "none";
+    const auto plan = plan_for(scene.run.method);
+    if (!plan) return "none";
     engine::Hash hash;
     for (const auto& stage : plan->stages) {
         add_combination(stage.states, hash);
