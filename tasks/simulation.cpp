@@ -69,16 +69,38 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
       workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene), Partition::equal(scene.parameters.chain.pins, schedule.segments))),
       method_(method_of(scene, *workspace_)), graph_(graph_of(*workspace_, *method_, schedule.assembly)), executor_(make_executor(schedule, recorder)) {
     if (!scene_.state_file.empty()) {
-        take_state(engine::read_state(scene_.state_file));
-        rest_at_start();
-        return;
+        const engine::SavedState saved = engine::read_state(scene_.state_file);
+        if (const std::string* text = text_attribute(saved, "scene")) start_differences_ = differences(*text, scene_);
+        take_state(saved);
+    } else {
+        place_geometrically();
     }
+    rest_at_start();
+}
+
+bool Simulation::fits(const Scene& scene) const { return scene.run.method == scene_.run.method && model::layout_of(scene.parameters) == workspace_->layout(); }
+
+void Simulation::reset(const Scene& scene, const engine::SavedState* saved) {
+    scene_ = scene;
+    workspace_->adopt(scene.parameters);
+    if (find_program(scene.run.method) != nullptr) {   // what a program has derived from the parameters
+        method_ = method_of(scene, *workspace_);
+        graph_ = graph_of(*workspace_, *method_, schedule_.assembly);
+    }
+    counters_ = {};
+    start_differences_.clear();
+    needs_settling_ = false;
+    if (saved != nullptr) take_state(*saved);
+    else place_geometrically();
+    rest_at_start();
+}
+
+void Simulation::place_geometrically() {
     const model::StartState start = model::start_state(scene_.parameters);
     std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
     workspace_->phases = start.phases;
     needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
     time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
-    rest_at_start();
 }
 
 /// Moves the borders of segments to where the cost of links is now; the graph's declared accesses move with them.
@@ -107,7 +129,6 @@ constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
 void Simulation::take_state(const engine::SavedState& saved) {
     const model::ChainLayout& at = workspace_->layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
-    if (const std::string* text = text_attribute(saved, "scene")) start_differences_ = differences(*text, scene_);
     const std::size_t beyond = saved.state.size() < mechanical ? 2 : saved.state.size() - mechanical;   // control: 1, ledger: 12, both: 13
     if ((beyond > 1 && beyond != ledger_size && beyond != ledger_size + 1) || saved.phases.size() != workspace_->phases.size()) {
         std::string message = fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());

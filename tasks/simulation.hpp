@@ -31,6 +31,13 @@ public:
     Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
     ~Simulation();
 
+    /// Whether reset() may be used: the same unknowns and the same method.
+    [[nodiscard]] bool fits(const Scene& scene) const;
+    /// Becomes a simulation of another scene that fits, in the memory of this one; bit for bit as a new one.
+    /// @param saved the state to start from, instead of the scene's file; nullptr: geometric start
+    /// @throws as the constructor
+    void reset(const Scene& scene, const engine::SavedState* saved);
+
     /// Whether the start is geometric and has to settle before t = 0.
     [[nodiscard]] bool needs_settling() const noexcept { return needs_settling_; }
     /// Runs from t = -start.settling_time to t = 0 with clamping and load ramped up. Outputs are delivered with negative times.
@@ -77,6 +84,7 @@ private:
     [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
     void balance();
     void take_state(const engine::SavedState& saved);
+    void place_geometrically();
     void rest_at_start();
     void end_settling();
     [[nodiscard]] StepSettings settling_settings() const;

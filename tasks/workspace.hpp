@@ -38,10 +38,10 @@ public:
     Workspace(const Workspace&) = delete;
     Workspace& operator=(const Workspace&) = delete;
 
-    const model::Parameters parameters;
-    const model::Variator variator;
+    model::Parameters parameters;     ///< changed by adopt() only, as variator and rule
+    model::Variator variator;
     const engine::CompiledPlan plan;
-    const model::PhaseRule rule;
+    model::PhaseRule rule;
     const model::StagedFunctions stages;
 
     Partition partition;              ///< changed by repartition() only
@@ -91,6 +91,8 @@ public:
     model::SheaveMotion end_sheaves[4]{};      ///< at the step's end
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
+    /// Another variator of the same layout, at rest before its start; between runs only.
+    void adopt(const model::Parameters& other);
     /// New borders of the same number of segments; between runs only.
     void repartition(Partition parts);
     /// Brings the list of touching links up to date; after every change of phases.
