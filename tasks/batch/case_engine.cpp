@@ -43,9 +43,10 @@ int BatchControl::threads_per_case() {
 double case_cost(const Sweep& sweep, const Scene& scene) {
     const bool settles = sweep.start == StartMode::settle || (sweep.start == StartMode::scene && scene.state_file.empty());
     const double time = scene.run.until + (settles ? scene.parameters.start.settling_time : 0.0);
-    const int evaluations = evaluations_per_step(scene.run.method);
-    return time / scene.run.step * std::max(1, evaluations) * model::layout_of(scene.parameters).size();
+    return time / scene.run.step * step_cost(scene);
 }
+
+double step_cost(const Scene& scene) { return static_cast<double>(std::max(1, evaluations_per_step(scene.run.method))) * model::layout_of(scene.parameters).size(); }
 
 CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
     : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene), reducers_(sweep.scalars.size()) {

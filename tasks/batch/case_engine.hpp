@@ -112,7 +112,8 @@ private:
     int refused_threads_ = 0;                       ///< that were tried and were not worth it
 };
 
-/// Seconds-free cost of a case, for sharing out: steps x evaluations x unknowns.
+/// Cost of a step: evaluations x unknowns. Of a case: that of its steps, for sharing out.
+[[nodiscard]] double step_cost(const Scene& scene);
 [[nodiscard]] double case_cost(const Sweep& sweep, const Scene& scene);
 
 }  // namespace cvtflow::tasks

@@ -59,7 +59,7 @@ std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard) {
 namespace {
 
 /// Wall time per unit of cost, from so many seconds of steps of one case. Zero if the case cannot begin.
-double measure(const Sweep& sweep, const Scene& scene, double seconds) {
+double measure(const Scene& scene, double seconds) {
     try {
         Simulation simulation(scene, Schedule{});
         SilentObserver silent;
@@ -74,11 +74,7 @@ double measure(const Sweep& sweep, const Scene& scene, double seconds) {
             wall += std::chrono::duration<double>(Clock::now() - begin).count();
             steps += batch;
         }
-        const double all_steps = case_cost(sweep, scene) / (std::max(1, simulation.workspace().layout().size()));
-        Scene step = scene;
-        step.run.until = step.run.step;
-        const double per_step = case_cost(sweep, step);
-        return all_steps > 0.0 ? wall / static_cast<double>(steps) / per_step : 0.0;
+        return wall / static_cast<double>(steps) / step_cost(scene);
     } catch (const std::exception&) {
         return 0.0;
     }
@@ -102,7 +98,7 @@ BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
         if (cases.empty()) break;
         sweep.apply_case(cases[at], scene);
         if (!violations(scene).empty()) continue;
-        if (const double rate = measure(sweep, scene, seconds / 3.0); rate > 0.0) rates.push_back(rate);
+        if (const double rate = measure(scene, seconds / 3.0); rate > 0.0) rates.push_back(rate);
     }
     result.measured = static_cast<int>(rates.size());
     if (!rates.empty()) result.seconds_per_cost = std::accumulate(rates.begin(), rates.end(), 0.0) / static_cast<double>(rates.size());

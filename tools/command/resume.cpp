@@ -6,6 +6,7 @@
 
 #include "tasks/checkpoint/checkpoint.hpp"
 #include "tasks/run.hpp"
+#include "tools/batch_text.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/progress.hpp"
@@ -35,7 +36,23 @@ tasks::Scene scene_to_go_on(const ResumeArguments& arguments, const tasks::Check
     return scene;
 }
 
+/// All of a sweep that is not done. A folder with shards only: each of them is run by whoever runs shards.
+ExitStatus go_on_sweep(const ResumeArguments& arguments) {
+    tasks::BatchOptions options;
+    options.folder = arguments.what;
+    while (options.folder.size() > 1 && options.folder.back() == '/') options.folder.pop_back();
+    if (!arguments.every.empty()) options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every);
+    int number = 1, of = 1;
+    const std::filesystem::path folder(options.folder);
+    if (std::sscanf(folder.filename().c_str(), "shard-%d-of-%d", &number, &of) == 2) {
+        options.folder = folder.parent_path().string();
+        options.shard = {number, of};
+    }
+    return run_sweep(load_sweep(sweep_of(arguments.what)), options, arguments.quiet);
+}
+
 ExitStatus go_on(const ResumeArguments& arguments) {
+    if (std::filesystem::is_directory(arguments.what)) return go_on_sweep(arguments);
     const tasks::Checkpoint checkpoint = tasks::read_checkpoint(arguments.what);
     const tasks::Scene scene = scene_to_go_on(arguments, checkpoint);
     ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
