@@ -75,7 +75,7 @@ TEST_F(Batch, ThatIsToldToStopLeavesCheckpointsAndGoesOnBitForBit) {
 }
 
 TEST_F(Batch, FailingCasesAreRowsWithAStatus) {
-    write_sweep("\"6 N*m\", \"12 N*m\"", "40 us", "[budget]\nsteps = 400\n[[axes]]\nkey = \"start.ratio\"\nvalues = [1.0, 0.3]\n[[axes]]\nkey = \"run.step\"\nvalues = [\"50 ns\", \"5 us\"]\n");
+    write_sweep("\"6 N*m\", \"12 N*m\"", "5 ms", "[budget]\nsteps = 600\n[[axes]]\nkey = \"start.ratio\"\nvalues = [1.0, 0.3]\n[[axes]]\nkey = \"run.step\"\nvalues = [\"50 ns\", \"10 us\"]\n");
     const Outcome outcome = batch();
     EXPECT_EQ(outcome.status, 5) << outcome.err;
     const auto status = column("status");
@@ -83,7 +83,7 @@ TEST_F(Batch, FailingCasesAreRowsWithAStatus) {
     EXPECT_EQ(status.at(0), "budget");
     EXPECT_EQ(status.at(1), "diverged");
     EXPECT_EQ(status.at(2), "bad_parameters");
-    EXPECT_THAT(column("error").at(0), StartsWith("the budget of 400 steps (run.max_steps) is used up"));
+    EXPECT_THAT(column("error").at(0), StartsWith("the budget of 600 steps (run.max_steps) is used up"));
     EXPECT_EQ(column("slip_mean").at(1), "nan");
     const Outcome shown = run({"table", "out", "--status", "diverged"});
     EXPECT_THAT(shown.out, AllOf(HasSubstr("  diverged  "), testing::Not(HasSubstr("  budget  "))));
@@ -98,7 +98,7 @@ TEST_F(Batch, OfAnotherSweepIsRefusedWithTheDifference) {
     write_sweep("\"6 N*m\", \"7 N*m\"", "50 us");
     const Outcome outcome = run({"resume", "out"});
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_EQ(outcome.err, "cvtflow: out/cases.h5: results of another sweep:\n  axes.load.torque = 6 there, 6, 7 here\n  run.until = 4e-05 there, 5e-05 here\n");
+    EXPECT_EQ(outcome.err, "cvtflow: out/cases.h5: results of another sweep:\n  axes.load.torque = 6 there, 6, 7 here\n  run.until = 4e-5 there, 5e-5 here\n");
     EXPECT_EQ(column("hash"), before);
 }
 
@@ -114,7 +114,7 @@ TEST_F(Batch, IntoAFolderThatAnotherWritesIsRefused) {
 TEST_F(Batch, IntoAFolderThatCannotBeWrittenSaysSo) {
     write_sweep();
     write("file", "");
-    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "file"}).err, "cvtflow: file: cannot create: a file of that name is in the way\n");
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "file"}).err, "cvtflow: file: cannot create: File exists\n");
     EXPECT_EQ(run({"batch", "sweep.toml", "-o", "no/such"}).err, "cvtflow: no/such: cannot create: No such file or directory\n");
     EXPECT_EQ(run({"batch", "sweep.toml", "-o", "/proc/here"}).err, "cvtflow: /proc/here: cannot create: No such file or directory\n");
 }
@@ -122,7 +122,7 @@ TEST_F(Batch, IntoAFolderThatCannotBeWrittenSaysSo) {
 TEST_F(Batch, OnAFullDiskKeepsWhatItHasAndGoesOnLater) {
     write_sweep("\"1 N*m\", \"2 N*m\", \"3 N*m\", \"4 N*m\", \"5 N*m\", \"6 N*m\", \"7 N*m\", \"8 N*m\", \"9 N*m\", \"10 N*m\", \"11 N*m\", \"12 N*m\", \"13 N*m\", \"14 N*m\", "
                 "\"15 N*m\", \"16 N*m\", \"17 N*m\", \"18 N*m\", \"19 N*m\", \"20 N*m\"",
-                "10 us");
+                "20 us");
     const Outcome full = shell("ulimit -f 120; \\$CVTFLOW batch sweep.toml -o out -q --threads 1");
     EXPECT_EQ(full.status, 1) << full.out << full.err;
     EXPECT_THAT(full.err, testing::MatchesRegex("cvtflow: out/cases.h5: cannot write: File too large; [0-9]+ cases are saved\n"));
