@@ -67,6 +67,7 @@ double measure(const Scene& scene, double seconds) {
         using Clock = std::chrono::steady_clock;
         double wall = 0.0;
         long steps = 0;
+        if (const Fault fault = simulation.run_steps(100, silent, go_on); fault.kind != FaultKind::max_steps) return 0.0;   // many tips first touch here
         for (long batch = 20; wall < seconds; batch *= 2) {
             const auto begin = Clock::now();
             const Fault fault = simulation.run_steps(batch, silent, go_on);

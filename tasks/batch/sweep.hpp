@@ -14,7 +14,7 @@
 ///     sample = "latin-hypercube"         # or "random"
 ///     count = 100
 ///     seed = 1
-///     keys = [{key = "tip.friction", from = 0.05, to = 0.12}, …]
+///     keys = [{key = "tip.friction_coefficient", from = 0.05, to = 0.12}, …]
 ///     [[axes]]
 ///     csv = "rows.csv"                   # first line: keys, with a unit in brackets if the cells have none: load.torque [N*m]
 ///     [outputs]

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "tasks/batch/bench.hpp"
 #include "tasks/schedule.hpp"
 #include "tools/batch_text.hpp"
 #include "tools/command.hpp"
@@ -18,7 +19,7 @@ constexpr long shown_cases = 20;
 struct BatchArguments {
     std::string sweep, folder, shard, grace, every;
     std::vector<std::string> retry;
-    int threads = 0;
+    int threads = 0, bench = 0;
     bool dry = false, pin = false, quiet = false;
 };
 
@@ -61,6 +62,23 @@ ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int thr
     return ExitStatus::finished;
 }
 
+/// One line per way of running: wall and CPU time, cases a second, parallel efficiency or what it costs over the bare loop.
+ExitStatus bench(const tasks::Sweep& sweep, const std::string& folder, int threads, int rounds) {
+    std::vector<int> counts{1};
+    if (threads > 1) counts.push_back(threads);
+    const tasks::BatchBench result = tasks::bench_batch(sweep, folder, counts, rounds);
+    Table table({{"", Align::left}, {"wall [s]", Align::right}, {"cpu [s]", Align::right}, {"cases/s", Align::right}, {"cpu over bare", Align::right}, {"efficiency", Align::right}});
+    for (const tasks::BatchTiming& t : result.timings) {
+        const tasks::BatchTiming &bare = result.timings[0], &one = result.timings[1];
+        table.add({t.threads == 0 ? "bare step loop" : plural(t.threads, "thread"), fmt::format("{:.3f}", t.wall), fmt::format("{:.3f}", t.cpu),
+                   fmt::format("{:.3g}", static_cast<double>(result.cases) / t.wall), t.threads == 0 ? "" : fmt::format("{:+.2f} %", 100.0 * (t.cpu / bare.cpu - 1.0)),
+                   t.threads < 2 ? "" : fmt::format("{:.3f}", one.wall / t.wall / t.threads)});
+    }
+    fmt::print("{}: {}, {} evaluations, medians of {}\n{}", sweep.name, plural(result.cases, "case"), count_text(result.evaluations), plural(rounds, "round"), table.text(2));
+    fmt::print("{}{}", field("peak memory", size_text(result.peak_memory)), field("results hash", result.results_hash));
+    return ExitStatus::finished;
+}
+
 ExitStatus batch(const BatchArguments& arguments) {
     const tasks::Sweep sweep = load_sweep(arguments.sweep);
     tasks::BatchOptions options;
@@ -71,6 +89,7 @@ ExitStatus batch(const BatchArguments& arguments) {
     options.retry = arguments.retry;
     if (!arguments.grace.empty()) options.grace = seconds_of("--grace", arguments.grace);
     if (!arguments.every.empty()) options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every);
+    if (arguments.bench > 0) return bench(sweep, arguments.folder.empty() ? "results/bench_batch" : options.folder, options.threads, arguments.bench);
     if (arguments.dry) return dry_run(sweep, options.shard, options.threads);
     if (arguments.folder.empty()) {
         std::error_code reported_later;
@@ -86,6 +105,7 @@ Action declare_batch(CLI::App& app) {
     app.add_option("SWEEP", arguments->sweep, "Sweep file (SWEEP.toml), or name of a ready sweep in scenes/sweeps")->required()->type_name("");
     app.add_option("-o,--output", arguments->folder, "Folder for the results (default: results/SWEEP); if it holds some of this sweep, it goes on")->type_name("DIR");
     app.add_flag("--dry-run", arguments->dry, "Print the cases and an estimate of the time, run nothing");
+    app.add_option("--bench", arguments->bench, "Measure instead: so many rounds of the bare step loop, one thread, all threads, in DIR/bench")->type_name("ROUNDS");
     app.add_option("--threads", arguments->threads, "Cases side by side (default: as many as this process may use)")->type_name("N");
     app.add_flag("--pin", arguments->pin, "Keep every worker on a processor of its own");
     app.add_option("--shard", arguments->shard, "Run only share I of N; join them with cvtflow merge")->type_name("I/N");
