@@ -17,9 +17,10 @@ const engine::Cancellation never;
 
 Scene tiny() {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
-    scene.parameters.start.settling_time = 6e-5;
-    scene.parameters.start.ramp_time = 5e-5;
-    scene.run.until = 6e-5;
+    scene.parameters.start.settling_time = 2e-5;
+    scene.parameters.start.ramp_time = 1e-5;
+    scene.run.until = 2e-5;
+    scene.run.output_interval = 5e-6;
     scene.run.schedule = "serial";
     return scene;
 }
