@@ -157,26 +157,39 @@ void require_same_sweep(const std::string& path, const engine::CaseTable& there,
     if (!lines.empty()) throw SimulationError(fmt::format("{}: results of another sweep:\n{}", path, fmt::join(lines, "\n")));
 }
 
-void sort_rows(engine::CaseTable& table) {
+namespace {
+
+/// Numbers of the rows in the order of their cases.
+std::vector<std::size_t> case_order(const engine::CaseTable& table) {
     const std::size_t number = table.layout.column("case");
     std::vector<std::size_t> order(table.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return table.layout.integer(table.row(a), number) < table.layout.integer(table.row(b), number); });
-    std::vector<std::byte> sorted;
-    sorted.reserve(table.rows.size());
-    for (const std::size_t row : order) sorted.insert(sorted.end(), table.row(row).begin(), table.row(row).end());
-    table.rows = std::move(sorted);
+    return order;
+}
+
+}  // namespace
+
+/// In place, since the table is the largest thing in memory: row i takes what has been swapped to where its content is now.
+void sort_rows(engine::CaseTable& table) {
+    const std::vector<std::size_t> order = case_order(table);
+    const std::size_t bytes = table.layout.bytes();
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        std::size_t from = order[i];
+        while (from < i) from = order[from];
+        if (from == i) continue;
+        std::byte *a = table.rows.data() + i * bytes, *b = table.rows.data() + from * bytes;
+        std::swap_ranges(a, a + bytes, b);
+    }
 }
 
 std::string results_hash(const engine::CaseTable& table) {
-    engine::CaseTable sorted = table;
-    sort_rows(sorted);
     engine::Hash hash;
-    for (std::size_t row = 0; row < sorted.size(); ++row) {
-        for (std::size_t c = 0; c < sorted.layout.columns().size(); ++c) {
-            const CaseColumn& column = sorted.layout.columns()[c];
+    for (const std::size_t row : case_order(table)) {
+        for (std::size_t c = 0; c < table.layout.columns().size(); ++c) {
+            const CaseColumn& column = table.layout.columns()[c];
             if (std::find(std::begin(unsteady), std::end(unsteady), column.name) != std::end(unsteady)) continue;
-            hash.add(sorted.row(row).subspan(sorted.layout.offset(c), static_cast<std::size_t>(column.width)));
+            hash.add(table.row(row).subspan(table.layout.offset(c), static_cast<std::size_t>(column.width)));
         }
     }
     return hash.hex();
