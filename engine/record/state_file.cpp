@@ -49,11 +49,12 @@ void write_more(hid_t file, const std::vector<NamedArray>& arrays) {
 }
 
 /// The bytes of the file. Made in memory: HDF5 cannot give up half-way on a full disk without trouble, write(2) can.
-std::vector<std::byte> image_of(const SavedState& saved) {
+/// @param name of the file in memory: HDF5 takes two of one name for the same file, whichever thread made them
+std::vector<std::byte> image_of(const SavedState& saved, const std::string& name) {
     // Oldest format on purpose: H5Fget_file_image (1.10.8) clears flags in newer superblocks without renewing their checksum.
     const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot build the file in memory");
     hdf5::check(H5Pset_fapl_core(access.id(), std::size_t{1} << 16U, 0), "cannot build the file in memory");
-    const hdf5::Handle file(H5Fcreate("state", H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot build the file in memory");
+    const hdf5::Handle file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot build the file in memory");
     for (const Attribute& attribute : saved.attributes) {
         if (attribute.name.empty() || is_own(attribute)) {
             throw hdf5::Failure("the name '" + attribute.name + "' is reserved (attribute)");
@@ -128,7 +129,7 @@ SavedState read_contents(hid_t file) {
 void write_state(const std::string& path, const SavedState& unsorted) {
     SavedState saved = unsorted;
     std::sort(saved.more.begin(), saved.more.end(), [](const NamedArray& a, const NamedArray& b) { return a.name < b.name; });
-    const std::vector<std::byte> image = hdf5::guarded(path, [&] { return image_of(saved); });
+    const std::vector<std::byte> image = hdf5::guarded(path, [&] { return image_of(saved, path); });
     PartFile part(path, true);
     if (const int reason = part.write(image.data(), image.size()); reason != 0) {
         part.discard();
