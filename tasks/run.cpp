@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <numbers>
 
 #include "engine/base/hash.hpp"
@@ -20,22 +21,91 @@ const engine::Cancellation never;
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Settles if the start needs it; the fault, if any, is in the report.
-void settle(Simulation& simulation, const Scene& scene, RunRecorder& recorder, const engine::Cancellation& cancel, RunReport& report) {
-    if (!simulation.needs_settling()) return;
+/// Runs a simulation and keeps checkpoints of it: every so often the run pauses at an output, is put on disk, and goes on.
+class Keeper final : public RunObserver {
+public:
+    Keeper(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder)
+        : scene_(scene), options_(options), simulation_(simulation), recorder_(recorder) {
+        simulation.pause_on(&due_);
+    }
+
+    void output(double time, const Workspace& workspace, const Counters& counters) override {
+        recorder_.output(time, workspace, counters);
+        due_ = options_.checkpoint_every > 0.0 && since(last_) >= options_.checkpoint_every;
+    }
+    void transition(const TransitionRecord& record) override { recorder_.transition(record); }
+
+    /// The part of the run that is at hand, from where it stands to its end. @param until end of a part that is not settling
+    [[nodiscard]] Fault go(double until, const engine::Cancellation& cancel, RunReport& report) {
+        Simulation& s = simulation_;
+        recorder_.begin_part(s.needs_settling() ? -scene_.parameters.start.settling_time : report.begin, s.needs_settling() ? 0.0 : until);
+        Fault fault = s.integration_state().started ? s.proceed(until, *this, cancel) : s.needs_settling() ? s.settle(*this, cancel) : s.run(until, *this, cancel);
+        while (fault.kind == FaultKind::cancelled && due_) {
+            save(report);
+            fault = s.proceed(until, *this, cancel);
+        }
+        const bool may_go_on = fault.kind == FaultKind::cancelled || fault.kind == FaultKind::max_steps || fault.kind == FaultKind::max_wall;
+        if (may_go_on && !options_.checkpoint.empty()) save(report);
+        return fault;
+    }
+
+private:
+    void save(const RunReport& report) {
+        due_ = false;
+        last_ = std::chrono::steady_clock::now();
+        Checkpoint checkpoint;
+        checkpoint.integration = simulation_.integration_state();
+        checkpoint.history = {report.settled, report.settling, report.begin, report.wall, report.settling_wall};
+        (simulation_.needs_settling() ? checkpoint.history.settling_wall : checkpoint.history.wall) += since(started_);
+        if (!options_.file.empty()) checkpoint.record = std::filesystem::absolute(options_.file).string();
+        checkpoint.recorder = recorder_.position();
+        sign(checkpoint, scene_, simulation_.variator());
+        write_checkpoint(options_.checkpoint, checkpoint);
+    }
+
+    const Scene& scene_;
+    const RunOptions& options_;
+    Simulation& simulation_;
+    RunRecorder& recorder_;
+    bool due_ = false;
+    std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now(), started_ = last_;
+};
+
+/// Puts simulation, recorder and report to where the checkpoint was taken.
+void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& recorder, RunReport& report) {
+    simulation.restore(from.integration);
+    recorder.restore(from.recorder);
+    report.settled = from.history.settled;
+    report.settling = from.history.settling;
+    report.settling_wall = from.history.settling_wall;
+    report.begin = from.history.begin;
+    report.wall = from.history.wall;
+}
+
+/// Settling, if the start needs it, and the run.
+void run_parts(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder, RunReport& report) {
+    const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
+    if (simulation.needs_settling()) {
+        const auto started = std::chrono::steady_clock::now();
+        report.settled = true;
+        report.fault = Keeper(scene, options, simulation, recorder).go(0.0, cancel, report);
+        report.settling = simulation.counters();
+        report.settling_wall += since(started);
+    }
+    if (report.fault) return;
     const auto started = std::chrono::steady_clock::now();
-    report.settled = true;
-    recorder.begin_part(-scene.parameters.start.settling_time, 0.0);
-    report.fault = simulation.settle(recorder, cancel);
-    report.settling = simulation.counters();
-    report.settling_wall = since(started);
+    if (!simulation.integration_state().started) report.begin = simulation.time();
+    report.fault = Keeper(scene, options, simulation, recorder).go(scene.run.until, cancel, report);
+    report.counters = simulation.counters();
+    report.local_errors = simulation.local_errors();
+    report.wall += since(started);
 }
 
 }  // namespace
 
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
-    const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
     Simulation simulation(scene);
+    if (options.from != nullptr) require_same(options.checkpoint, *options.from, scene, simulation.variator());
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
     report.method = scene.run.method;
@@ -44,22 +114,15 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.kernels = model::name_of(simulation.variator().chain().isa());
     report.working_set = simulation.workspace().bytes();
     report.start_differences = simulation.start_differences();
-    settle(simulation, scene, recorder, cancel, report);
-    if (!report.fault) {
-        const auto started = std::chrono::steady_clock::now();
-        report.begin = simulation.time();
-        recorder.begin_part(simulation.time(), scene.run.until);
-        report.fault = simulation.run(scene.run.until, recorder, cancel);
-        report.counters = simulation.counters();
-        report.local_errors = simulation.local_errors();
-        report.wall = since(started);
-    }
+    if (options.from != nullptr) restore(*options.from, simulation, recorder, report);
+    run_parts(scene, options, simulation, recorder, report);
     report.end = simulation.time();
     report.step = simulation.step();
     report.method_report = simulation.method_report();
     report.schedule = simulation.runner().text();
     report.hash = simulation.hash();
     recorder.finish(report);
+    if (!report.fault && !options.checkpoint.empty()) std::filesystem::remove(options.checkpoint);
     return report;
 }
 
@@ -71,9 +134,9 @@ void settle_scene(const Scene& scene, const std::string& state_file, const RunOp
     RunOptions quiet = options;
     quiet.file.clear();
     RunRecorder recorder(unsettled, simulation, quiet);
-    RunReport report;
-    settle(simulation, unsettled, recorder, cancel, report);
-    if (report.fault) throw SettlingFault(report.fault);
+    recorder.begin_part(-unsettled.parameters.start.settling_time, 0.0);
+    if (!simulation.needs_settling()) return engine::write_state(state_file, simulation.saved_state());
+    if (const Fault fault = simulation.settle(recorder, cancel)) throw SettlingFault(fault);
     engine::write_state(state_file, simulation.saved_state());
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tasks/checkpoint/checkpoint.hpp"
 #include "tasks/simulation.hpp"
 
 namespace cvtflow::tasks {
@@ -22,6 +23,9 @@ struct RunOptions {
     std::string file;                                   ///< record to write; empty: none
     std::function<void(const Progress&)> progress;      ///< called at every output time, serially
     const engine::Cancellation* cancel = nullptr;
+    std::string checkpoint;                             ///< file to write checkpoints to; empty: none
+    double checkpoint_every = 0.0;                      ///< wall time between checkpoints, at output times; 0: only if the run ends early [s]
+    const Checkpoint* from = nullptr;                   ///< to go on from; `file` is then the record to go on with
 };
 
 /// Mean values over the outputs with t ≥ 0, and what the run took.
@@ -59,6 +63,7 @@ struct RunReport {
 };
 
 /// Runs the scene to run.until. A fault ends the run with what was recorded so far on file and is part of the report.
+/// A run that ends early (cancelled, budget) leaves a checkpoint if it may; a finished one takes its checkpoint away.
 /// @throws SimulationError, engine::RecordError, std::invalid_argument before the run; engine::RecordError during it (disk full)
 [[nodiscard]] RunReport run_scene(const Scene& scene, const RunOptions& options);
 

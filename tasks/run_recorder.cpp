@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 
 #include "engine/base/hash.hpp"
+#include "engine/record/part_file.hpp"
 
 namespace cvtflow::tasks {
 
@@ -64,7 +66,11 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
     for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(at));
     row_.resize(width);
     sums_.has_pulleys = at.pulley_size != 0;
-    if (!options.file.empty()) file_ = std::make_unique<engine::RunFile>(options.file, contents_of(scene, at, channels_));
+    if (!options.file.empty()) {
+        contents_ = contents_of(scene, at, channels_);
+        if (options.from != nullptr) former_ = engine::set_aside(options.file);
+        file_ = std::make_unique<engine::RunFile>(options.file, contents_);
+    }
     ratios_.reserve(static_cast<std::size_t>(std::max(0.0, scene.run.until / scene.run.output_interval)) + 2);
 }
 
@@ -91,16 +97,19 @@ void RunRecorder::write(double time, const Workspace& workspace, const Instant& 
         next += channel->width(workspace.layout());
     }
     file_->append(time, row_);
+    ++written_.rows;
     if (time < next_state_ - 1e-9 * state_interval_) return;
     while (next_state_ <= time + 1e-9 * state_interval_) next_state_ += state_interval_;
     const auto* phases = reinterpret_cast<const std::uint8_t*>(workspace.phases.data());
     file_->append_state(time, {workspace.states[0], static_cast<std::size_t>(workspace.layout().size())}, {phases, workspace.phases.size()});
+    ++written_.states;
 }
 
 void RunRecorder::transition(const TransitionRecord& record) {
     if (begin_ < 0.0 || !file_) return;
     const double values[] = {record.time, static_cast<double>(record.pin), static_cast<double>(record.tip), static_cast<double>(record.from), static_cast<double>(record.to)};
     file_->append_row("transitions", values);
+    ++written_.tables[0];
 }
 
 void RunRecorder::gather(const model::Observation& now) {
@@ -118,6 +127,45 @@ void RunRecorder::gather(const model::Observation& now) {
     power_in_ -= now.chain_torque[0] * now.speed[0];
     power_out_ += now.chain_torque[1] * now.speed[1];
     ratios_.push_back(now.ratio);
+}
+
+namespace {
+
+/// Calls each(number) for every sum of the report.
+template <class Each>
+void for_every_sum(RunReport& sums, const Each& each) {
+    for (double* sum : {&sums.tight, &sums.slack, &sums.slip}) each(*sum);
+    for (auto* pair : {&sums.speed, &sums.torque, &sums.chain_torque, &sums.clamping, &sums.radius}) std::for_each(pair->begin(), pair->end(), each);
+    std::for_each(sums.axial_force.begin(), sums.axial_force.end(), each);
+}
+
+}  // namespace
+
+std::vector<double> RunRecorder::position() {
+    if (file_) file_->flush();
+    std::vector<double> numbers{static_cast<double>(written_.rows), static_cast<double>(written_.states), static_cast<double>(written_.tables[0]),
+                                next_state_, static_cast<double>(outputs_), power_in_, power_out_};
+    for_every_sum(sums_, [&](double sum) { numbers.push_back(sum); });
+    numbers.insert(numbers.end(), ratios_.begin(), ratios_.end());
+    return numbers;
+}
+
+void RunRecorder::restore(const std::vector<double>& position) {
+    const double* next = position.data();
+    const auto take = [&] { return *next++; };
+    const auto count = [&] { return static_cast<std::size_t>(take()); };
+    written_ = {count(), count(), {count()}};
+    next_state_ = take();
+    outputs_ = static_cast<long>(take());
+    power_in_ = take();
+    power_out_ = take();
+    for_every_sum(sums_, [&](double& sum) { sum = take(); });
+    ratios_.assign(next, position.data() + position.size());
+    if (!file_) return;
+    if (former_.empty() && written_.rows > 0) throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is gone");
+    if (former_.empty()) return;
+    engine::copy_record(former_, written_, contents_, *file_);
+    std::filesystem::remove(former_);
 }
 
 void RunRecorder::finish(RunReport& report) {

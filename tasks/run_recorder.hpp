@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/record/former_record.hpp"
 #include "engine/record/run_file.hpp"
 #include "tasks/channels.hpp"
 #include "tasks/run.hpp"
@@ -17,6 +18,10 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& record) override;
+    /// Where the record and the means stand, for a checkpoint; all of it is on disk then.
+    [[nodiscard]] std::vector<double> position();
+    /// Goes on from there, with the rows of the record that options.from names.
+    void restore(const std::vector<double>& position);
     /// Ends the record with what happened, completes the means.
     void finish(RunReport& report);
     /// Time span of the present part of the run, for progress.
@@ -32,7 +37,10 @@ private:
     model::Observer observer_;
     std::vector<const Channel*> channels_;
     std::vector<double> row_;
+    std::string former_;   ///< file with the rows before the checkpoint
+    engine::RunContents contents_;
     std::unique_ptr<engine::RunFile> file_;
+    engine::RecordPosition written_{0, 0, {0}};
     double next_state_ = 0.0;
     double begin_ = 0.0, until_ = 0.0;
     std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

@@ -44,6 +44,10 @@ ScheduleRunner::ScheduleRunner(Workspace& workspace, std::vector<Schedule> candi
     first.graph = step_graph(w_, first.schedule.assembly);
 }
 
+void ScheduleRunner::forget_graphs() noexcept {
+    for (Slot& slot : slots_) slot.graph = {};
+}
+
 void ScheduleRunner::run(StepController& controller) {
     take_up();
     if (slots_.size() == 1 && (!schedule().balanced || schedule().segments == 1)) return slots_.front().executor->run(graph(), &w_, controller);

@@ -21,6 +21,9 @@ public:
     /// To the controller's stop. Allocates at the beginning and whenever the schedule changes, not in between.
     void run(StepController& controller);
 
+    /// Graphs are built anew: the workspace has another step method.
+    void forget_graphs() noexcept;
+
     [[nodiscard]] const Schedule& schedule() const noexcept { return slots_[current()].schedule; }
     [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return slots_[current()].graph; }
     /// Times that segments have got other borders during a run.

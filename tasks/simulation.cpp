@@ -73,9 +73,33 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
                                                             Partition::equal(scene.parameters.chain.pins, candidates.front().segments))),
       method_(method_of(scene, *workspace_)), runner_(*workspace_, candidates, options, recorder) {
     if (!scene_.state_file.empty()) {
-        take_state(engine::read_state(scene_.state_file));
-        return;
+        const engine::SavedState saved = engine::read_state(scene_.state_file);
+        if (const std::string* text = text_attribute(saved, "scene")) start_differences_ = differences(*text, scene_);
+        take_state(saved);
+    } else {
+        place_geometrically();
     }
+    rest_at_start();
+}
+
+bool Simulation::fits(const Scene& scene) const { return scene.run.method == scene_.run.method && model::layout_of(scene.parameters) == workspace_->layout(); }
+
+void Simulation::reset(const Scene& scene, const engine::SavedState* saved) {
+    scene_ = scene;
+    workspace_->adopt(scene.parameters);
+    if (find_program(scene.run.method) != nullptr) {   // what a program has derived from the parameters
+        method_ = method_of(scene, *workspace_);
+        runner_.forget_graphs();
+    }
+    counters_ = {};
+    start_differences_.clear();
+    needs_settling_ = false;
+    if (saved != nullptr) take_state(*saved);
+    else place_geometrically();
+    rest_at_start();
+}
+
+void Simulation::place_geometrically() {
     const model::StartState start = model::start_state(scene_.parameters);
     std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
     workspace_->phases = start.phases;
@@ -102,7 +126,6 @@ constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
 void Simulation::take_state(const engine::SavedState& saved) {
     const model::ChainLayout& at = workspace_->layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
-    if (const std::string* text = text_attribute(saved, "scene")) start_differences_ = differences(*text, scene_);
     const std::size_t beyond = saved.state.size() < mechanical ? 2 : saved.state.size() - mechanical;   // control: 1, ledger: 12, both: 13
     if ((beyond > 1 && beyond != ledger_size && beyond != ledger_size + 1) || saved.phases.size() != workspace_->phases.size()) {
         std::string message = fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());
@@ -121,42 +144,98 @@ void Simulation::take_state(const engine::SavedState& saved) {
 
 Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
     StepController controller(*workspace_, *method_, settings, observer, cancel);
+    rest_.settling = settings.begin < 0.0 && needs_settling_;
+    return drive(controller);
+}
+
+Fault Simulation::drive(StepController& controller) {
     runner_.run(controller);
     counters_ = controller.counters();
     local_errors_ = controller.local_errors();
     step_ = controller.step();
     time_ = controller.time();
+    controller.save(rest_);
     controller.rethrow();
     return controller.fault();
 }
 
 namespace {
 
-StepSettings step_settings(const RunSettings& run, double begin, double until, double interval) {
-    return {begin, until, run.step, interval, run.max_steps, run.max_wall, run.step_control, run.tolerance};
+StepSettings step_settings(const RunSettings& run, double begin, double until, double interval, const bool* pause) {
+    return {begin, until, run.step, interval, run.max_steps, run.max_wall, run.step_control, run.tolerance, pause};
 }
 
 }  // namespace
 
-Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& cancel) {
+StepSettings Simulation::settling_settings() const {
     const double duration = scene_.parameters.start.settling_time;
     const double intervals = std::max(1.0, std::ceil(duration / scene_.run.output_interval * (1.0 - 1e-12)));
-    const Fault fault = integrate(step_settings(scene_.run, -duration, 0.0, duration / intervals), observer, cancel);
-    if (fault) return fault;
+    return step_settings(scene_.run, -duration, 0.0, duration / intervals, pause_);
+}
+
+Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& cancel) {
+    const Fault fault = integrate(settling_settings(), observer, cancel);
+    if (!fault) end_settling();
+    return fault;
+}
+
+void Simulation::end_settling() {
     needs_settling_ = false;
     time_ = 0.0;
+    rest_at_start();
+}
+
+Fault Simulation::proceed(double until, RunObserver& observer, const engine::Cancellation& cancel) {
+    if (!rest_.started) throw SimulationError("nothing has begun that could go on");
+    StepSettings settings = settling_settings();
+    if (!rest_.settling) settings.until = until;
+    settings.begin = rest_.begin;
+    settings.output_interval = rest_.output_interval;
+    settings.step = rest_.step;
+    StepController controller(*workspace_, *method_, settings, rest_, observer, cancel);
+    const Fault fault = drive(controller);
+    if (!fault && rest_.settling) end_settling();
     return fault;
 }
 
 Fault Simulation::run(double until, RunObserver& observer, const engine::Cancellation& cancel) {
-    return integrate(step_settings(scene_.run, time_, until, scene_.run.output_interval), observer, cancel);
+    return integrate(step_settings(scene_.run, time_, until, scene_.run.output_interval, pause_), observer, cancel);
 }
 
 Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel) {
-    StepSettings settings = step_settings(scene_.run, time_, time_ + 1e6, scene_.run.output_interval);
+    StepSettings settings = step_settings(scene_.run, time_, time_ + 1e6, scene_.run.output_interval, nullptr);
     settings.max_steps = steps;
     settings.max_wall = 0.0;
     return integrate(settings, observer, cancel);
+}
+
+void Simulation::rest_at_start() {
+    const Workspace& w = *workspace_;
+    rest_.started = false;
+    rest_.settling = needs_settling_;
+    rest_.time = time_;
+    rest_.counters = {};
+    rest_.state.assign(w.states[0], w.states[0] + w.layout().size());
+    rest_.phases = w.phases;
+    rest_.changed = w.changed;
+    rest_.before = w.before;
+}
+
+void Simulation::restore(const IntegrationState& from) {
+    Workspace& w = *workspace_;
+    const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.phases.size();
+    if (from.state.size() != size || from.phases.size() != tips || from.changed.size() != tips || from.before.size() != tips) {
+        throw SimulationError(fmt::format("a state of {} unknowns and {} tips does not fit this scene: {} and {}", from.state.size(), from.phases.size(), size, tips));
+    }
+    std::copy(from.state.begin(), from.state.end(), w.states[0]);
+    w.phases = from.phases;
+    w.changed = from.changed;
+    w.before = from.before;
+    w.list_touching();
+    rest_ = from;
+    needs_settling_ = from.settling;
+    time_ = from.time;
+    counters_ = from.counters;
 }
 
 std::uint64_t Simulation::hash() const noexcept {

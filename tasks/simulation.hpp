@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tasks/checkpoint/integration_state.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/schedule_runner.hpp"
 #include "tasks/step_controller.hpp"
@@ -32,12 +33,32 @@ public:
     Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options, engine::StampRecorder* recorder = nullptr);
     ~Simulation();
 
+    /// Whether reset() may be used: the same unknowns and the same method.
+    [[nodiscard]] bool fits(const Scene& scene) const;
+    /// Becomes a simulation of another scene that fits, in the memory of this one; bit for bit as a new one.
+    /// @param saved the state to start from, instead of the scene's file; nullptr: geometric start
+    /// @throws as the constructor
+    void reset(const Scene& scene, const engine::SavedState* saved);
+
     /// Whether the start is geometric and has to settle before t = 0.
     [[nodiscard]] bool needs_settling() const noexcept { return needs_settling_; }
     /// Runs from t = -start.settling_time to t = 0 with clamping and load ramped up. Outputs are delivered with negative times.
     [[nodiscard]] Fault settle(RunObserver& observer, const engine::Cancellation& cancel);
     /// Runs from the present time to `until` with the scene's run settings; ends at the first step at or after it.
     [[nodiscard]] Fault run(double until, RunObserver& observer, const engine::Cancellation& cancel);
+
+    /// Goes on where settle(), run() or proceed() ended, or where restore() put it, with the same output times: bit by bit as if it had not
+    /// stopped. While the start settles, only to its end at t = 0, whatever `until`.
+    /// @throws SimulationError if nothing has begun
+    [[nodiscard]] Fault proceed(double until, RunObserver& observer, const engine::Cancellation& cancel);
+    /// The next run ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr: none.
+    void pause_on(const bool* flag) noexcept { pause_ = flag; }
+
+    /// Where the integration stands.
+    [[nodiscard]] const IntegrationState& integration_state() const noexcept { return rest_; }
+    /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
+    /// @throws SimulationError if the numbers of unknowns or tips differ
+    void restore(const IntegrationState& state);
 
     /// Runs so many steps with the scene's run settings, for measurements; ends with a Fault of kind max_steps.
     [[nodiscard]] Fault run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel);
@@ -71,6 +92,11 @@ public:
 private:
     [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
     void take_state(const engine::SavedState& saved);
+    void place_geometrically();
+    void rest_at_start();
+    void end_settling();
+    [[nodiscard]] StepSettings settling_settings() const;
+    [[nodiscard]] Fault drive(StepController& controller);
 
     Scene scene_;
     std::unique_ptr<Workspace> workspace_;
@@ -82,6 +108,8 @@ private:
     Counters counters_;
     LocalErrorStatistics local_errors_;
     std::vector<std::string> start_differences_;
+    IntegrationState rest_;
+    const bool* pause_ = nullptr;
 };
 
 }  // namespace cvtflow::tasks

@@ -1,6 +1,10 @@
 #pragma once
 /// How long a step is: fixed, or so long that its estimated local error meets a tolerance.
 
+#include <array>
+#include <cstddef>
+#include <span>
+
 namespace cvtflow::tasks {
 
 enum class StepControl {
@@ -30,6 +34,15 @@ public:
     [[nodiscard]] double proposal() const noexcept { return proposal_; }
     /// Whether a step of length `step` with this error, in units of the tolerance, is good enough. An error that is no number never is.
     [[nodiscard]] bool judge(double error, double step) noexcept;
+
+    /// What it remembers, for checkpoints.
+    static constexpr std::size_t memory_size = 3;
+    [[nodiscard]] std::array<double, memory_size> save() const noexcept { return {proposal_, previous_, rejected_ ? 1.0 : 0.0}; }
+    void load(std::span<const double> memory) noexcept {
+        proposal_ = memory[0];
+        previous_ = memory[1];
+        rejected_ = memory[2] != 0.0;
+    }
 
 private:
     double longest_ = 0.0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "tasks/checkpoint/integration_state.hpp"
 #include "tasks/stage_method.hpp"
 
 namespace cvtflow::tasks {
@@ -44,6 +45,44 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
     w_.secant = method_.retakes();
     w_.evaluations = 0;
     probe_start();
+}
+
+StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from, RunObserver& observer,
+                               const engine::Cancellation& cancel)
+    : w_(workspace), method_(method), settings_(settings), observer_(observer), cancel_(cancel), outputs_(from.outputs), grid_number_(from.grid_number),
+      steps_per_output_(grid_steps(settings)), grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)),
+      control_(std::min(settings.step, settings.output_interval), std::max(1, method_.error_power())), counters_(from.counters), phases_before_(workspace.phases) {
+    w_.estimate_error = settings.control != StepControl::fixed;
+    w_.time = from.time;
+    w_.dwell = dwell_steps * grid_step_;
+    w_.secant = method_.retakes();
+    w_.evaluations = from.counters.evaluations;
+    method_.restart();
+    const std::span<const double> memory(from.method);
+    const std::size_t own = settings.control == StepControl::error ? StepSizeControl::memory_size : 0;
+    if (own != 0) control_.load(memory.first(own));
+    method_.load(memory.subspan(own));
+    w_.list_touching();
+}
+
+void StepController::save(IntegrationState& state) const {
+    state.started = true;
+    state.time = w_.time;
+    state.begin = settings_.begin;
+    state.output_interval = settings_.output_interval;
+    state.step = settings_.step;
+    state.grid_number = grid_number_;
+    state.outputs = outputs_;
+    state.counters = counters_;
+    state.state.assign(w_.states[0], w_.states[0] + w_.layout().size());
+    state.phases = w_.phases;
+    state.changed = w_.changed;
+    state.before = w_.before;
+    method_.save(state.method);
+    if (settings_.control == StepControl::error) {
+        const auto own = control_.save();
+        state.method.insert(state.method.begin(), own.begin(), own.end());
+    }
 }
 
 void StepController::rethrow() const {
@@ -96,7 +135,7 @@ int StepController::end(Fault fault) {
 }
 
 Fault StepController::budget() const {
-    if (cancel_.requested()) return {FaultKind::cancelled, w_.time, -1, 0.0, 0.0};
+    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.time, -1, 0.0, 0.0};
     if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
         return {FaultKind::max_steps, w_.time, -1, 0.0, static_cast<double>(settings_.max_steps)};
     }

@@ -52,6 +52,8 @@ protected:
     RunObserver& operator=(const RunObserver&) = default;
 };
 
+struct IntegrationState;
+
 /// Takes no notice.
 class SilentObserver final : public RunObserver {
 public:
@@ -68,6 +70,7 @@ struct StepSettings {
     double max_wall = 0.0;           ///< [s], 0: no budget
     StepControl control = StepControl::fixed;
     double tolerance = 1.0;          ///< of local errors, in units of ErrorScale
+    const bool* pause = nullptr;     ///< if it becomes true (an observer's wish), the run ends before the next step as if cancelled
 };
 
 /// Local errors of accepted steps, in units of ErrorScale; only with StepControl::report and error.
@@ -87,7 +90,13 @@ public:
     /// The same with the workspace's table of stages as method.
     StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
 
+    /// Goes on from where an integration stood. Workspace and `from` hold the same state (Simulation::restore); settings.begin and the grid are those of `from`.
+    StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from, RunObserver& observer,
+                   const engine::Cancellation& cancel);
+
     [[nodiscard]] int next() noexcept override;
+    /// Where the integration stands, once next() has said stop. Allocates nothing if `state` has held one of the same size before.
+    void save(IntegrationState& state) const;
 
     [[nodiscard]] const Fault& fault() const noexcept { return fault_; }
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }

@@ -3,7 +3,9 @@
 /// cycles of the task graph lead from the start to the result.
 
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "engine/graph/task_graph.hpp"
 #include "tasks/workspace.hpp"
@@ -48,6 +50,10 @@ public:
     /// Longest step that the method can take now, at most `wanted` [s]. Asked before a step whose length is free.
     [[nodiscard]] virtual double longest_step(double wanted) { return wanted; }
 
+    /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after restart()
+    /// goes on bit for bit where save() was called. Nothing for methods without memory.
+    virtual void save(std::vector<double>& memory) const { memory.clear(); }
+    virtual void load(std::span<const double> memory) { (void)memory; }
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
     /// What the method has done since it was made, one line for the summary of a run; empty: nothing to say.

@@ -48,6 +48,15 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     tail.resize(static_cast<std::size_t>(tail_size()));
 }
 
+void Workspace::adopt(const model::Parameters& other) {
+    parameters = other;
+    variator = model::Variator(other);
+    rule = rule_of(other);
+    phases.assign(phases.size(), model::Phase::free);
+    before.assign(before.size(), {});
+    changed.assign(changed.size(), -1e300);
+}
+
 void Workspace::repartition(Partition parts) {
     partition = std::move(parts);
     verdicts.resize(static_cast<std::size_t>(partition.size()));

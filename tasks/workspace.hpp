@@ -39,10 +39,10 @@ public:
     Workspace(const Workspace&) = delete;
     Workspace& operator=(const Workspace&) = delete;
 
-    const model::Parameters parameters;
-    const model::Variator variator;
+    model::Parameters parameters;     ///< changed by adopt() only, as variator and rule
+    model::Variator variator;
     const engine::CompiledPlan plan;
-    const model::PhaseRule rule;
+    model::PhaseRule rule;
     const model::StagedFunctions stages;
 
     Partition partition;              ///< changed by repartition() only
@@ -97,6 +97,8 @@ public:
     model::SheaveMotion end_sheaves[4]{};      ///< at the step's end
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
+    /// Another variator of the same layout, at rest before its start; between runs only.
+    void adopt(const model::Parameters& other);
     /// Other segments; while no executor runs, and between two steps.
     void repartition(Partition parts);
     /// Brings the list of touching links up to date; after every change of phases.

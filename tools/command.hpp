@@ -26,6 +26,10 @@ struct Command {
 [[nodiscard]] std::span<const Command> commands() noexcept;
 
 Action declare_run(CLI::App& app);
+Action declare_resume(CLI::App& app);
+Action declare_batch(CLI::App& app);
+Action declare_table(CLI::App& app);
+Action declare_merge(CLI::App& app);
 Action declare_settle(CLI::App& app);
 Action declare_check(CLI::App& app);
 Action declare_info(CLI::App& app);

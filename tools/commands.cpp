@@ -7,6 +7,10 @@ namespace cvtflow::tools {
 std::span<const Command> commands() noexcept {
     static constexpr std::array rows{
         Command{"run", "Simulate a scene and record it", declare_run},
+        Command{"resume", "Go on from a checkpoint or with a sweep, bit for bit", declare_resume},
+        Command{"batch", "Run a sweep: many variants of a scene, a row of results each", declare_batch},
+        Command{"table", "Show the results of a sweep as text or CSV", declare_table},
+        Command{"merge", "Join the results of all shards of a sweep", declare_merge},
         Command{"settle", "Settle a scene's geometric start and save the state for start.state", declare_settle},
         Command{"check", "Check a scene without running it; say what it is and what it will cost", declare_check},
         Command{"info", "Show what is in a record or a state file", declare_info},

@@ -13,6 +13,7 @@ enum class ExitStatus {
     usage = 2,       ///< command line
     fault = 3,       ///< the simulation ran into a state that it cannot continue from
     budget = 4,      ///< run.max_steps or run.max_wall used up
+    incomplete = 5,  ///< a sweep whose cases did not all end well; shards or cases that are missing
     cancelled = 130  ///< interrupted by SIGINT or SIGTERM; as shells report it
 };
 
@@ -27,6 +28,7 @@ inline constexpr std::string_view exit_status_help =
     "  3    the run ended by itself: state not finite, tip too deep, pin off its sheave,\n"
     "       step too short\n"
     "  4    budget used up: run.max_steps, run.max_wall\n"
+    "  5    cases of a sweep failed or are missing\n"
     "  130  interrupted; the record is complete up to there";
 
 }  // namespace cvtflow::tools

@@ -9,6 +9,7 @@
 #include "tasks/method_choice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/spelling.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/ready_scenes.hpp"
 
 namespace cvtflow::tools {
@@ -112,6 +113,14 @@ void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string opti
     app.add_option(shortcut.option, shortcut.value, fmt::format("{} ({})", meaning, shortcut.key))
         ->type_name(type)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+double seconds_of(const std::string& option, const std::string& text) {
+    const auto parsed = tasks::parse_quantity(text);
+    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
+    const bool time = quantity != nullptr && quantity->has_unit && quantity->dimension == tasks::dimension_of("s");
+    if (!time || !(quantity->value > 0.0)) throw tasks::SceneError(fmt::format("{} {}: expected a time such as \"30 s\" or \"10 min\"", option, text));
+    return quantity->value;
 }
 
 LoadedScene load_scene(const SceneArguments& arguments) {

@@ -49,5 +49,7 @@ struct LoadedScene {
 
 /// @throws tasks::SceneError  `no method 'rk5' (did you mean 'rk4'?)`
 void require_method(const std::string& method);
+/// A length of wall time given with its unit. @throws tasks::SceneError that names the option
+[[nodiscard]] double seconds_of(const std::string& option, const std::string& text);
 
 }  // namespace cvtflow::tools

@@ -81,6 +81,10 @@ decltype(auto) guarded(const std::string& path, Body&& body) {
     }
 }
 
+/// After a failed write HDF5 1.10 still wants to write what it holds, fails to close, and crashes at the end of the program. So its
+/// descriptor is turned to memory: closing succeeds, and the file stays as it was at the first failed write.
+void divert_writes(hid_t file) noexcept;
+
 /// Access properties of all our files: format of HDF5 1.10 (which single-writer-multiple-reader needs), and none of HDF5's file locks,
 /// because with them a reader who looks at a running simulation's file can end the simulation.
 [[nodiscard]] Handle file_access();

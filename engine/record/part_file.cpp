@@ -143,6 +143,23 @@ void PartFile::publish() {
     }
 }
 
+std::string set_aside(const std::string& path) {
+    const std::string before = path + ".before";
+    std::error_code ignored;
+    for (const std::string& left : {before, path + ".part", path}) {
+        if (!fs::exists(left, ignored)) continue;
+        const int descriptor = open(left.c_str(), O_RDWR | O_CLOEXEC);
+        const bool free = descriptor < 0 || lock(descriptor);
+        if (descriptor >= 0) ::close(descriptor);
+        if (!free) throw RecordError(left + ": cannot go on with it: a run is still writing it");
+        if (left != before && std::rename(left.c_str(), before.c_str()) != 0) {
+            throw RecordError(left + ": cannot rename to '" + before + "': " + std::strerror(errno));
+        }
+        return before;
+    }
+    return {};
+}
+
 void PartFile::discard() noexcept {
     unlink(part_path_.c_str());
 }

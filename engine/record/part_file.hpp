@@ -42,4 +42,9 @@ private:
     std::size_t reserved_ = 0;
 };
 
+/// Takes what a run left under a name out of the way of a new one, to read it: `<path>.before` from now on, or already since an attempt that
+/// was killed. Takes the .part file if there is one, else the finished file.
+/// @return the path to read, empty if there is nothing. Errors (RecordError): a run is still writing it; not allowed.
+[[nodiscard]] std::string set_aside(const std::string& path);
+
 }  // namespace cvtflow::engine

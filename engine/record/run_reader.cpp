@@ -113,7 +113,7 @@ struct RunReader::Impl {
 
     /// Rows of a killed run's channels beyond the last time are passed over.
     std::vector<double> read_channel(std::string_view name, std::size_t first, std::size_t count) const {
-        if (std::none_of(channels.begin(), channels.end(), [&](const ChannelInfo& each) { return each.name == name; })) {
+        if (name != "time" && std::none_of(channels.begin(), channels.end(), [&](const ChannelInfo& each) { return each.name == name; })) {
             throw RecordError(path + ": no channel '" + std::string(name) + "'");
         }
         return hdf5::guarded(path, [&] { return read_reals(file.id(), "/channels/" + std::string(name), first, count); });
@@ -163,6 +163,15 @@ std::vector<double> RunReader::times() const {
 
 std::vector<double> RunReader::channel(std::string_view name) const {
     return impl_->read_channel(name, 0, impl_->rows);
+}
+
+std::vector<double> RunReader::channel_rows(std::string_view name, std::size_t first, std::size_t count) const {
+    return impl_->read_channel(name, first, count);
+}
+
+RecordedState RunReader::state(std::size_t number) const {
+    impl_->require_states();
+    return impl_->read_state(number);
 }
 
 std::vector<double> RunReader::last(std::string_view name) const {

@@ -44,11 +44,15 @@ public:
     [[nodiscard]] std::vector<double> times() const;
     /// All rows of a channel, [rows * width], row by row.
     [[nodiscard]] std::vector<double> channel(std::string_view name) const;
+    /// Rows first … first + count - 1 of a channel, or of "time" [s]. @param count all of these rows must be there
+    [[nodiscard]] std::vector<double> channel_rows(std::string_view name, std::size_t first, std::size_t count) const;
     /// Its last row, [width]; empty if there are no rows.
     [[nodiscard]] std::vector<double> last(std::string_view name) const;
 
     /// Times of the recorded states [s]; empty if there are none.
     [[nodiscard]] std::vector<double> state_times() const;
+    /// @param number 0 … state_times().size() - 1
+    [[nodiscard]] RecordedState state(std::size_t number) const;
     /// Error if there are none.
     [[nodiscard]] RecordedState last_state() const;
     /// The one nearest to a time [s]; the earlier of two equally near. Error if there are none.

@@ -1,8 +1,6 @@
 #include "engine/record/run_writer.hpp"
 
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -21,19 +19,6 @@ hdf5::RowBlock open_block(hid_t file, const hdf5::BlockShape& shape) {
         block.add(hdf5::open_series(file, series.path), series);
     }
     return block;
-}
-
-/// After a failed write HDF5 1.10 still wants to write what it holds, fails to close, and crashes at the end of the program. So its
-/// descriptor is turned to memory: closing succeeds, and the file stays as it was at the first failed write.
-void divert_writes(hid_t file) noexcept {
-    void* handle = nullptr;
-    const int memory = memfd_create("abandoned", MFD_CLOEXEC);
-    if (memory >= 0 && H5Fget_vfd_handle(file, H5P_DEFAULT, &handle) >= 0) {
-        dup2(memory, *static_cast<int*>(handle));
-    }
-    if (memory >= 0) {
-        close(memory);
-    }
 }
 
 }  // namespace
@@ -167,7 +152,7 @@ void RunFile::Impl::write_ending(const std::string& final_status) {
         hdf5::write_attribute(plain.id(), {"status", final_status});
         hdf5::check(H5Fflush(plain.id(), H5F_SCOPE_GLOBAL), "cannot complete");
     } catch (const hdf5::Failure&) {
-        divert_writes(plain.id());
+        hdf5::divert_writes(plain.id());
         throw;
     }
     plain.close("cannot complete");
@@ -175,7 +160,7 @@ void RunFile::Impl::write_ending(const std::string& final_status) {
 
 void RunFile::Impl::release() noexcept {
     if (!damage.empty()) {
-        divert_writes(file.id());
+        hdf5::divert_writes(file.id());
     }
     tables.clear();
     states = {};

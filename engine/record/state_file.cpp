@@ -22,7 +22,10 @@ bool is_own(const Attribute& attribute) {
 }
 
 std::string hash_of(const SavedState& saved) {
-    return Hash{}.add(std::span<const double>(saved.state)).add(std::span<const std::uint8_t>(saved.phases)).hex();
+    Hash hash;
+    hash.add(std::span<const double>(saved.state)).add(std::span<const std::uint8_t>(saved.phases));
+    for (const NamedArray& array : saved.more) hash.add(std::string_view(array.name)).add(std::span<const double>(array.values));
+    return hash.hex();
 }
 
 void write_array(hid_t file, const char* name, hid_t type, std::size_t count, const void* values) {
@@ -35,12 +38,23 @@ void write_array(hid_t file, const char* name, hid_t type, std::size_t count, co
     }
 }
 
+void write_more(hid_t file, const std::vector<NamedArray>& arrays) {
+    if (arrays.empty()) {
+        return;
+    }
+    const hdf5::Handle group(H5Gcreate2(file, "more", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "cannot write 'more'");
+    for (const NamedArray& array : arrays) {
+        write_array(group.id(), array.name.c_str(), H5T_NATIVE_DOUBLE, array.values.size(), array.values.data());
+    }
+}
+
 /// The bytes of the file. Made in memory: HDF5 cannot give up half-way on a full disk without trouble, write(2) can.
-std::vector<std::byte> image_of(const SavedState& saved) {
+/// @param name of the file in memory: HDF5 takes two of one name for the same file, whichever thread made them
+std::vector<std::byte> image_of(const SavedState& saved, const std::string& name) {
     // Oldest format on purpose: H5Fget_file_image (1.10.8) clears flags in newer superblocks without renewing their checksum.
     const hdf5::Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "cannot build the file in memory");
     hdf5::check(H5Pset_fapl_core(access.id(), std::size_t{1} << 16U, 0), "cannot build the file in memory");
-    const hdf5::Handle file(H5Fcreate("state", H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot build the file in memory");
+    const hdf5::Handle file(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose, "cannot build the file in memory");
     for (const Attribute& attribute : saved.attributes) {
         if (attribute.name.empty() || is_own(attribute)) {
             throw hdf5::Failure("the name '" + attribute.name + "' is reserved (attribute)");
@@ -54,6 +68,7 @@ std::vector<std::byte> image_of(const SavedState& saved) {
     hdf5::write_attribute(file.id(), {"state_hash", hash_of(saved)});
     write_array(file.id(), "y", H5T_NATIVE_DOUBLE, saved.state.size(), saved.state.data());
     write_array(file.id(), "phases", H5T_NATIVE_UINT8, saved.phases.size(), saved.phases.data());
+    write_more(file.id(), saved.more);
     hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot build the file in memory");
     const auto size = static_cast<std::size_t>(hdf5::check(H5Fget_file_image(file.id(), nullptr, 0), "cannot build the file in memory"));
     std::vector<std::byte> image(size);
@@ -70,8 +85,29 @@ std::vector<Value> read_array(hid_t file, const char* name, hid_t type) {
     return values;
 }
 
+herr_t note_name(hid_t /*group*/, const char* name, const H5L_info_t* /*info*/, void* names) {
+    static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+    return 0;
+}
+
+std::vector<NamedArray> read_more(hid_t file) {
+    std::vector<NamedArray> arrays;
+    if (H5Lexists(file, "more", H5P_DEFAULT) <= 0) {
+        return arrays;
+    }
+    std::vector<std::string> names;
+    const hdf5::Handle group(H5Gopen2(file, "more", H5P_DEFAULT), H5Gclose, "cannot open 'more'");
+    hdf5::check(H5Literate(group.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, note_name, &names), "cannot read 'more'");
+    for (std::string& name : names) {
+        auto values = read_array<double>(file, ("more/" + name).c_str(), H5T_NATIVE_DOUBLE);
+        arrays.push_back({std::move(name), std::move(values)});
+    }
+    return arrays;
+}
+
 SavedState read_contents(hid_t file) {
     SavedState saved;
+    saved.more = read_more(file);
     saved.state = read_array<double>(file, "y", H5T_NATIVE_DOUBLE);
     saved.phases = read_array<std::uint8_t>(file, "phases", H5T_NATIVE_UINT8);
     saved.fingerprint = hdf5::read_text(file, "fingerprint");
@@ -90,8 +126,10 @@ SavedState read_contents(hid_t file) {
 
 }  // namespace
 
-void write_state(const std::string& path, const SavedState& saved) {
-    const std::vector<std::byte> image = hdf5::guarded(path, [&] { return image_of(saved); });
+void write_state(const std::string& path, const SavedState& unsorted) {
+    SavedState saved = unsorted;
+    std::sort(saved.more.begin(), saved.more.end(), [](const NamedArray& a, const NamedArray& b) { return a.name < b.name; });
+    const std::vector<std::byte> image = hdf5::guarded(path, [&] { return image_of(saved, path); });
     PartFile part(path, true);
     if (const int reason = part.write(image.data(), image.size()); reason != 0) {
         part.discard();

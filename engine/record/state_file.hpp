@@ -4,6 +4,7 @@
 ///     /          attributes: format "cvtflow state", format_version, time [s], fingerprint, state_hash, and those given
 ///     /y         [size] float64
 ///     /phases    [count] uint8
+///     /more/<name>  [size] float64: whatever else belongs to the state; absent if there is nothing
 
 #include <cstdint>
 #include <string>
@@ -13,12 +14,20 @@
 
 namespace cvtflow::engine {
 
+/// Further numbers of a state under a name.
+struct NamedArray {
+    std::string name;
+    std::vector<double> values{};
+    bool operator==(const NamedArray&) const = default;
+};
+
 struct SavedState {
     double time = 0.0;  ///< [s]
     std::vector<double> state{};
     std::vector<std::uint8_t> phases{};
     std::string fingerprint{};  ///< hash of all that gives the numbers their meaning (parameters, layout); whoever resumes compares it
     std::vector<Attribute> attributes{};
+    std::vector<NamedArray> more{};   ///< come back sorted by name
     bool operator==(const SavedState&) const = default;
 };
 

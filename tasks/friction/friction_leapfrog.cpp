@@ -145,6 +145,31 @@ int FrictionLeapfrog::end_step() {
     return done;
 }
 
+void FrictionLeapfrog::save(std::vector<double>& memory) const {
+    memory.assign({continues_ ? 1.0 : 0.0, length_, radius_, static_cast<double>(steps_)});
+    for (const model::SheaveMotion& s : w_.sheaves) memory.insert(memory.end(), {s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z});
+    memory.insert(memory.end(), w_.end_slope, w_.end_slope + w_.layout().size());
+    system_.save(memory);
+}
+
+void FrictionLeapfrog::load(std::span<const double> memory) {
+    if (memory.empty()) return;
+    continues_ = memory[0] != 0.0;
+    length_ = memory[1];
+    radius_ = memory[2];
+    steps_ = static_cast<long>(memory[3]);
+    begun_ = -1e300;
+    memory = memory.subspan(4);
+    for (model::SheaveMotion& s : w_.sheaves) {
+        s.vx = memory[0], s.vy = memory[1], s.vz = memory[2];
+        s.spin_x = memory[3], s.spin_y = memory[4], s.spin_z = memory[5];
+        memory = memory.subspan(6);
+    }
+    const auto size = static_cast<std::size_t>(w_.layout().size());
+    std::copy_n(memory.begin(), size, w_.end_slope);
+    system_.load(memory.subspan(size));
+}
+
 void FrictionLeapfrog::record(int segment) noexcept {
     system_.record(w_, drift_, segment);
     system_.load(w_, w_.slopes[2], segment);

@@ -30,6 +30,8 @@ public:
     [[nodiscard]] bool retakes() const noexcept override { return true; }
     void restart() noexcept override { continues_ = false; }
     void transition() noexcept override {}   // history stays good: nothing jumps
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
     [[nodiscard]] Fault fault() const noexcept override { return fault_; }
 
     // Bodies of tasks.

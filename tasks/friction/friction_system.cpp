@@ -196,4 +196,22 @@ double FrictionSystem::spectral_radius(const Workspace& w, int iterations) noexc
     return radius;
 }
 
+void FrictionSystem::save(std::vector<double>& memory) const {
+    const model::ChainLayout& at = friction_.chain().layout();
+    for (const model::Columns* field : {&base_, &mode_}) {
+        for (int row = 0; row < at.link_size(); ++row) memory.insert(memory.end(), field->at(row, 1), field->at(row, 1) + at.links);
+    }
+}
+
+void FrictionSystem::load(std::span<const double> memory) noexcept {
+    const model::ChainLayout& at = friction_.chain().layout();
+    const auto links = static_cast<std::size_t>(at.links);
+    for (model::Columns* field : {&base_, &mode_}) {
+        for (int row = 0; row < at.link_size(); ++row) {
+            std::copy_n(memory.begin(), links, field->at(row, 1));
+            memory = memory.subspan(links);
+        }
+    }
+}
+
 }  // namespace cvtflow::tasks

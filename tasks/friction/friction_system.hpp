@@ -2,6 +2,7 @@
 /// The friction of a step: velocities of all links under friction and constant accelerations, everything else frozen, as a small system of
 /// ordinary differential equations that a table of stages integrates inside the step, by segments.
 
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,10 @@ public:
 
     /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
     [[nodiscard]] double spectral_radius(const Workspace& workspace, int iterations) noexcept;
+
+    /// What outlasts a step: forces of the last one, and where power iterations have come to.
+    void save(std::vector<double>& memory) const;
+    void load(std::span<const double> memory) noexcept;
 
     [[nodiscard]] model::Columns& state(int slot) noexcept { return states_[static_cast<std::size_t>(slot)]; }
     [[nodiscard]] const model::Columns& state(int slot) const noexcept { return states_[static_cast<std::size_t>(slot)]; }

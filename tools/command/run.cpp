@@ -19,6 +19,7 @@ namespace {
 struct RunArguments {
     SceneArguments scene;
     std::string output;
+    std::string checkpoint, checkpoint_every;
     bool quiet = false;
 };
 
@@ -29,6 +30,13 @@ std::string record_path(const RunArguments& arguments, const tasks::Scene& scene
     std::error_code reported_later;  // by the record, which needs the folder
     std::filesystem::create_directories("results", reported_later);
     return "results/" + scene.path.stem().string() + ".h5";
+}
+
+/// Beside the record, or under the scene's name.
+std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& scene, const std::string& record) {
+    if (!arguments.checkpoint.empty()) return arguments.checkpoint;
+    std::filesystem::path path = record.empty() ? scene.path.stem() : std::filesystem::path(record);
+    return path.replace_extension(".checkpoint.h5").string();
 }
 
 std::string record_text(const std::string& path) {
@@ -50,6 +58,10 @@ tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& sce
     tasks::RunOptions options;
     options.file = file;
     options.cancel = &catch_interrupts();
+    if (!arguments.checkpoint_every.empty()) {
+        options.checkpoint_every = seconds_of("--checkpoint-every", arguments.checkpoint_every);
+        options.checkpoint = checkpoint_path(arguments, scene, file);
+    }
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
     return tasks::run_scene(scene, options);
 }
@@ -74,6 +86,8 @@ Action declare_run(CLI::App& app) {
     SceneArguments& scene = arguments->scene;
     declare_scene(app, scene);
     app.add_option("-o,--output", arguments->output, "Record to write (default: results/SCENE.h5); none: no record")->type_name("FILE");
+    app.add_option("--checkpoint-every", arguments->checkpoint_every, "Wall time between checkpoints, e.g. \"10 min\" (default: no checkpoints)")->type_name("TIME");
+    app.add_option("--checkpoint", arguments->checkpoint, "Where checkpoints go (default: beside the record, NAME.checkpoint.h5)")->type_name("FILE");
     declare_shortcut(app, scene, "--method", "run.method", "NAME");
     declare_shortcut(app, scene, "--step", "run.step", "TIME");
     declare_shortcut(app, scene, "--tolerance", "run.tolerance", "NUMBER");
@@ -86,6 +100,7 @@ Action declare_run(CLI::App& app) {
     app.footer(
         "--tolerance makes the local error decide on steps (run.step_control = \"error\"), up to --step.\n"
         "Times take units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; twice ends it at once.\n"
+        "With checkpoints a run that was killed goes on with cvtflow resume FILE, bit for bit.\n"
         "While the run goes on, its record is FILE.part, readable at any time (cvtflow info FILE.part).\n\n" +
         std::string(exit_status_help));
     return [arguments] { return run(*arguments); };

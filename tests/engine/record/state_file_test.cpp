@@ -7,6 +7,7 @@
 #include <csignal>
 #include <fstream>
 #include <limits>
+#include <thread>
 
 #include "tests/engine/record/record_fixture.hpp"
 
@@ -49,6 +50,24 @@ TEST_F(StateFileTest, KeepsAnEmptyStateAndALargeOne) {
     EXPECT_EQ(read_state(path("s.h5")), SavedState{});
     write_state(path("s.h5"), example(200'000));
     EXPECT_EQ(read_state(path("s.h5")), example(200'000));
+}
+
+TEST_F(StateFileTest, MayBeWrittenByManyThreadsAtOnce) {
+    std::vector<std::jthread> writers;
+    for (int writer = 0; writer < 4; ++writer) {
+        writers.emplace_back([&, writer] {
+            for (int i = 0; i < 50; ++i) write_state(path("s" + std::to_string(writer) + ".h5"), example(static_cast<std::size_t>(100 + writer)));
+        });
+    }
+    writers.clear();
+    for (int writer = 0; writer < 4; ++writer) EXPECT_EQ(read_state(path("s" + std::to_string(writer) + ".h5")), example(static_cast<std::size_t>(100 + writer)));
+}
+
+TEST_F(StateFileTest, KeepsFurtherNumbersByName) {
+    SavedState saved = example();
+    saved.more = {{"a", {1.0, -0.0}}, {"b", {}}};
+    write_state(path("s.h5"), saved);
+    EXPECT_EQ(read_state(path("s.h5")), saved);
 }
 
 TEST_F(StateFileTest, LeavesTheFormerFileIfTheDiskIsFull) {

@@ -1,0 +1,94 @@
+#pragma once
+/// Independent jobs side by side on an arena of their own: as many resident workers as threads, each asking for the next job until there is none.
+/// One more thread writes what they hand over.
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+namespace cvtflow::engine {
+
+/// Runs jobs. Jobs may themselves run parallel executors: their arenas hire the threads that have left this one.
+class JobPool {
+public:
+    struct Options {
+        int threads = 1;
+        bool pin = false;   ///< each worker to a processor of its own
+    };
+    explicit JobPool(Options options) : options_(options) {}
+
+    /// @param next  called by one thread at a time; the number of a job, or -1 when there is none any more for this worker
+    /// @param work  called by any worker 0 … threads - 1 for its job; what it throws ends the pool and is thrown here
+    void run(const std::function<long(int worker)>& next, const std::function<void(int worker, long job)>& work);
+
+private:
+    Options options_;
+};
+
+/// Mutual exclusion without its header, for folders that know no threads.
+class Gate {
+public:
+    template <class Body>
+    decltype(auto) through(Body&& body) {
+        const std::lock_guard hold(mutex_);
+        return body();
+    }
+
+private:
+    std::mutex mutex_;
+};
+
+/// One thread that takes rows of bytes, in the order in which they come. At most `slots` wait; post() then blocks. Nothing is allocated after
+/// construction.
+class WriterThread {
+public:
+    /// @param write called on the writer's thread; what it throws comes out of the next post() or of finish(), and ends the writing
+    WriterThread(std::size_t slots, std::size_t row_bytes, std::function<void(std::span<const std::byte>)> write);
+    ~WriterThread();
+    WriterThread(const WriterThread&) = delete;
+    WriterThread& operator=(const WriterThread&) = delete;
+
+    /// Copies the row. Any thread.
+    void post(std::span<const std::byte> row);
+    /// Waits until all rows are written and ends the thread.
+    void finish();
+
+private:
+    void work();
+    void stop() noexcept;
+
+    std::vector<std::vector<std::byte>> ring_;
+    std::vector<std::byte> current_;
+    std::size_t first_ = 0, count_ = 0;
+    bool ending_ = false;
+    std::exception_ptr error_;
+    std::function<void(std::span<const std::byte>)> write_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+    std::thread thread_;
+};
+
+/// Things of which each is to be made once, by whoever needs it first; others wait.
+class OnceEach {
+public:
+    /// @return true: the caller has to make it and call made(). false: it is there, or was given up
+    [[nodiscard]] bool claim(std::uint64_t key);
+    void made(std::uint64_t key) noexcept;
+
+private:
+    struct Entry {
+        std::uint64_t key;
+        bool ready;
+    };
+    std::vector<Entry> entries_;
+    std::mutex mutex_;
+    std::condition_variable changed_;
+};
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,59 @@
+#include "engine/record/former_record.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/record/run_reader.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+constexpr std::size_t rows_at_once = 256;
+
+void require_rows(const std::string& path, const char* what, std::size_t found, std::size_t wanted) {
+    if (found >= wanted) return;
+    throw RecordError(fmt::format("{}: cannot go on with it: it holds {} {}, the checkpoint comes after {}", path, found, what, wanted));
+}
+
+void copy_channels(const RunReader& former, const RunContents& contents, std::size_t rows, RunFile& file) {
+    std::vector<double> row;
+    for (std::size_t first = 0; first < rows; first += rows_at_once) {
+        const std::size_t count = std::min(rows_at_once, rows - first);
+        const std::vector<double> times = former.channel_rows("time", first, count);
+        std::vector<std::vector<double>> blocks;
+        for (const ChannelInfo& channel : contents.channels) blocks.push_back(former.channel_rows(channel.name, first, count));
+        for (std::size_t i = 0; i < count; ++i) {
+            row.clear();
+            for (const std::vector<double>& block : blocks) {
+                const auto width = static_cast<std::ptrdiff_t>(block.size() / count);
+                const auto begin = block.begin() + static_cast<std::ptrdiff_t>(i) * width;
+                row.insert(row.end(), begin, begin + width);
+            }
+            file.append(times[i], row);
+        }
+    }
+}
+
+}  // namespace
+
+void copy_record(const std::string& path, const RecordPosition& until, const RunContents& contents, RunFile& file) {
+    const RunReader former(path);
+    require_rows(path, "rows", former.rows(), until.rows);
+    require_rows(path, "states", former.state_times().size(), until.states);
+    if (former.channels() != contents.channels) throw RecordError(path + ": cannot go on with it: it records other channels");
+    copy_channels(former, contents, until.rows, file);
+    for (std::size_t i = 0; i < until.states; ++i) {
+        const RecordedState state = former.state(i);
+        file.append_state(state.time, state.state, state.phases);
+    }
+    for (std::size_t i = 0; i < contents.tables.size(); ++i) {
+        const std::size_t wanted = i < until.tables.size() ? until.tables[i] : 0;
+        const auto rows = former.table(contents.tables[i].name);
+        require_rows(path, "transitions", rows.size(), wanted);
+        for (std::size_t row = 0; row < wanted; ++row) file.append_row(contents.tables[i].name, rows[row]);
+    }
+    file.flush();
+}
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,46 @@
+#pragma once
+/// What varies in a sweep: keys of the scene and the values that they take together, row by row.
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml_tree.hpp"
+
+namespace cvtflow::tasks {
+
+/// A value of a key: a number (also the position of a choice, 0 or 1 for a boolean), or TOML text (texts, lists and tables of several points).
+using AxisValue = std::variant<double, std::string>;
+
+/// One factor of the product that a sweep is.
+struct Axis {
+    std::string kind;                      ///< "list", "range", "zip", "random", "latin-hypercube" or "csv", for people
+    std::vector<const Parameter*> keys;    ///< that vary together
+    std::vector<AxisValue> values;         ///< [rows * keys], row by row
+
+    [[nodiscard]] std::size_t rows() const noexcept { return keys.empty() ? 0 : values.size() / keys.size(); }
+    [[nodiscard]] const AxisValue& at(std::size_t row, std::size_t key) const noexcept { return values[row * keys.size() + key]; }
+};
+
+/// The value that `node` gives a key; nothing and a problem appended if it is none.
+[[nodiscard]] std::vector<AxisValue> axis_value(const Parameter& parameter, const Node& node, std::vector<Problem>& problems);
+
+/// Gives a key of the scene a value that axis_value() returned. Allocates nothing for numbers, once the scene has held such a value.
+void apply(const Parameter& parameter, const AxisValue& value, Scene& scene);
+
+/// As TOML: 150, "elastic", [1, 2].
+[[nodiscard]] std::string axis_text(const Parameter& parameter, const AxisValue& value);
+
+/// Whether a key has numbers in between, for ranges and samples.
+[[nodiscard]] bool continuous(const Parameter& parameter);
+
+/// `count` numbers from `from` to `to`, both included; evenly spaced, or evenly in their logarithms. Integers are rounded by apply().
+[[nodiscard]] std::vector<double> spaced(double from, double to, std::size_t count, bool logarithmic);
+
+/// Where in [0, 1) `count` samples of `dimensions` numbers lie, row by row; the same on every machine.
+[[nodiscard]] std::vector<double> random_samples(std::size_t count, std::size_t dimensions, std::uint64_t seed);
+/// The same, with each of the `count` equal intervals of every dimension hit exactly once.
+[[nodiscard]] std::vector<double> latin_hypercube(std::size_t count, std::size_t dimensions, std::uint64_t seed);
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,183 @@
+#include "tasks/batch/batch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "engine/executor/job_pool.hpp"
+#include "tasks/batch/case_engine.hpp"
+#include "tasks/batch/results.hpp"
+#include "tasks/schedule.hpp"
+
+namespace cvtflow::tasks {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t waiting_rows = 64;
+constexpr double sync_seconds = 5.0;
+const engine::Cancellation never;
+
+std::map<std::string, long> count_statuses(const engine::CaseTable& table) {
+    std::map<std::string, long> counts;
+    for (std::size_t row = 0; row < table.size(); ++row) ++counts[table.layout.text(table.row(row), table.layout.column("status"))];
+    return counts;
+}
+
+/// Takes rows of cases that are to run again out of the table, and all but the first row of a case.
+void keep_done(engine::CaseTable& table, const std::vector<std::string>& retry, std::vector<char>& done) {
+    const std::size_t number = table.layout.column("case"), status = table.layout.column("status");
+    std::vector<std::byte> kept;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const auto row = table.row(i);
+        const auto of_case = static_cast<std::size_t>(table.layout.integer(row, number));
+        if (of_case >= done.size() || done[of_case] != 0) continue;
+        if (std::find(retry.begin(), retry.end(), table.layout.text(row, status)) != retry.end()) continue;
+        done[of_case] = 1;
+        kept.insert(kept.end(), row.begin(), row.end());
+    }
+    table.rows = std::move(kept);
+}
+
+/// One session of a sweep in a folder.
+class Session {
+public:
+    Session(const Sweep& sweep, const BatchOptions& options)
+        : sweep_(sweep), options_(options), folder_(shard_folder(options.folder, options.shard)), file_((fs::path(folder_) / "cases.h5").string()),
+          outer_(made(options.folder)), lock_(folder_), cancel_(options.cancel != nullptr ? *options.cancel : never), threads_(options.threads > 0 ? options.threads : usable_threads()),
+          starts_(sweep, fs::path(options.folder) / "states"), control_(threads_, options.grace, cancel_), cases_(shard_cases(sweep, options.shard)) {}
+
+    BatchReport run() {
+        engine::CaseTable table = read_or_begin();
+        progress_.cases = static_cast<long>(cases_.size());
+        progress_.before = static_cast<long>(table.size());
+        {
+            engine::CaseWriter writer(file_, table);
+            work(writer, table.layout);
+        }
+        return report();
+    }
+
+private:
+    /// The folder of all shards must be there before that of one.
+    static int made(const std::string& folder) {
+        std::error_code reported_later;
+        fs::create_directory(folder, reported_later);
+        return 0;
+    }
+
+    engine::CaseTable read_or_begin() {
+        engine::CaseTable begin = empty_table(sweep_);
+        begin.set({"shard", fmt::format("{}/{}", options_.shard.number, options_.shard.of)});
+        done_.assign(static_cast<std::size_t>(sweep_.cases()), 0);
+        std::error_code missing;
+        if (!fs::exists(file_, missing)) return begin;
+        engine::CaseTable table = engine::read_cases(file_);
+        require_same_sweep(file_, table, begin);
+        if (table.attribute("shard") != begin.attribute("shard")) throw SimulationError(fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
+        keep_done(table, options_.retry, done_);
+        table.set({"status", "running"});
+        return table;
+    }
+
+    /// Runs what is left. Jobs are strands of cases; without continuation, single cases.
+    void work(engine::CaseWriter& writer, const engine::RowLayout& layout) {
+        using Clock = std::chrono::steady_clock;
+        Clock::time_point synced = Clock::now();
+        engine::WriterThread rows(waiting_rows, layout.bytes(), [&](std::span<const std::byte> row) {
+            writer.append(row);
+            if (std::chrono::duration<double>(Clock::now() - synced).count() < sync_seconds) return;
+            writer.sync();
+            synced = Clock::now();
+        });
+        std::vector<std::unique_ptr<CaseEngine>> engines(static_cast<std::size_t>(threads_));
+        std::vector<std::vector<std::byte>> buffers(engines.size(), std::vector<std::byte>(layout.bytes()));
+        engine::JobPool pool({threads_, options_.pin});
+        started_ = Clock::now();
+        pool.run([&](int) { return next(); }, [&](int worker, long first) {
+            auto& engine = engines[static_cast<std::size_t>(worker)];
+            if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
+            for (long number = first; number < first + sweep_.strand() && !stopping(); ++number) {
+                if (done_[static_cast<std::size_t>(number)] != 0) continue;
+                const CaseResult& result = engine->run(number);
+                if (result.status == CaseStatus::stopped) return;
+                auto& row = buffers[static_cast<std::size_t>(worker)];
+                fill_row(layout, sweep_, result, row);
+                rows.post(row);
+                ended(result);
+            }
+        });
+        rows.finish();
+        writer.sync();
+    }
+
+    [[nodiscard]] bool stopping() const noexcept { return cancel_.requested(); }
+
+    long next() {
+        while (!stopping() && position_ < cases_.size()) {
+            const long number = cases_[position_];
+            position_ += static_cast<std::size_t>(sweep_.strand());
+            bool open = false;
+            for (long k = number; k < number + sweep_.strand(); ++k) open = open || done_[static_cast<std::size_t>(k)] == 0;
+            if (open) return number;
+        }
+        control_.idle();
+        return -1;
+    }
+
+    void ended(const CaseResult& result) {
+        std::error_code none;
+        fs::remove(places().checkpoints / fmt::format("case-{:06}.h5", result.number), none);
+        gate_.through([&] {
+            ++progress_.done;
+            progress_.failed += result.status != CaseStatus::ok;
+            progress_.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+            if (options_.progress) options_.progress(progress_);
+        });
+    }
+
+    [[nodiscard]] CasePlaces places() const {
+        const fs::path folder(folder_);
+        if (sweep_.records) fs::create_directories(folder / "records");
+        return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every};
+    }
+
+    /// A finished table is written once more in the order of cases.
+    BatchReport report() {
+        engine::CaseTable table = engine::read_cases(file_);
+        BatchReport result{folder_, progress_, count_statuses(table), table.size() == cases_.size(), results_hash(table), threads_};
+        sort_rows(table);
+        table.set({"status", result.finished ? "finished" : "interrupted"});
+        table.set({"results_hash", result.results_hash});
+        engine::write_cases(file_, table);
+        std::error_code not_empty;
+        fs::remove(places().checkpoints, not_empty);
+        if (result.finished) fs::remove_all(places().continuation, not_empty);
+        return result;
+    }
+
+    const Sweep& sweep_;
+    const BatchOptions& options_;
+    std::string folder_, file_;
+    int outer_;
+    engine::FolderLock lock_;
+    const engine::Cancellation& cancel_;
+    int threads_;
+    StartStates starts_;
+    BatchControl control_;
+    std::vector<long> cases_;
+    std::vector<char> done_;
+    std::size_t position_ = 0;
+    BatchProgress progress_;
+    engine::Gate gate_;
+    std::chrono::steady_clock::time_point started_;
+};
+
+}  // namespace
+
+BatchReport run_batch(const Sweep& sweep, const BatchOptions& options) { return Session(sweep, options).run(); }
+
+}  // namespace cvtflow::tasks

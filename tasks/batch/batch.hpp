@@ -1,0 +1,86 @@
+#pragma once
+/// Runs a sweep into a folder, or goes on with one that was stopped or killed at any moment.
+///
+///     DIR/cases.h5                 the table, a row per case as it ends, in the order of cases once all are done
+///     DIR/checkpoints/case-N.h5    of cases that were running
+///     DIR/states/HASH.h5           settled states
+///     DIR/records/case-N.h5        records, if the sweep asks for them
+///     DIR/shard-I-of-N/            the same for a share of the sweep; merge() makes DIR/cases.h5 of them
+///
+/// Results do not depend on threads, shards, kills or order.
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/executor/cancellation.hpp"
+#include "tasks/batch/sweep.hpp"
+
+namespace cvtflow::tasks {
+
+/// Share i of n, counted from 1.
+struct Shard {
+    int number = 1, of = 1;
+    bool operator==(const Shard&) const = default;
+};
+
+struct BatchProgress {
+    long cases = 0, before = 0, done = 0;   ///< of this shard: all, done in former sessions, done now
+    long failed = 0;                        ///< done now, but not ok
+    double wall = 0.0;                      ///< [s]
+};
+
+struct BatchOptions {
+    std::string folder;
+    int threads = 0;                  ///< 0: as many as this process may use
+    bool pin = false;
+    double grace = 30.0;              ///< after a wish to stop, running cases that can end within this time do; others leave a checkpoint [s]
+    double checkpoint_every = 60.0;   ///< of every running case, wall time [s]
+    Shard shard;
+    std::vector<std::string> retry;   ///< statuses whose cases run again
+    const engine::Cancellation* cancel = nullptr;
+    std::function<void(const BatchProgress&)> progress;   ///< after each case, by one thread at a time
+};
+
+struct BatchReport {
+    std::string folder;                       ///< of this shard
+    BatchProgress progress;
+    std::map<std::string, long> statuses;     ///< all rows of the table
+    bool finished = false;
+    std::string results_hash;
+    int threads = 0;
+};
+
+/// Runs all cases of the shard that are not in its table yet.
+/// @throws engine::RecordError (folder, table; nothing that is in the table is lost), SimulationError (results of another sweep), SceneError
+[[nodiscard]] BatchReport run_batch(const Sweep& sweep, const BatchOptions& options);
+
+/// Cases of a shard: whole strands, the dearest first, each to the shard with the least to do so far. Ascending.
+[[nodiscard]] std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard);
+[[nodiscard]] std::string shard_folder(const std::string& folder, const Shard& shard);
+
+/// What a sweep will cost.
+struct BatchEstimate {
+    double seconds_per_cost = 0.0;   ///< measured on a few cases
+    double total = 0.0;              ///< wall time of all cases of the shard on one thread [s]
+    long cases = 0, bad = 0;         ///< bad: parameters that contradict each other
+    int measured = 0;                ///< cases that were tried
+};
+[[nodiscard]] BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds);
+
+struct MergeReport {
+    std::string file;
+    long rows = 0, cases = 0;
+    std::vector<std::string> missing_shards;   ///< folders that should be there
+    std::vector<long> missing_cases;
+    std::map<std::string, long> statuses;
+    std::string results_hash;
+};
+
+/// Joins the tables of all shards of a folder into DIR/cases.h5.
+/// @param partial write the table even if shards or cases are missing; they stay missing, and an attribute names them
+/// @throws SimulationError nothing to join; shards of other sweeps, or cut in another number; engine::RecordError
+[[nodiscard]] MergeReport merge(const std::string& folder, bool partial);
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,101 @@
+#include "tasks/batch/bench.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "tasks/batch/batch.hpp"
+#include "tasks/batch/start_states.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+double cpu_seconds() {
+    rusage used{};
+    getrusage(RUSAGE_SELF, &used);
+    const auto seconds = [](const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); };
+    return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+/// Wall and CPU time since it was made.
+class Watch {
+public:
+    [[nodiscard]] double wall() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_).count(); }
+    [[nodiscard]] double cpu() const { return cpu_seconds() - cpu_; }
+
+private:
+    std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
+    double cpu_ = cpu_seconds();
+};
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+/// All cases one after the other, nothing but their steps timed. @return evaluations
+long bare_loop(const Sweep& sweep, StartStates& starts, double& wall, double& cpu) {
+    const engine::Cancellation never;
+    SilentObserver silent;
+    std::unique_ptr<Simulation> simulation;
+    Scene scene = sweep.scene;
+    long evaluations = 0;
+    for (long number = 0; number < sweep.cases(); ++number) {
+        sweep.apply_case(number, scene);
+        const StartStates::State start = starts.of_case(scene, never);
+        Scene geometric = scene;
+        geometric.state_file.clear();
+        if (simulation == nullptr || !simulation->fits(scene)) simulation = std::make_unique<Simulation>(geometric, Schedule{});
+        simulation->reset(scene, start.get());
+        const Watch watch;
+        if (simulation->needs_settling()) {
+            if (const Fault fault = simulation->settle(silent, never)) throw StartFault(fault);
+            evaluations += simulation->counters().evaluations;
+        }
+        (void)simulation->run(scene.run.until, silent, never);
+        evaluations += simulation->counters().evaluations;
+        wall += watch.wall();
+        cpu += watch.cpu();
+    }
+    return evaluations;
+}
+
+}  // namespace
+
+BatchBench bench_batch(const Sweep& sweep, const std::string& parent, const std::vector<int>& threads, int rounds) {
+    const std::string folder = (std::filesystem::path(parent) / "bench").string();
+    BatchBench bench;
+    bench.cases = sweep.cases();
+    std::vector<std::vector<double>> walls(threads.size() + 1), cpus(threads.size() + 1);
+    std::filesystem::remove_all(folder);
+    std::filesystem::create_directories(folder);
+    StartStates starts(sweep, std::filesystem::path(folder) / "states");
+    for (int round = 0; round < rounds; ++round) {
+        double wall = 0.0, cpu = 0.0;
+        bench.evaluations = bare_loop(sweep, starts, wall, cpu);
+        walls[0].push_back(wall);
+        cpus[0].push_back(cpu);
+        for (std::size_t i = 0; i < threads.size(); ++i) {
+            std::filesystem::remove(std::filesystem::path(folder) / "cases.h5");
+            BatchOptions options;
+            options.folder = folder;
+            options.threads = threads[i];
+            const Watch watch;
+            const BatchReport report = run_batch(sweep, options);
+            walls[i + 1].push_back(watch.wall());
+            cpus[i + 1].push_back(watch.cpu());
+            if (!bench.results_hash.empty() && bench.results_hash != report.results_hash) throw SimulationError("results differ from run to run: " + bench.results_hash + ", " + report.results_hash);
+            bench.results_hash = report.results_hash;
+        }
+    }
+    for (std::size_t i = 0; i < walls.size(); ++i) bench.timings.push_back({i == 0 ? 0 : threads[i - 1], median(walls[i]), median(cpus[i])});
+    rusage used{};
+    getrusage(RUSAGE_SELF, &used);
+    bench.peak_memory = 1024.0 * static_cast<double>(used.ru_maxrss);
+    return bench;
+}
+
+}  // namespace cvtflow::tasks

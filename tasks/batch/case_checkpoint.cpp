@@ -1,0 +1,91 @@
+/// What a case leaves on disk while it runs: its checkpoint, and its end for the neighbour that starts there.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "tasks/batch/case_engine.hpp"
+#include "tasks/checkpoint/checkpoint.hpp"
+
+namespace cvtflow::tasks {
+
+std::string CaseEngine::checkpoint_file() const { return (places_.checkpoints / fmt::format("case-{:06}.h5", result_.number)).string(); }
+
+void CaseEngine::save() {
+    last_save_ = std::chrono::steady_clock::now();
+    Checkpoint checkpoint;
+    checkpoint.integration = simulation_->integration_state();
+    checkpoint.history.settling = result_.settling;
+    checkpoint.history.wall = elapsed();
+    for (const Reducer& reducer : reducers_) checkpoint.recorder.insert(checkpoint.recorder.end(), {static_cast<double>(reducer.count), reducer.value});
+    if (recorder_) {
+        const std::vector<double> position = recorder_->position();
+        checkpoint.recorder.insert(checkpoint.recorder.end(), position.begin(), position.end());
+    }
+    sign(checkpoint, scene_, simulation_->variator());
+    std::filesystem::create_directories(places_.checkpoints);
+    write_checkpoint(checkpoint_file(), checkpoint);
+}
+
+/// Puts the case to where its checkpoint was taken, if it has one. A checkpoint that does not fit any more is passed over: the case begins anew.
+bool CaseEngine::restore() {
+    std::error_code missing;
+    if (!std::filesystem::exists(checkpoint_file(), missing)) return false;
+    const Checkpoint checkpoint = read_checkpoint(checkpoint_file());
+    if (checkpoint.recorder.size() < 2 * reducers_.size()) return false;
+    record_options_.from = &checkpoint;
+    begin(nullptr);
+    record_options_.from = nullptr;
+    require_same(checkpoint_file(), checkpoint, scene_, simulation_->variator());
+    simulation_->restore(checkpoint.integration);
+    result_.settling = checkpoint.history.settling;
+    wall_before_ = checkpoint.history.wall;
+    const double* next = checkpoint.recorder.data();
+    for (Reducer& reducer : reducers_) {
+        reducer.count = static_cast<long>(*next++);
+        reducer.value = *next++;
+    }
+    if (recorder_) recorder_->restore({next, checkpoint.recorder.data() + checkpoint.recorder.size()});
+    return true;
+}
+
+/// The latest end of a case before this one in its strand, else what any case begins with. Ends are kept in two files by turns, so that a case
+/// that was lost with a killed process finds the end before it.
+StartStates::State CaseEngine::start() {
+    const long first = result_.number - result_.number % sweep_.strand();
+    StartStates::State latest;
+    double newest = -1.0;
+    for (int parity = 0; parity < 2 && sweep_.strand() > 1 && result_.number > first; ++parity) {
+        const std::string file = (places_.continuation / fmt::format("strand-{:06}-{}.h5", first / sweep_.strand(), parity)).string();
+        std::error_code missing;
+        if (!std::filesystem::exists(file, missing)) continue;
+        auto state = std::make_shared<engine::SavedState>(engine::read_state(file));
+        const double number = state->more.empty() ? -1.0 : state->more.front().values.front();
+        if (number >= static_cast<double>(result_.number) || number <= newest) continue;
+        newest = number;
+        latest = std::move(state);
+    }
+    if (latest) result_.start = "continued";
+    return latest ? latest : starts_.of_case(scene_, control_.stop());
+}
+
+/// The end as a start: shaft 1 is turned back by the angle that the governor's reference has gone.
+void CaseEngine::keep_for_neighbour() {
+    if (sweep_.strand() == 1) return;
+    engine::SavedState saved = simulation_->saved_state();
+    const model::Variator& variator = simulation_->variator();
+    const model::ChainLayout& at = variator.layout();
+    const double gone = scene_.parameters.drive.speed.integral(saved.time);
+    if (at.pulley_size != 0) {
+        double* q = saved.state.data() + at.pulley_begin();
+        q[variator.pulleys().rotation(0)] -= gone;
+        for (int side = 0; side < 2 && at.pulley_size == 36; ++side) q[model::body_freedom(model::sheave_body(0, side), 5)] -= gone;
+    }
+    saved.time = 0.0;
+    saved.more = {{"case", {static_cast<double>(result_.number)}}};
+    std::filesystem::create_directories(places_.continuation);
+    const long strand = result_.number / sweep_.strand();
+    engine::write_state((places_.continuation / fmt::format("strand-{:06}-{}.h5", strand, result_.number % 2)).string(), saved);
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,243 @@
+#include "tasks/batch/case_engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tasks/method_choice.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr std::string_view statuses[] = {"ok", "diverged", "budget", "bad_parameters", "crashed", "undefined", "stopped"};
+constexpr double worth_a_switch = 0.2;   ///< wall time that a case must have left to get more threads [s]
+constexpr double trial_seconds = 0.05;   ///< in which more threads have to show their worth [s]
+constexpr double required_gain = 1.1;
+
+[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count(); }
+
+}  // namespace
+
+std::string_view status_name(CaseStatus status) noexcept { return statuses[static_cast<int>(status)]; }
+
+double BatchControl::grace_left() {
+    return gate_.through([&] {
+        if (asked_ == std::chrono::steady_clock::time_point{}) asked_ = std::chrono::steady_clock::now();
+        return grace_ - seconds_since(asked_);
+    });
+}
+
+void BatchControl::idle() {
+    gate_.through([&] { ++idle_; });
+    tail_.request();
+}
+
+int BatchControl::threads_per_case() {
+    if (!tail_.requested()) return 1;
+    return gate_.through([&] { return threads_ / std::max(1, threads_ - idle_); });
+}
+
+double case_cost(const Sweep& sweep, const Scene& scene) {
+    const bool settles = sweep.start == StartMode::settle || (sweep.start == StartMode::scene && scene.state_file.empty());
+    const double time = scene.run.until + (settles ? scene.parameters.start.settling_time : 0.0);
+    return time / scene.run.step * step_cost(scene);
+}
+
+double step_cost(const Scene& scene) { return static_cast<double>(std::max(1, evaluations_per_step(scene.run.method))) * model::layout_of(scene.parameters).size(); }
+
+CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
+    : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene), reducers_(sweep.scalars.size()) {
+    result_.scalars.resize(sweep.scalars.size());
+}
+
+CaseEngine::~CaseEngine() = default;
+
+const CaseResult& CaseEngine::run(long number) {
+    result_.number = number;
+    result_.error.clear();
+    result_.status = CaseStatus::ok;
+    prepare();
+    try {
+        sweep_.apply_case(number, scene_);
+        result_.error = violations(scene_);
+        if (!result_.error.empty()) result_.status = CaseStatus::bad_parameters;
+        else integrate();
+    } catch (const engine::RecordError&) {
+        throw;
+    } catch (const StartFault& fault) {
+        judge(fault.fault);
+        if (result_.status != CaseStatus::stopped) result_.error = fault.what();
+    } catch (const std::bad_alloc&) {
+        result_.status = CaseStatus::crashed;
+        result_.error = "out of memory";
+    } catch (const std::exception& error) {   // the scene's own: a chain that does not close, a state that does not fit
+        result_.status = CaseStatus::bad_parameters;
+        result_.error = error.what();
+    }
+    result_.wall = elapsed();
+    if (result_.status != CaseStatus::ok) std::fill(result_.scalars.begin(), result_.scalars.end(), std::numeric_limits<double>::quiet_NaN());
+    return result_;
+}
+
+void CaseEngine::prepare() {
+    started_ = last_save_ = window_begin_ = std::chrono::steady_clock::now();
+    wall_before_ = serial_rate_ = 0.0;
+    window_steps_ = 0;
+    refused_threads_ = 0;
+    pause_ = false;
+    why_ = Pause::none;
+    recorder_.reset();
+    std::fill(reducers_.begin(), reducers_.end(), Reducer{});
+    result_.counters = result_.settling = {};
+    result_.threads = 1;
+    result_.hash = 0;
+}
+
+double CaseEngine::elapsed() const { return wall_before_ + seconds_since(started_); }
+
+void CaseEngine::begin(const StartStates::State& saved) {
+    if (serial_ == nullptr || !serial_->fits(scene_)) {
+        Scene geometric = scene_;   // the state comes by reset()
+        geometric.state_file.clear();
+        serial_eye_.reset();
+        serial_ = std::make_unique<Simulation>(geometric, Schedule{});
+        serial_eye_ = std::make_unique<model::Observer>(serial_->variator());
+    }
+    serial_->reset(scene_, saved.get());
+    simulation_ = serial_.get();
+    eye_ = serial_eye_.get();
+    simulation_->pause_on(&pause_);
+    if (!sweep_.records) return;
+    record_options_.file = (places_.records / fmt::format("case-{:06}.h5", result_.number)).string();
+    recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
+}
+
+void CaseEngine::integrate() {
+    result_.start = starts_.kind(scene_);
+    if (!restore()) begin(start());
+    Fault fault;
+    do fault = part();
+    while (!fault && simulation_->time() < scene_.run.until - 1e-9 * scene_.run.output_interval);
+    judge(fault);
+    result_.hash = simulation_->hash();
+    result_.counters = simulation_->counters();
+    for (std::size_t i = 0; i < reducers_.size(); ++i) {
+        result_.scalars[i] = reducers_[i].result(sweep_.scalars[i]);
+        if (result_.status != CaseStatus::ok || std::isfinite(result_.scalars[i])) continue;
+        result_.status = CaseStatus::undefined;
+        result_.error = fmt::format("{} is not a finite number", sweep_.scalars[i].text);
+    }
+    if (result_.status == CaseStatus::stopped) return save();
+    finish_record(fault);
+    if (result_.status == CaseStatus::ok) keep_for_neighbour();
+}
+
+/// Settling or the run, from where it stands to its end, with whatever pauses lie between.
+Fault CaseEngine::part() {
+    for (;;) {
+        Simulation& s = *simulation_;
+        if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), scene_.run.until);
+        pause_ = false;
+        const bool settling = s.needs_settling();
+        const Fault fault = s.integration_state().started ? s.proceed(scene_.run.until, *this, never_) : settling ? s.settle(*this, never_) : s.run(scene_.run.until, *this, never_);
+        if (settling) result_.settling = s.counters();
+        if (fault.kind != FaultKind::cancelled || why_ == Pause::stop || why_ == Pause::none) return fault;
+        if (why_ == Pause::checkpoint) save();
+        else change_threads();
+    }
+}
+
+void CaseEngine::judge(const Fault& fault) {
+    switch (fault.kind) {
+        case FaultKind::none: result_.status = CaseStatus::ok; return;
+        case FaultKind::cancelled: result_.status = CaseStatus::stopped; return;
+        case FaultKind::max_steps:
+        case FaultKind::max_wall: result_.status = CaseStatus::budget; break;
+        default: result_.status = CaseStatus::diverged; break;
+    }
+    result_.error = fault.message();
+}
+
+void CaseEngine::finish_record(const Fault& fault) {
+    if (!recorder_) return;
+    RunReport report;
+    report.fault = fault;
+    report.hash = result_.hash;
+    report.wall = elapsed();
+    recorder_->finish(report);
+    recorder_.reset();
+}
+
+void CaseEngine::output(double time, const Workspace& workspace, const Counters& counters) {
+    if (recorder_) recorder_->output(time, workspace, counters);
+    if (!simulation_->needs_settling() && time >= sweep_.from * (1.0 - 1e-12)) reduce(time, workspace, counters);
+    why_ = wanted(time, counters);
+    pause_ = why_ != Pause::none;
+}
+
+void CaseEngine::transition(const TransitionRecord& record) {
+    if (recorder_) recorder_->transition(record);
+}
+
+void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
+    const Instant instant{eye_->observe(time, workspace.states[0], workspace.phases.data()), workspace, counters, scene_.run.followed_pin};
+    for (std::size_t i = 0; i < reducers_.size(); ++i) {
+        const Scalar& scalar = sweep_.scalars[i];
+        const auto width = static_cast<std::size_t>(scalar.channel->width(workspace.layout()));
+        if (values_.size() < width) values_.resize(width);
+        if (static_cast<std::size_t>(scalar.element) >= width) throw SimulationError(fmt::format("{}: there are only {} numbers", scalar.text, width));
+        scalar.channel->read(instant, values_.data());
+        reducers_[i].add(scalar, time, values_[static_cast<std::size_t>(scalar.element)]);
+    }
+}
+
+/// At an output: whether the case should pause, and for what.
+CaseEngine::Pause CaseEngine::wanted(double time, const Counters& counters) {
+    const double begin = simulation_->needs_settling() ? -scene_.parameters.start.settling_time : 0.0;
+    const double share = (time - begin) / std::max(1e-300, scene_.run.until - begin);
+    const double left = share > 0.0 ? seconds_since(started_) * (1.0 - share) / share : 1e300;
+    if (control_.stop().requested() && left > control_.grace_left()) return Pause::stop;
+    const double window = seconds_since(window_begin_);
+    const double rate = window > 0.0 ? static_cast<double>(counters.steps - window_steps_) / window : 0.0;
+    const int threads = std::min(control_.threads_per_case(), scene_.parameters.chain.pins);
+    const int now = simulation_ == serial_.get() ? 1 : simulation_->schedule().threads;
+    if (now == 1 && window > trial_seconds) serial_rate_ = rate;
+    if (now == 1 && threads > 1 && threads != refused_threads_ && serial_rate_ > 0.0 && left > worth_a_switch) return Pause::more_threads;
+    const bool disappointing = now > 1 && window > trial_seconds && rate < required_gain * serial_rate_;
+    if (now > 1 && (disappointing || threads > now)) {
+        refused_threads_ = disappointing ? threads : 0;
+        return Pause::more_threads;
+    }
+    return seconds_since(last_save_) > places_.checkpoint_every ? Pause::checkpoint : Pause::none;
+}
+
+/// Moves the case to another number of threads: its full state to another simulation of it, which goes on bit for bit.
+void CaseEngine::change_threads() {
+    const int threads = std::min(control_.threads_per_case(), scene_.parameters.chain.pins);
+    const IntegrationState at = simulation_->integration_state();
+    if (threads == refused_threads_ || threads <= 1) {
+        simulation_ = serial_.get();
+        eye_ = serial_eye_.get();
+    } else {
+        Schedule schedule;
+        schedule.executor = "flow";
+        schedule.threads = schedule.segments = threads;
+        Scene geometric = scene_;
+        geometric.state_file.clear();
+        parallel_eye_.reset();
+        parallel_ = std::make_unique<Simulation>(geometric, schedule);
+        parallel_eye_ = std::make_unique<model::Observer>(parallel_->variator());
+        simulation_ = parallel_.get();
+        eye_ = parallel_eye_.get();
+        simulation_->pause_on(&pause_);
+        result_.threads = std::max(result_.threads, threads);
+    }
+    simulation_->restore(at);
+    window_begin_ = std::chrono::steady_clock::now();
+    window_steps_ = at.counters.steps;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,119 @@
+#pragma once
+/// One worker's engine: runs one case after the other in the same memory. Internal to tasks/batch.
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include "engine/executor/job_pool.hpp"
+#include "tasks/batch/scalar.hpp"
+#include "tasks/batch/start_states.hpp"
+#include "tasks/batch/sweep.hpp"
+#include "tasks/run_recorder.hpp"
+
+namespace cvtflow::tasks {
+
+/// How a case ended; the column `status` has these names.
+enum class CaseStatus { ok, diverged, budget, bad_parameters, crashed, undefined, stopped };
+[[nodiscard]] std::string_view status_name(CaseStatus status) noexcept;
+
+struct CaseResult {
+    long number = -1;
+    CaseStatus status = CaseStatus::ok;
+    std::string error;
+    std::string_view start;
+    std::vector<double> scalars;     ///< NaN unless ok
+    Counters counters, settling;
+    double wall = 0.0;               ///< settling and resumed parts included [s]
+    int threads = 1;                 ///< most that worked on it at once
+    std::uint64_t hash = 0;          ///< of the final state
+};
+
+/// What all workers share: when to stop, and how many threads a case may have.
+class BatchControl {
+public:
+    BatchControl(int threads, double grace, const engine::Cancellation& stop) : threads_(threads), grace_(grace), stop_(stop) {}
+
+    [[nodiscard]] const engine::Cancellation& stop() const noexcept { return stop_; }
+    /// Seconds left of the grace time, which begins with the first call after the wish to stop.
+    [[nodiscard]] double grace_left();
+    /// A worker has found no case any more.
+    void idle();
+    /// Threads that each of the running cases may use. Cheap while all workers are busy.
+    [[nodiscard]] int threads_per_case();
+
+private:
+    int threads_;
+    double grace_;
+    const engine::Cancellation& stop_;
+    engine::Cancellation tail_;
+    engine::Gate gate_;
+    int idle_ = 0;
+    std::chrono::steady_clock::time_point asked_{};
+};
+
+/// Where a worker keeps what it must not lose, and how often.
+struct CasePlaces {
+    std::filesystem::path checkpoints, records, continuation;
+    double checkpoint_every = 60.0;   ///< [s]
+};
+
+class CaseEngine final : public RunObserver {
+public:
+    CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places);
+    ~CaseEngine() override;
+
+    /// Runs a case, or goes on with it from its checkpoint. Never throws for what is wrong with the case; engine::RecordError if something
+    /// cannot be written. A case that was stopped has left a checkpoint.
+    [[nodiscard]] const CaseResult& run(long number);
+
+    void output(double time, const Workspace& workspace, const Counters& counters) override;
+    void transition(const TransitionRecord& record) override;
+
+private:
+    enum class Pause { none, stop, checkpoint, more_threads };
+    void prepare();
+    void begin(const StartStates::State& saved);
+    [[nodiscard]] bool restore();
+    void integrate();
+    [[nodiscard]] Fault part();
+    void judge(const Fault& fault);
+    void finish_record(const Fault& fault);
+    void reduce(double time, const Workspace& workspace, const Counters& counters);
+    void save();
+    void change_threads();
+    [[nodiscard]] Pause wanted(double time, const Counters& counters);
+    [[nodiscard]] std::string checkpoint_file() const;
+    [[nodiscard]] double elapsed() const;
+    [[nodiscard]] StartStates::State start();
+    void keep_for_neighbour();
+
+    const Sweep& sweep_;
+    StartStates& starts_;
+    BatchControl& control_;
+    CasePlaces places_;
+    Scene scene_;
+    CaseResult result_;
+    std::vector<Reducer> reducers_;
+    std::vector<double> values_;                    ///< of one channel
+    std::unique_ptr<Simulation> serial_, parallel_;
+    std::unique_ptr<model::Observer> serial_eye_, parallel_eye_;
+    Simulation* simulation_ = nullptr;              ///< the one at work
+    model::Observer* eye_ = nullptr;
+    std::unique_ptr<RunRecorder> recorder_;
+    RunOptions record_options_;
+    engine::Cancellation never_;
+    bool pause_ = false;
+    Pause why_ = Pause::none;
+    double wall_before_ = 0.0;                      ///< in former sessions [s]
+    std::chrono::steady_clock::time_point started_, last_save_, window_begin_;
+    long window_steps_ = 0;
+    double serial_rate_ = 0.0;                      ///< steps per second by one thread; 0: not measured
+    int refused_threads_ = 0;                       ///< that were tried and were not worth it
+};
+
+/// Cost of a step: evaluations x unknowns. Of a case: that of its steps, for sharing out.
+[[nodiscard]] double step_cost(const Scene& scene);
+[[nodiscard]] double case_cost(const Sweep& sweep, const Scene& scene);
+
+}  // namespace cvtflow::tasks

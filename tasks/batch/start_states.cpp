@@ -1,0 +1,119 @@
+#include "tasks/batch/start_states.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/base/hash.hpp"
+#include "tasks/checkpoint/checkpoint.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr std::size_t most_kept = 32;
+constexpr std::string_view run_only[] = {"run.until", "run.state_interval", "run.followed_pin", "run.seed", "run.max_steps", "run.max_wall"};
+
+/// Sections that describe the machine; the others describe how it is operated.
+constexpr std::string_view machine[] = {"detail", "chain", "half", "plate", "joint", "tip", "pulley", "record"};
+
+[[nodiscard]] std::uint64_t content(const Scene& scene) {
+    engine::Hash hash;
+    for (const Parameter& parameter : parameter_table()) {
+        if (!matters_for_settling(parameter.key)) continue;
+        hash.add(parameter.key).add(std::string_view(value_text(parameter, scene)));
+    }
+    return hash.value();
+}
+
+}  // namespace
+
+bool matters_for_settling(std::string_view key) noexcept {
+    return !may_change(key) && std::find(std::begin(run_only), std::end(run_only), key) == std::end(run_only);
+}
+
+StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder) : sweep_(sweep), folder_(std::move(folder)) {
+    const auto all_matter = [](const Axis& axis) { return std::any_of(axis.keys.begin(), axis.keys.end(), [](const Parameter* key) { return matters_for_settling(key->key); }); };
+    shareable_ = sweep.start == StartMode::shared || (sweep.start == StartMode::settle && !std::all_of(sweep.axes.begin(), sweep.axes.end(), all_matter));
+}
+
+std::string_view StartStates::kind(const Scene& scene) const noexcept {
+    if (sweep_.start == StartMode::scene) return scene.state_file.empty() ? "geometric" : "scene";
+    return sweep_.start == StartMode::shared ? "shared" : "settled";
+}
+
+StartStates::State StartStates::of_case(const Scene& scene, const engine::Cancellation& cancel) {
+    if (sweep_.start == StartMode::scene) return scene.state_file.empty() ? nullptr : from_file(scene.state_file);
+    return shareable_ ? settled(settling_scene(scene), cancel) : nullptr;
+}
+
+/// What is settled for a case: itself, or its machine operated as the sweep's base scene is.
+Scene StartStates::settling_scene(const Scene& scene) const {
+    Scene settling = scene;
+    settling.state_file.clear();
+    settling.run.schedule = "serial";
+    settling.run.max_steps = 0;
+    settling.run.max_wall = 0.0;
+    if (sweep_.start != StartMode::shared) return settling;
+    settling = sweep_.scene;
+    settling.state_file.clear();
+    settling.run.schedule = "serial";
+    settling.run.max_steps = 0;
+    settling.run.max_wall = 0.0;
+    settling.run.method = scene.run.method;
+    for (const Axis& axis : sweep_.axes) {
+        for (const Parameter* key : axis.keys) {
+            if (std::find(std::begin(machine), std::end(machine), key->section()) == std::end(machine)) continue;
+            Scene copy = scene;
+            std::vector<Problem> none;
+            for (const AxisValue& value : axis_value(*key, std::get<Node::Table>(std::get<Node>(parse_toml("value = " + value_text(*key, copy))).value).front().node, none)) apply(*key, value, settling);
+        }
+    }
+    return settling;
+}
+
+StartStates::State StartStates::kept(const std::string& key) {
+    return gate_.through([&] {
+        const auto found = kept_.find(key);
+        return found == kept_.end() ? State() : found->second;
+    });
+}
+
+void StartStates::keep(const std::string& key, State state) {
+    gate_.through([&] {
+        if (kept_.size() >= most_kept) kept_.erase(kept_.begin());
+        kept_[key] = std::move(state);
+    });
+}
+
+StartStates::State StartStates::from_file(const std::string& path) {
+    if (State state = kept(path)) return state;
+    auto state = std::make_shared<const engine::SavedState>(engine::read_state(path));
+    keep(path, state);
+    return state;
+}
+
+StartStates::State StartStates::settled(const Scene& scene, const engine::Cancellation& cancel) {
+    const std::uint64_t key = content(scene);
+    const std::string file = (folder_ / (engine::hex(key) + ".h5")).string();
+    if (State state = kept(file)) return state;
+    const bool mine = once_.claim(key);
+    std::error_code missing;
+    if (std::filesystem::exists(file, missing)) {
+        if (mine) once_.made(key);
+        return from_file(file);
+    }
+    const std::unique_ptr<const std::uint64_t, std::function<void(const std::uint64_t*)>> announced(&key, [&](const std::uint64_t*) { once_.made(key); });
+    Simulation simulation(scene, schedule_of(scene.run, scene.parameters.chain.pins));
+    SilentObserver silent;
+    if (simulation.needs_settling()) {
+        if (const Fault fault = simulation.settle(silent, cancel)) throw StartFault(fault);
+    }
+    auto state = std::make_shared<const engine::SavedState>(simulation.saved_state());
+    std::filesystem::create_directories(folder_);
+    engine::write_state(file, *state);
+    keep(file, state);
+    return state;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,54 @@
+#pragma once
+/// Where the cases of a sweep begin: states read once, states settled once and shared by the cases that allow it.
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "engine/executor/job_pool.hpp"
+#include "engine/record/state_file.hpp"
+#include "tasks/batch/sweep.hpp"
+#include "tasks/simulation.hpp"
+
+namespace cvtflow::tasks {
+
+/// A settling that was paused or failed: the case cannot begin now, or at all.
+class StartFault : public SimulationError {
+public:
+    explicit StartFault(Fault why) : SimulationError("settling: " + why.message()), fault(why) {}
+    Fault fault;
+};
+
+class StartStates {
+public:
+    using State = std::shared_ptr<const engine::SavedState>;
+
+    /// @param folder  where settled states are kept, by the hash of all that they depend on; made when it is needed
+    StartStates(const Sweep& sweep, std::filesystem::path folder);
+
+    /// The state that a case begins with; nullptr: it settles by itself. Any thread.
+    /// @param scene of the case   @throws StartFault, engine::RecordError
+    [[nodiscard]] State of_case(const Scene& scene, const engine::Cancellation& cancel);
+    /// "scene", "geometric", "settled" or "shared"
+    [[nodiscard]] std::string_view kind(const Scene& scene) const noexcept;
+
+private:
+    [[nodiscard]] State from_file(const std::string& path);
+    [[nodiscard]] State settled(const Scene& scene, const engine::Cancellation& cancel);
+    [[nodiscard]] State kept(const std::string& key);
+    void keep(const std::string& key, State state);
+    [[nodiscard]] Scene settling_scene(const Scene& scene) const;
+
+    const Sweep& sweep_;
+    std::filesystem::path folder_;
+    bool shareable_ = false;   ///< whether several cases of the sweep settle alike
+    engine::Gate gate_;
+    engine::OnceEach once_;
+    std::map<std::string, State> kept_;   ///< the latest few
+};
+
+/// Whether the course of settling depends on a key.
+[[nodiscard]] bool matters_for_settling(std::string_view key) noexcept;
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,42 @@
+#pragma once
+/// A TOML table as a reader wants it: keys checked against a list, values by type, problems with positions. Internal to tasks/batch.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tasks/scene/toml_tree.hpp"
+
+namespace cvtflow::tasks {
+
+class TableView {
+public:
+    /// Keys that are not among `known` are problems.
+    /// @param name  of the table in messages, e.g. "axes"
+    TableView(std::string name, const Node::Table& table, Position position, const std::vector<std::string>& known, std::vector<Problem>& problems);
+
+    [[nodiscard]] const Node* find(std::string_view key) const;
+    [[nodiscard]] bool has(std::string_view key) const { return find(key) != nullptr; }
+    [[nodiscard]] Position position() const noexcept { return position_; }
+    void problem(Position position, const std::string& message) const;
+
+    /// The value if the key is there; a value of another type is a problem.
+    [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
+    [[nodiscard]] std::optional<std::int64_t> integer(std::string_view key, std::int64_t min, std::int64_t max) const;
+    [[nodiscard]] std::optional<bool> boolean(std::string_view key) const;
+    [[nodiscard]] const Node::Array* list(std::string_view key) const;
+    /// One of these texts, by number.
+    [[nodiscard]] std::optional<int> choice(std::string_view key, const std::vector<std::string>& choices) const;
+    /// A time with its unit [s].
+    [[nodiscard]] std::optional<double> time(std::string_view key) const;
+    /// The key must be there.
+    bool require(std::string_view key) const;
+
+private:
+    std::string name_;
+    const Node::Table& table_;
+    Position position_;
+    std::vector<Problem>& problems_;
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,205 @@
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <fstream>
+#include <random>
+
+#include "tests/tools/batch_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+using Batch = Sweeps;
+
+TEST_F(Batch, GivesOneHashForEveryNumberOfThreadsAndEveryCut) {
+    write_sweep();
+    const Outcome one = batch({"--threads", "1"});
+    ASSERT_EQ(one.status, 0) << one.err;
+    EXPECT_THAT(one.out, HasSubstr("12 ok"));
+    for (const char* threads : {"2", "3"}) EXPECT_EQ(hash_in(run({"batch", "sweep.toml", "-o", std::string("t") + threads, "--threads", threads}).out), hash_in(one.out));
+    for (const char* shard : {"1/3", "2/3", "3/3"}) ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", shard}).status, 0);
+    const Outcome merged = run({"merge", "cut"});
+    EXPECT_EQ(merged.status, 0) << merged.err;
+    EXPECT_EQ(hash_in(merged.out), hash_in(one.out));
+    EXPECT_EQ(column("hash", "cut"), column("hash"));
+}
+
+TEST_F(Batch, CaseEqualsTheRunOfItsScene) {
+    write_sweep();
+    ASSERT_EQ(batch().status, 0);
+    const Outcome single = run({"run", "tiny", "-o", "none", "--settle", "--until", "40 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us", "--set",
+                                "load.torque=12 N*m", "--set", "clamping.driven=5 kN"});
+    EXPECT_THAT(single.out, HasSubstr("state hash          " + column("hash").at(4)));
+}
+
+/// 20 times kill -9 at a random moment, then to the end.
+TEST_F(Batch, KilledTwentyTimesAtRandomMomentsLosesAndRepeatsNothing) {
+    write_sweep("\"6 N*m\", \"9 N*m\", \"12 N*m\", \"15 N*m\", \"18 N*m\"", "80 us");
+    const Outcome undisturbed = run({"batch", "sweep.toml", "-o", "whole"});
+    ASSERT_EQ(undisturbed.status, 0) << undisturbed.err;
+    std::mt19937 moments(6);
+    for (int kill = 0; kill < 20; ++kill) {
+        Child child({"batch", "sweep.toml", "-o", "out", "--checkpoint-every", "10 ms", "-q"}, folder_);
+        std::this_thread::sleep_for(std::chrono::microseconds(5000 + moments() % 200000));
+        child.send(SIGKILL);
+        const Outcome outcome = child.wait();
+        ASSERT_TRUE(outcome.status == 128 + SIGKILL || outcome.status == 0) << outcome.err;
+    }
+    const Outcome last = exists("out/cases.h5") ? run({"resume", "out"}) : batch();
+    EXPECT_EQ(last.status, 0) << last.err;
+    EXPECT_EQ(hash_in(last.out), hash_in(undisturbed.out));
+    EXPECT_EQ(column("hash").size(), 20u);
+    EXPECT_EQ(column("slip_mean"), column("slip_mean", "whole"));
+    EXPECT_EQ(column("evaluations"), column("evaluations", "whole"));
+    EXPECT_FALSE(exists("out/checkpoints"));
+}
+
+TEST_F(Batch, ThatIsToldToStopLeavesCheckpointsAndGoesOnBitForBit) {
+    write_sweep("\"6 N*m\", \"12 N*m\"", "2 ms");
+    Child child({"batch", "sweep.toml", "-o", "out", "--threads", "2", "--grace", "1 us"}, folder_);
+    EXPECT_TRUE(eventually([&] { return exists("out/cases.h5"); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    child.send(SIGTERM);
+    const Outcome outcome = child.wait();
+    EXPECT_EQ(outcome.status, 130);
+    EXPECT_THAT(outcome.out, HasSubstr("to go on: cvtflow resume out\n"));
+    EXPECT_TRUE(exists("out/checkpoints/case-000000.h5"));
+    write_sweep("\"6 N*m\", \"12 N*m\"", "2 ms");
+    const Outcome rest = run({"resume", "out"});
+    EXPECT_EQ(rest.status, 0) << rest.err;
+    EXPECT_EQ(hash_in(rest.out), hash_in(run({"batch", "sweep.toml", "-o", "whole"}).out));
+}
+
+TEST_F(Batch, FailingCasesAreRowsWithAStatus) {
+    write_sweep("\"6 N*m\", \"12 N*m\"", "5 ms", "[budget]\nsteps = 600\n[[axes]]\nkey = \"start.ratio\"\nvalues = [1.0, 0.3]\n[[axes]]\nkey = \"run.step\"\nvalues = [\"50 ns\", \"10 us\"]\n");
+    const Outcome outcome = batch();
+    EXPECT_EQ(outcome.status, 5) << outcome.err;
+    const auto status = column("status");
+    EXPECT_EQ(status.size(), 32u);
+    EXPECT_EQ(status.at(0), "budget");
+    EXPECT_EQ(status.at(1), "diverged");
+    EXPECT_EQ(status.at(2), "bad_parameters");
+    EXPECT_THAT(column("error").at(0), StartsWith("the budget of 600 steps (run.max_steps) is used up"));
+    EXPECT_EQ(column("slip_mean").at(1), "nan");
+    const Outcome shown = run({"table", "out", "--status", "diverged"});
+    EXPECT_THAT(shown.out, AllOf(HasSubstr("  diverged  "), testing::Not(HasSubstr("  budget  "))));
+    const Outcome again = batch({"--retry", "budget"});
+    EXPECT_THAT(again.out, HasSubstr("; 24 before"));
+}
+
+TEST_F(Batch, OfAnotherSweepIsRefusedWithTheDifference) {
+    write_sweep("\"6 N*m\"");
+    ASSERT_EQ(batch().status, 0);
+    const auto before = column("hash");
+    write_sweep("\"6 N*m\", \"7 N*m\"", "50 us");
+    const Outcome outcome = run({"resume", "out"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.err, "cvtflow: out/cases.h5: results of another sweep:\n  axes.load.torque = 6 there, 6, 7 here\n  run.until = 4e-5 there, 5e-5 here\n");
+    EXPECT_EQ(column("hash"), before);
+}
+
+TEST_F(Batch, IntoAFolderThatAnotherWritesIsRefused) {
+    write_sweep("\"6 N*m\"", "20 ms");
+    Child first({"batch", "sweep.toml", "-o", "out", "-q"}, folder_);
+    ASSERT_TRUE(eventually([&] { return exists("out/cases.h5"); }));
+    const Outcome second = batch();
+    EXPECT_EQ(second.status, 1);
+    EXPECT_EQ(second.err, "cvtflow: out: another sweep is writing into it\n");
+}
+
+TEST_F(Batch, IntoAFolderThatCannotBeWrittenSaysSo) {
+    write_sweep();
+    write("file", "");
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "file"}).err, "cvtflow: file: cannot create: File exists\n");
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "no/such"}).err, "cvtflow: no/such: cannot create: No such file or directory\n");
+    EXPECT_EQ(run({"batch", "sweep.toml", "-o", "/proc/here"}).err, "cvtflow: /proc/here: cannot create: No such file or directory\n");
+}
+
+TEST_F(Batch, OnAFullDiskKeepsWhatItHasAndGoesOnLater) {
+    write_sweep("\"1 N*m\", \"2 N*m\", \"3 N*m\", \"4 N*m\", \"5 N*m\", \"6 N*m\", \"7 N*m\", \"8 N*m\", \"9 N*m\", \"10 N*m\", \"11 N*m\", \"12 N*m\", \"13 N*m\", \"14 N*m\", "
+                "\"15 N*m\", \"16 N*m\", \"17 N*m\", \"18 N*m\", \"19 N*m\", \"20 N*m\"",
+                "20 us");
+    const Outcome full = shell("ulimit -f 120; \\$CVTFLOW batch sweep.toml -o out -q --threads 1");
+    EXPECT_EQ(full.status, 1) << full.out << full.err;
+    EXPECT_THAT(full.err, testing::MatchesRegex("cvtflow: out/cases.h5: cannot write: File too large; [0-9]+ cases are saved\n"));
+    const std::size_t saved = column("hash").size();
+    EXPECT_GT(saved, 0u);
+    EXPECT_LT(saved, 80u);
+    const Outcome rest = run({"resume", "out"});
+    EXPECT_EQ(rest.status, 0) << rest.err;
+    EXPECT_THAT(rest.out, HasSubstr("; " + std::to_string(saved) + " before"));
+    EXPECT_EQ(column("hash").size(), 80u);
+}
+
+TEST_F(Batch, WithADamagedTableStopsAndTouchesNothing) {
+    write_sweep();
+    ASSERT_EQ(batch().status, 0);
+    std::string bytes = read("out/cases.h5");
+    const std::string whole = bytes;
+    const auto hash = bytes.find(column("hash").at(5));
+    ASSERT_NE(hash, std::string::npos);
+    bytes[hash] = bytes[hash] == 'f' ? '0' : 'f';
+    write("out/cases.h5", bytes);
+    for (const char* command : {"resume", "table"}) {
+        EXPECT_EQ(run({command, "out"}).err, "cvtflow: out/cases.h5: row 5 is damaged: it does not have the check that it was written with\n");
+    }
+    EXPECT_EQ(read("out/cases.h5"), bytes);
+    write("out/cases.h5", whole.substr(0, whole.size() / 2));
+    EXPECT_THAT(run({"resume", "out"}).err, StartsWith("cvtflow: out/cases.h5: truncated HDF5 file: "));
+}
+
+TEST_F(Batch, MergeNamesWhatIsMissing) {
+    write_sweep();
+    for (const char* shard : {"1/3", "3/3"}) ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", shard}).status, 0);
+    const Outcome refused = run({"merge", "cut"});
+    EXPECT_EQ(refused.status, 5);
+    EXPECT_EQ(refused.err, "cvtflow: cut/shard-0002-of-0003: this shard has no results\ncvtflow: 4 of 12 cases are missing: 1, 4, 7, 10\n"
+                           "cvtflow: nothing was written; run the missing shards, or --partial joins what is there\n");
+    EXPECT_FALSE(exists("cut/cases.h5"));
+    EXPECT_EQ(run({"merge", "cut", "--partial"}).status, 5);
+    EXPECT_EQ(column("hash", "cut").size(), 8u);
+    EXPECT_EQ(table("cut").attribute("missing_cases"), "1 4 7 10");
+}
+
+TEST_F(Batch, SharesASettledStateAndContinuesFromNeighbours) {
+    write_sweep("\"6 N*m\", \"12 N*m\"", "40 us", "continuation = \"clamping.driven\"\n");
+    ASSERT_EQ(batch({"--threads", "1"}).status, 0);
+    const auto start = column("start");
+    EXPECT_EQ(start.at(0), "settled");
+    EXPECT_EQ(start.at(1), "continued");
+    EXPECT_EQ(start.at(4), "settled");
+    const Outcome two = run({"batch", "sweep.toml", "-o", "two", "--threads", "2"});
+    EXPECT_EQ(hash_in(two.out), hash_in(run({"table", "out"}).out));
+    std::string shared = read("sweep.toml");
+    shared.replace(shared.find("\"settle\""), 8, "\"shared\"");
+    shared.resize(shared.find("continuation"));
+    write("sweep.toml", shared);
+    ASSERT_EQ(run({"batch", "sweep.toml", "-o", "shared"}).status, 0);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "shared/states"), {}), 1);
+    EXPECT_EQ(column("start", "shared").at(3), "shared");
+}
+
+TEST_F(Batch, RecordsCasesIfAsked) {
+    write_sweep("\"6 N*m\"");
+    std::string text = read("sweep.toml");
+    text.replace(text.find("[start]"), 7, "records = true\n[start]");
+    write("sweep.toml", text);
+    ASSERT_EQ(batch().status, 0);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "out/records"), {}), 4);
+    EXPECT_THAT(run({"info", "out/records/case-000002.h5"}).out, HasSubstr("\n  status              finished\n"));
+}
+
+TEST_F(Batch, DryRunPrintsCasesAndAnEstimate) {
+    write_sweep();
+    const Outcome outcome = batch({"--dry-run"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, AllOf(StartsWith("sweep: 12 cases\n"), HasSubstr("load.torque [N*m]"), HasSubstr("  estimate            0:0")));
+    EXPECT_FALSE(exists("out"));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

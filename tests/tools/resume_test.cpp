@@ -1,0 +1,98 @@
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <random>
+
+#include "engine/record/run_reader.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class Resume : public Program {
+protected:
+    [[nodiscard]] std::vector<std::string> arguments(const std::string& record, const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> all{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--set", "start.settling_time=100us", "--set", "start.ramp_time=50us", "--set", "run.schedule=serial"};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    }
+    /// Everything that a record holds but when and how long it ran.
+    void expect_same(const std::string& left, const std::string& right) const {
+        const engine::RunReader a((folder_ / left).string()), b((folder_ / right).string());
+        ASSERT_EQ(a.rows(), b.rows());
+        EXPECT_EQ(a.times(), b.times());
+        for (const engine::ChannelInfo& channel : a.channels()) EXPECT_EQ(a.channel(channel.name), b.channel(channel.name)) << channel.name;
+        EXPECT_EQ(a.state_times(), b.state_times());
+        EXPECT_EQ(a.last_state(), b.last_state());
+        EXPECT_EQ(a.table("transitions"), b.table("transitions"));
+        EXPECT_EQ(a.attribute("state_hash"), b.attribute("state_hash"));
+        EXPECT_EQ(b.status(), "finished");
+    }
+};
+
+TEST_F(Resume, AfterKillsAtTwentyRandomMomentsGivesTheUndisturbedRecord) {
+    const auto begun = std::chrono::steady_clock::now();
+    ASSERT_EQ(run(arguments("whole.h5")).status, 0);
+    const auto whole = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - begun).count();
+    std::mt19937 moments(7);
+    int resumed = 0;
+    for (int kill = 0; kill < 20; ++kill) {
+        Child child(arguments("cut.h5", {"--checkpoint-every", "5 ms"}), folder_);
+        std::this_thread::sleep_for(std::chrono::microseconds(static_cast<long>(moments() % static_cast<std::uint32_t>(whole))));
+        child.send(SIGKILL);
+        (void)child.wait();
+        if (exists("cut.checkpoint.h5")) {
+            const Outcome outcome = run({"resume", "cut.checkpoint.h5", "-q"});
+            ASSERT_EQ(outcome.status, 0) << outcome.err;
+            ++resumed;
+        } else if (!exists("cut.h5")) {
+            ASSERT_EQ(run(arguments("cut.h5")).status, 0);   // killed before there was anything to go on from
+        }
+        expect_same("whole.h5", "cut.h5");
+        EXPECT_FALSE(exists("cut.checkpoint.h5"));
+        EXPECT_FALSE(exists("cut.h5.before"));
+        std::filesystem::remove(folder_ / "cut.h5");
+    }
+    EXPECT_GE(resumed, 5);
+}
+
+TEST_F(Resume, AfterCtrlCGoesOnWithTheRecord) {
+    ASSERT_EQ(run(arguments("whole.h5", {"--until", "0.6 ms"})).status, 0);
+    Child child(arguments("cut.h5", {"--until", "0.6 ms", "--checkpoint-every", "1 h"}), folder_);
+    ASSERT_TRUE(eventually([&] { return exists("cut.h5.part"); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    child.send(SIGINT);
+    ASSERT_EQ(child.wait().status, 130);
+    ASSERT_TRUE(exists("cut.checkpoint.h5"));
+    ASSERT_EQ(run({"resume", "cut.checkpoint.h5", "tiny", "-q", "--set", "start.settling_time=100us"}).status, 1);
+    ASSERT_EQ(run({"resume", "cut.checkpoint.h5", "-q"}).status, 0);
+    expect_same("whole.h5", "cut.h5");
+}
+
+TEST_F(Resume, RefusesAnotherSceneAndNamesTheDifference) {
+    ASSERT_EQ(run(arguments("cut.h5", {"--checkpoint-every", "1 h", "--set", "run.max_steps=500"})).status, 4);
+    ASSERT_TRUE(exists("cut.checkpoint.h5"));
+    const std::string before = read("cut.checkpoint.h5");
+    const Outcome outcome = run({"resume", "cut.checkpoint.h5", "--set", "tip.radius=2 m", "--set", "run.method=dumka3-p4"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("cut.checkpoint.h5: this is no checkpoint of the scene:\n  tip.radius = 2, the checkpoint has "));
+    EXPECT_THAT(outcome.err, HasSubstr("\n  run.method = \"dumka3-p4\", the checkpoint has \"rk4\"\n"));
+    EXPECT_EQ(read("cut.checkpoint.h5"), before);
+    EXPECT_EQ(run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
+    ASSERT_EQ(run(arguments("whole.h5")).status, 0);
+    expect_same("whole.h5", "cut.h5");
+}
+
+TEST_F(Resume, SaysWhatIsWrongWithTheFile) {
+    EXPECT_EQ(run({"resume", "nothing.h5"}).err, "cvtflow: nothing.h5: No such file or directory\n");
+    ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
+    EXPECT_EQ(run({"resume", "state.h5"}).err, "cvtflow: state.h5: a state, but no checkpoint: it has no integration\n");
+    std::filesystem::create_directory(folder_ / "empty");
+    EXPECT_EQ(run({"resume", "empty"}).err, "cvtflow: empty: no sweep has written into it\n");
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

@@ -1,0 +1,23 @@
+#pragma once
+/// What the commands for sweeps have in common.
+
+#include <string>
+
+#include "tasks/batch/batch.hpp"
+#include "tools/exit_status.hpp"
+
+namespace cvtflow::tools {
+
+/// Reads a sweep; scenes by name come from the ready ones.
+[[nodiscard]] tasks::Sweep load_sweep(const std::string& path);
+
+/// The sweep that a folder holds results of. @throws SimulationError, engine::RecordError
+[[nodiscard]] std::string sweep_of(const std::string& folder);
+
+/// Runs or goes on with a sweep, shows progress and the end.
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet);
+
+/// "38 ok, 2 diverged"
+[[nodiscard]] std::string statuses_text(const std::map<std::string, long>& statuses);
+
+}  // namespace cvtflow::tools
