@@ -36,7 +36,7 @@ public:
     Workspace& operator=(const Workspace&) = delete;
 
     const model::Parameters parameters;
-    const model::Variator variator;
+    model::Variator variator;         ///< constant but for inputs that are held
     const engine::CompiledPlan plan;
     const model::PhaseRule rule;
     const model::StagedFunctions stages;
