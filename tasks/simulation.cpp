@@ -57,6 +57,7 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
       graph_(step_graph(*workspace_, schedule.assembly)), executor_(make_executor(schedule, recorder)) {
     if (!scene_.state_file.empty()) {
         take_state(engine::read_state(scene_.state_file));
+        rest_at_start();
         return;
     }
     const model::StartState start = model::start_state(scene_.parameters);
@@ -64,6 +65,7 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
     workspace_->phases = start.phases;
     needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
     time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
+    rest_at_start();
 }
 
 /// Moves the borders of segments to where the cost of links is now; the graph's declared accesses move with them.
@@ -111,31 +113,88 @@ void Simulation::take_state(const engine::SavedState& saved) {
 
 Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
     StepController controller(*workspace_, settings, observer, cancel);
+    rest_.settling = settings.begin < 0.0 && needs_settling_;
+    return drive(controller);
+}
+
+Fault Simulation::drive(StepController& controller) {
     balance();
     executor_->run(graph_, workspace_.get(), controller);
     counters_ = controller.counters();
     step_ = controller.step();
     time_ = controller.time();
+    controller.save(rest_);
     controller.rethrow();
     return controller.fault();
 }
 
-Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& cancel) {
+StepSettings Simulation::settling_settings() const {
     const double duration = scene_.parameters.start.settling_time;
     const double intervals = std::max(1.0, std::ceil(duration / scene_.run.output_interval * (1.0 - 1e-12)));
-    const Fault fault = integrate({-duration, 0.0, scene_.run.step, duration / intervals, scene_.run.max_steps, scene_.run.max_wall}, observer, cancel);
-    if (fault) return fault;
+    return {-duration, 0.0, scene_.run.step, duration / intervals, scene_.run.max_steps, scene_.run.max_wall, pause_};
+}
+
+Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& cancel) {
+    const Fault fault = integrate(settling_settings(), observer, cancel);
+    if (!fault) end_settling();
+    return fault;
+}
+
+void Simulation::end_settling() {
     needs_settling_ = false;
     time_ = 0.0;
+    rest_at_start();
+}
+
+Fault Simulation::proceed(double until, RunObserver& observer, const engine::Cancellation& cancel) {
+    if (!rest_.started) throw SimulationError("nothing has begun that could go on");
+    StepSettings settings = settling_settings();
+    if (!rest_.settling) settings.until = until;
+    settings.begin = rest_.begin;
+    settings.output_interval = rest_.output_interval;
+    settings.step = rest_.step;
+    StepController controller(*workspace_, settings, rest_, observer, cancel);
+    const Fault fault = drive(controller);
+    if (!fault && rest_.settling) end_settling();
     return fault;
 }
 
 Fault Simulation::run(double until, RunObserver& observer, const engine::Cancellation& cancel) {
-    return integrate({time_, until, scene_.run.step, scene_.run.output_interval, scene_.run.max_steps, scene_.run.max_wall}, observer, cancel);
+    return integrate({time_, until, scene_.run.step, scene_.run.output_interval, scene_.run.max_steps, scene_.run.max_wall, pause_}, observer, cancel);
 }
 
 Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel) {
     return integrate({time_, time_ + 1e6, scene_.run.step, scene_.run.output_interval, steps, 0.0}, observer, cancel);
+}
+
+void Simulation::rest_at_start() {
+    const Workspace& w = *workspace_;
+    rest_.started = false;
+    rest_.settling = needs_settling_;
+    rest_.time = time_;
+    rest_.counters = {};
+    rest_.state.assign(w.states[0], w.states[0] + w.layout().size());
+    rest_.phases = w.phases;
+    rest_.changed = w.changed;
+    rest_.before = w.before;
+}
+
+void Simulation::restore(const IntegrationState& from) {
+    Workspace& w = *workspace_;
+    const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.phases.size();
+    if (from.state.size() != size || from.phases.size() != tips || from.changed.size() != tips || from.before.size() != tips || !from.method.empty()) {
+        throw SimulationError(fmt::format("a state of {} unknowns, {} tips and {} values of the method's memory does not fit this scene: {}, {} and 0",
+                                          from.state.size(), from.phases.size(), from.method.size(), size, tips));
+    }
+    std::copy(from.state.begin(), from.state.end(), w.states[0]);
+    w.phases = from.phases;
+    w.changed = from.changed;
+    w.before = from.before;
+    w.list_touching();
+    rest_ = from;
+    needs_settling_ = from.settling;
+    time_ = from.time;
+    counters_ = from.counters;
 }
 
 std::uint64_t Simulation::hash() const noexcept {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tasks/checkpoint/integration_state.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/schedule.hpp"
 #include "tasks/step_controller.hpp"
@@ -37,6 +38,19 @@ public:
     /// Runs from the present time to `until` with the scene's run settings; ends at the first step at or after it.
     [[nodiscard]] Fault run(double until, RunObserver& observer, const engine::Cancellation& cancel);
 
+    /// Goes on where settle(), run() or proceed() ended, or where restore() put it, with the same output times: bit by bit as if it had not
+    /// stopped. While the start settles, only to its end at t = 0, whatever `until`.
+    /// @throws SimulationError if nothing has begun
+    [[nodiscard]] Fault proceed(double until, RunObserver& observer, const engine::Cancellation& cancel);
+    /// The next run ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr: none.
+    void pause_on(const bool* flag) noexcept { pause_ = flag; }
+
+    /// Where the integration stands.
+    [[nodiscard]] const IntegrationState& integration_state() const noexcept { return rest_; }
+    /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
+    /// @throws SimulationError if the numbers of unknowns, tips or values of the method's memory differ
+    void restore(const IntegrationState& state);
+
     /// Runs so many steps with the scene's run settings, for measurements; ends with a Fault of kind max_steps.
     [[nodiscard]] Fault run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel);
 
@@ -63,6 +77,10 @@ private:
     [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
     void balance();
     void take_state(const engine::SavedState& saved);
+    void rest_at_start();
+    void end_settling();
+    [[nodiscard]] StepSettings settling_settings() const;
+    [[nodiscard]] Fault drive(StepController& controller);
 
     Scene scene_;
     Schedule schedule_;
@@ -74,6 +92,8 @@ private:
     double step_ = 0.0;
     Counters counters_;
     std::vector<std::string> start_differences_;
+    IntegrationState rest_;
+    const bool* pause_ = nullptr;
 };
 
 }  // namespace cvtflow::tasks

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "tasks/checkpoint/integration_state.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -11,15 +13,43 @@ namespace {
 /// Longest time a freshly changed tip keeps its phase, in steps: one whole step, whatever rounding says.
 constexpr double dwell_steps = 1.5;
 
+[[nodiscard]] long steps_per_output(const StepSettings& settings) {
+    return std::max(1L, static_cast<long>(std::ceil(settings.output_interval / settings.step * (1.0 - 1e-12))));
+}
+
 }  // namespace
 
 StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel)
     : w_(workspace), settings_(settings), observer_(observer), cancel_(cancel),
-      steps_per_output_(std::max(1L, static_cast<long>(std::ceil(settings.output_interval / settings.step * (1.0 - 1e-12))))),
+      steps_per_output_(steps_per_output(settings)),
       grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)), phases_before_(workspace.phases) {
     w_.time = settings.begin;
     w_.dwell = dwell_steps * grid_step_;
     probe_start();
+}
+
+StepController::StepController(Workspace& workspace, const StepSettings& settings, const IntegrationState& from, RunObserver& observer, const engine::Cancellation& cancel)
+    : w_(workspace), settings_(settings), observer_(observer), cancel_(cancel), outputs_(from.outputs), grid_number_(from.grid_number),
+      steps_per_output_(steps_per_output(settings)), grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)), counters_(from.counters),
+      phases_before_(workspace.phases) {
+    w_.time = from.time;
+    w_.dwell = dwell_steps * grid_step_;
+    w_.list_touching();
+}
+
+void StepController::save(IntegrationState& state) const {
+    state.started = true;
+    state.time = w_.time;
+    state.begin = settings_.begin;
+    state.output_interval = settings_.output_interval;
+    state.step = settings_.step;
+    state.grid_number = grid_number_;
+    state.outputs = outputs_;
+    state.counters = counters_;
+    state.state.assign(w_.states[0], w_.states[0] + w_.layout().size());
+    state.phases = w_.phases;
+    state.changed = w_.changed;
+    state.before = w_.before;
 }
 
 void StepController::rethrow() const {
@@ -73,7 +103,7 @@ int StepController::end(Fault fault) {
 }
 
 Fault StepController::budget() const {
-    if (cancel_.requested()) return {FaultKind::cancelled, w_.time, -1, 0.0, 0.0};
+    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.time, -1, 0.0, 0.0};
     if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
         return {FaultKind::max_steps, w_.time, -1, 0.0, static_cast<double>(settings_.max_steps)};
     }

@@ -48,6 +48,8 @@ protected:
     RunObserver& operator=(const RunObserver&) = default;
 };
 
+struct IntegrationState;
+
 /// Takes no notice.
 class SilentObserver final : public RunObserver {
 public:
@@ -62,6 +64,7 @@ struct StepSettings {
     double output_interval = 1e-5;   ///< [s]
     long max_steps = 0;              ///< 0: no budget
     double max_wall = 0.0;           ///< [s], 0: no budget
+    const bool* pause = nullptr;     ///< if it becomes true (an observer's wish), the run ends before the next step as if cancelled
 };
 
 class StepController final : public engine::Controller {
@@ -69,7 +72,12 @@ public:
     /// The workspace's slot 0 and phases hold the start state. `cancel` may be set from anywhere, also from a signal handler.
     StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
 
+    /// Goes on from where an integration stood. Workspace and `from` hold the same state (Simulation::restore); settings.begin and the grid are those of `from`.
+    StepController(Workspace& workspace, const StepSettings& settings, const IntegrationState& from, RunObserver& observer, const engine::Cancellation& cancel);
+
     [[nodiscard]] int next() noexcept override;
+    /// Where the integration stands, once next() has said stop. Allocates nothing if `state` has held one of the same size before.
+    void save(IntegrationState& state) const;
 
     [[nodiscard]] const Fault& fault() const noexcept { return fault_; }
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }

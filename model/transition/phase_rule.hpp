@@ -10,6 +10,7 @@ namespace cvtflow::model {
 struct TipIndicator {
     double depth;   ///< δ [m]
     double slip;    ///< |v_t| [m/s]
+    bool operator==(const TipIndicator&) const = default;
 };
 
 /// Thresholds of the phases. The contact law itself is continuous at δ = 0, so a small band costs nothing:
