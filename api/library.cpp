@@ -1,13 +1,12 @@
 #include <cvtflow/simulation.hpp>
 #include <cvtflow/version.hpp>
 
-#include "engine/base/provenance.hpp"
 #include "engine/executor/worker_threads.hpp"
 
 namespace cvtflow {
 inline namespace v0 {
 
-std::string library_version() { return engine::current_provenance().version; }
+std::string library_version() { return CVTFLOW_VERSION_TEXT; }
 
 bool shutdown() noexcept { return engine::end_worker_threads(); }
 

@@ -163,6 +163,29 @@ Fault Simulation::run(double until, RunObserver& observer, const engine::Cancell
     return integrate({time_, until, scene_.run.step, scene_.run.output_interval, scene_.run.max_steps, scene_.run.max_wall, pause_}, observer, cancel);
 }
 
+Fault Simulation::advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel) {
+    StepSettings settings = settling_settings();
+    settings.until = rest_.settling ? std::min(until, settings.until) : until;
+    if (!rest_.settling) {
+        settings.begin = time_;
+        settings.output_interval = scene_.run.output_interval;
+    }
+    if (steps > 0) settings.max_steps = rest_.counters.steps + steps;
+    Fault fault;
+    if (rest_.started) {
+        settings.begin = rest_.begin;
+        settings.output_interval = rest_.output_interval;
+        settings.step = rest_.step;
+        StepController controller(*workspace_, settings, rest_, observer, cancel);
+        fault = drive(controller);
+    } else {
+        StepController controller(*workspace_, settings, observer, cancel);
+        fault = drive(controller);
+    }
+    if (rest_.settling && time_ > -1e-9 * settings.output_interval) end_settling();
+    return fault;
+}
+
 Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel) {
     return integrate({time_, time_ + 1e6, scene_.run.step, scene_.run.output_interval, steps, 0.0}, observer, cancel);
 }
