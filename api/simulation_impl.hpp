@@ -21,6 +21,8 @@ inline namespace v0 {
 
 class Simulation::Impl final : private tasks::RunObserver {
 public:
+    using StateRecord = api::StateRecord;
+
     Impl(const Scene& scene, Threads threads, int segments);
 
     /// A stay inside the simulation: alone, or (for what callbacks may do) as the thread that is inside already.
@@ -59,8 +61,6 @@ public:
     [[nodiscard]] Counters counters() const noexcept;
 
 private:
-    using StateRecord = api::StateRecord;
-
     void output(double, const tasks::Workspace&, const tasks::Counters&) override {}
     void transition(const tasks::TransitionRecord& record) override;
     [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }

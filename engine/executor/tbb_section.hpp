@@ -1,10 +1,12 @@
 #pragma once
 /// The part of a process' oneTBB that belongs to one run. Private to this folder.
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
 #include <oneapi/tbb/task_scheduler_observer.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -41,7 +43,7 @@ private:
 class TbbSection {
 public:
     /// @param pin whether threads are pinned by their slot
-    TbbSection(int threads, bool pin) : arena_(std::in_place, threads, 1) {
+    TbbSection(int threads, bool pin) : arena_(std::in_place, std::min(threads, most_threads()), 1) {
         if (pin) pins_ = std::make_unique<ArenaPins>(*arena_, threads);
     }
     explicit TbbSection(const ExecutorOptions& options) : TbbSection(options.threads, false) {
@@ -59,6 +61,11 @@ public:
     }
 
 private:
+    /// More never come, and oneTBB would complain on the host's standard error.
+    [[nodiscard]] static int most_threads() {
+        return static_cast<int>(oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism));
+    }
+
     std::optional<oneapi::tbb::task_arena> arena_;   // none: the caller's
     oneapi::tbb::task_group_context context_{oneapi::tbb::task_group_context::isolated, oneapi::tbb::task_group_context::default_traits |
                                                                                             oneapi::tbb::task_group_context::fp_settings};

