@@ -6,20 +6,33 @@
 #include <cmath>
 
 #include "engine/base/hash.hpp"
-#include "engine/method/catalogue.hpp"
 #include "engine/record/state_file.hpp"
 #include "model/start_state.hpp"
 #include "tasks/auto_schedule.hpp"
+#include "tasks/method_choice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
 
-const engine::StagePlan& plan_of(const Scene& scene) {
-    const engine::StagePlan* plan = engine::find_method(scene.run.method);
-    if (plan == nullptr) throw SimulationError(fmt::format("run.method: there is no method '{}' (cvtflow list methods)", scene.run.method));
-    return *plan;
+engine::StagePlan plan_of(const Scene& scene) {
+    auto plan = plan_for(scene.run.method);
+    if (!plan) throw SimulationError(fmt::format("run.method: there is no method '{}' (cvtflow list methods)", scene.run.method));
+    return std::move(*plan);
+}
+
+std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) {
+    try {
+        return make_step_method(scene.run.method, workspace);
+    } catch (const std::invalid_argument& error) {
+        throw SimulationError(fmt::format("run.method: {}", error.what()));
+    }
+}
+
+engine::TaskGraph graph_of(Workspace& workspace, StepMethod& method, const AssemblyOptions& assembly) {
+    workspace.method = &method;
+    return step_graph(workspace, assembly);
 }
 
 const std::string* text_attribute(const engine::SavedState& saved, std::string_view name) {
@@ -54,7 +67,7 @@ Simulation::Simulation(const Scene& scene) : Simulation(scene, schedule_for(scen
 Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder)
     : scene_(scene), schedule_(schedule),
       workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene), Partition::equal(scene.parameters.chain.pins, schedule.segments))),
-      graph_(step_graph(*workspace_, schedule.assembly)), executor_(make_executor(schedule, recorder)) {
+      method_(method_of(scene, *workspace_)), graph_(graph_of(*workspace_, *method_, schedule.assembly)), executor_(make_executor(schedule, recorder)) {
     if (!scene_.state_file.empty()) {
         take_state(engine::read_state(scene_.state_file));
         rest_at_start();
@@ -72,7 +85,7 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
 void Simulation::balance() {
     if (!schedule_.balanced || schedule_.segments == 1) return;
     workspace_->repartition(balanced_partition(workspace_->phases, workspace_->layout().links, schedule_.segments));
-    graph_ = step_graph(*workspace_, schedule_.assembly);
+    graph_ = graph_of(*workspace_, *method_, schedule_.assembly);
 }
 
 Simulation::~Simulation() = default;
@@ -112,7 +125,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
 }
 
 Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
-    StepController controller(*workspace_, settings, observer, cancel);
+    StepController controller(*workspace_, *method_, settings, observer, cancel);
     rest_.settling = settings.begin < 0.0 && needs_settling_;
     return drive(controller);
 }
@@ -153,7 +166,7 @@ Fault Simulation::proceed(double until, RunObserver& observer, const engine::Can
     settings.begin = rest_.begin;
     settings.output_interval = rest_.output_interval;
     settings.step = rest_.step;
-    StepController controller(*workspace_, settings, rest_, observer, cancel);
+    StepController controller(*workspace_, *method_, settings, rest_, observer, cancel);
     const Fault fault = drive(controller);
     if (!fault && rest_.settling) end_settling();
     return fault;
@@ -176,10 +189,10 @@ Fault Simulation::advance(double until, long steps, RunObserver& observer, const
         settings.begin = rest_.begin;
         settings.output_interval = rest_.output_interval;
         settings.step = rest_.step;
-        StepController controller(*workspace_, settings, rest_, observer, cancel);
+        StepController controller(*workspace_, *method_, settings, rest_, observer, cancel);
         fault = drive(controller);
     } else {
-        StepController controller(*workspace_, settings, observer, cancel);
+        StepController controller(*workspace_, *method_, settings, observer, cancel);
         fault = drive(controller);
     }
     if (rest_.settling && time_ > -1e-9 * settings.output_interval) end_settling();
@@ -214,6 +227,7 @@ void Simulation::restore(const IntegrationState& from) {
     w.changed = from.changed;
     w.before = from.before;
     w.list_touching();
+    method_->restart();
     rest_ = from;
     needs_settling_ = from.settling;
     time_ = from.time;

@@ -90,6 +90,7 @@ private:
     Scene scene_;
     Schedule schedule_;
     std::unique_ptr<Workspace> workspace_;
+    std::unique_ptr<StepMethod> method_;
     engine::TaskGraph graph_;
     std::unique_ptr<engine::Executor> executor_;
     bool needs_settling_ = false;

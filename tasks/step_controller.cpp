@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "tasks/checkpoint/integration_state.hpp"
+#include "tasks/stage_method.hpp"
 
 namespace cvtflow::tasks {
 
@@ -20,20 +20,34 @@ constexpr double dwell_steps = 1.5;
 }  // namespace
 
 StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel)
-    : w_(workspace), settings_(settings), observer_(observer), cancel_(cancel),
+    : StepController(workspace, std::make_unique<StageMethod>(workspace), nullptr, settings, observer, cancel) {}
+
+StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer,
+                               const engine::Cancellation& cancel)
+    : StepController(workspace, nullptr, &method, settings, observer, cancel) {}
+
+StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings,
+                               RunObserver& observer, const engine::Cancellation& cancel)
+    : w_(workspace), own_method_(std::move(own)), method_(own_method_ ? *own_method_ : *method), settings_(settings), observer_(observer), cancel_(cancel),
       steps_per_output_(steps_per_output(settings)),
       grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)), phases_before_(workspace.phases) {
     w_.time = settings.begin;
     w_.dwell = dwell_steps * grid_step_;
+    w_.secant = method_.retakes();
+    w_.evaluations = 0;
+    method_.restart();
     probe_start();
 }
 
-StepController::StepController(Workspace& workspace, const StepSettings& settings, const IntegrationState& from, RunObserver& observer, const engine::Cancellation& cancel)
-    : w_(workspace), settings_(settings), observer_(observer), cancel_(cancel), outputs_(from.outputs), grid_number_(from.grid_number),
+StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from, RunObserver& observer,
+                               const engine::Cancellation& cancel)
+    : w_(workspace), method_(method), settings_(settings), observer_(observer), cancel_(cancel), outputs_(from.outputs), grid_number_(from.grid_number),
       steps_per_output_(steps_per_output(settings)), grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)), counters_(from.counters),
       phases_before_(workspace.phases) {
     w_.time = from.time;
     w_.dwell = dwell_steps * grid_step_;
+    w_.secant = method_.retakes();
+    w_.evaluations = from.counters.evaluations;
     w_.list_touching();
 }
 
@@ -77,12 +91,11 @@ int StepController::next() noexcept {
     try {
         switch (state_) {
             case State::begin_step: return begin_step();
-            case State::stage: return finish_stage();
+            case State::method: return take(method_.next());
             case State::detect: return finish_detect();
             case State::end_slope:
-                close_evaluation(w_.time + w_.h, w_.end_state + w_.layout().pulley_begin(), w_.end_slope);
-                state_ = State::locate;
-                return locate_cycle;
+                close_evaluation(w_, w_.time + w_.h, w_.end_state + w_.layout().pulley_begin(), w_.end_slope);
+                return start_locate();
             case State::locate: return finish_locate();
             case State::truncate: return finish_truncate();
         }
@@ -115,6 +128,7 @@ Fault StepController::budget() const {
 }
 
 int StepController::begin_step() {
+    counters_.evaluations = w_.evaluations;
     const bool due = w_.time == grid_time(grid_number_) && grid_number_ == outputs_ * steps_per_output_;
     const bool over = w_.time >= settings_.until - 1e-9 * settings_.output_interval;
     if (due || over) observer_.output(w_.time, w_, counters_);
@@ -122,39 +136,37 @@ int StepController::begin_step() {
     if (over) return end(Fault{});
     if (const Fault spent = budget()) return end(spent);
     w_.h = grid_time(grid_number_ + 1) - w_.time;
-    return start_stage(0);
+    retaking_ = false;
+    return take(method_.begin());
 }
 
-int StepController::start_stage(int stage) {
-    stage_ = stage;
-    state_ = State::stage;
-    w_.evaluate_end = false;
-    w_.row = w_.plan.stage(stage);
-    w_.slope_out = w_.slopes[static_cast<std::size_t>(w_.row.slope)];
-    const model::ChainLayout& at = w_.layout();
-    engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.tail.data());
-    if (w_.row.keep >= 0) std::copy(w_.tail.begin(), w_.tail.end(), w_.states[static_cast<std::size_t>(w_.row.keep)] + at.pulley_begin());
-    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
-    return evaluate_cycle;
-}
-
-void StepController::close_evaluation(double time, const double* tail, double* slope) {
-    ++counters_.evaluations;
-    w_.variator.close(time, tail, w_.phases.data(), w_.loads.data(), w_.accounts.data(), slope + w_.layout().pulley_begin());
-}
-
-int StepController::finish_stage() {
-    close_evaluation(w_.time + w_.row.time * w_.h, w_.tail.data(), w_.slope_out);
-    return stage_ + 1 < w_.plan.stages() ? start_stage(stage_ + 1) : start_detect();
+/// What the method wants next: a cycle, or the step is taken, or it cannot be.
+int StepController::take(int cycle) {
+    state_ = State::method;
+    if (cycle == StepMethod::failed) return end(method_.fault());
+    return cycle == StepMethod::done ? start_detect() : cycle;
 }
 
 int StepController::start_detect() {
     state_ = State::detect;
-    w_.row = w_.plan.result();
     const model::ChainLayout& at = w_.layout();
     engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.end_state + at.pulley_begin());
     if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.end_state + at.pulley_begin(), w_.end_sheaves);
+    if (w_.secant) make_secants();
     return detect_cycle;
+}
+
+/// Slopes behind the links at both ends of a step from its states there: velocities, and one mean acceleration.
+void StepController::make_secants() {
+    const model::ChainLayout& at = w_.layout();
+    const int begin = at.pulley_begin();
+    const int half = at.pulley_size;
+    for (int k = begin; k < at.size(); ++k) {
+        const double mean = (w_.end_state[k] - w_.states[0][k]) / w_.h;
+        const bool position = k < begin + half;
+        w_.slopes[0][k] = position ? w_.states[0][k + half] : mean;
+        w_.end_slope[k] = position ? w_.end_state[k + half] : mean;
+    }
 }
 
 int StepController::finish_detect() {
@@ -168,7 +180,9 @@ int StepController::finish_detect() {
         counters_.suppressed += verdict.suppressed;
         pending = pending || verdict.pending;
     }
-    return pending ? start_end_slope() : accept();
+    if (retaking_) return start_truncate();
+    if (!pending) return accept();
+    return method_.retakes() ? start_locate() : start_end_slope();
 }
 
 int StepController::start_end_slope() {
@@ -179,15 +193,35 @@ int StepController::start_end_slope() {
     return evaluate_cycle;
 }
 
+int StepController::start_locate() {
+    state_ = State::locate;
+    return locate_cycle;
+}
+
 int StepController::finish_locate() {
-    double theta = 2.0;
-    for (const Verdict& verdict : w_.verdicts) theta = std::min(theta, verdict.first.theta);
-    if (theta > 1.0) return accept();
-    w_.theta = theta;
+    Transition first;
+    for (const Verdict& verdict : w_.verdicts) {
+        if (verdict.first.theta < first.theta) first = verdict.first;
+    }
+    if (first.theta > 1.0) return accept();
+    w_.theta = first.theta;
+    w_.due = first;
+    return method_.retakes() && first.theta > 0.0 ? retake() : start_truncate();
+}
+
+/// The step once more, only up to the transition.
+int StepController::retake() {
+    retaking_ = true;
+    w_.h *= w_.theta;
+    w_.theta = 1.0;
+    return take(method_.begin());
+}
+
+int StepController::start_truncate() {
     state_ = State::truncate;
     std::copy(w_.phases.begin(), w_.phases.end(), phases_before_.begin());
     const model::ChainLayout& at = w_.layout();
-    w_.interpolant().evaluate(theta, at.pulley_begin(), at.size(), w_.cut_state + at.pulley_begin());
+    w_.interpolant().evaluate(w_.theta, at.pulley_begin(), at.size(), w_.cut_state + at.pulley_begin());
     w_.variator.pulleys().motions(w_.cut_state + at.pulley_begin(), w_.sheaves);
     return truncate_cycle;
 }
@@ -208,6 +242,7 @@ int StepController::finish_truncate() {
     w_.time += w_.theta * w_.h;
     ++counters_.truncated;
     ++counters_.steps;
+    method_.restart();
     w_.list_touching();
     record_transitions();
     return begin_step();

@@ -2,15 +2,18 @@
 /// The integration as a controller: called between cycles, it closes what the segments have left open (pulleys), decides on acceptance or
 /// truncation, and names the next cycle. The whole run happens inside one Executor::run().
 ///
-///     evaluate (stages) ─► detect ─► accept ──────────────────────────────► next step
-///                             └─► evaluate (end) ─► locate ─► truncate ─► next step from the cut
+///     method's cycles ─► detect ─► accept ──────────────────────────────► next step
+///                           └─► evaluate (end) ─► locate ─► truncate ─► next step from the cut
+///                           └─► locate ─► method's cycles up to the cut ─► detect ─► truncate   (methods that retake)
 
 #include <chrono>
 #include <exception>
+#include <memory>
 
 #include "engine/executor/cancellation.hpp"
 #include "engine/executor/executor.hpp"
 #include "tasks/step_graph.hpp"
+#include "tasks/step_method.hpp"
 #include "tasks/workspace.hpp"
 
 namespace cvtflow::tasks {
@@ -70,10 +73,13 @@ struct StepSettings {
 class StepController final : public engine::Controller {
 public:
     /// The workspace's slot 0 and phases hold the start state. `cancel` may be set from anywhere, also from a signal handler.
+    StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
+    /// The same with the workspace's table of stages as method.
     StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
 
     /// Goes on from where an integration stood. Workspace and `from` hold the same state (Simulation::restore); settings.begin and the grid are those of `from`.
-    StepController(Workspace& workspace, const StepSettings& settings, const IntegrationState& from, RunObserver& observer, const engine::Cancellation& cancel);
+    StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from, RunObserver& observer,
+                   const engine::Cancellation& cancel);
 
     [[nodiscard]] int next() noexcept override;
     /// Where the integration stands, once next() has said stop. Allocates nothing if `state` has held one of the same size before.
@@ -88,30 +94,38 @@ public:
     void rethrow() const;
 
 private:
-    enum class State { begin_step, stage, detect, end_slope, locate, truncate };
+    /// @param own the method, or nullptr where somebody else owns `method`
+    StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings, RunObserver& observer,
+                   const engine::Cancellation& cancel);
+
+    enum class State { begin_step, method, detect, end_slope, locate, truncate };
 
     int begin_step();
-    int start_stage(int stage);
-    int finish_stage();
+    int take(int cycle);
     int start_detect();
     int finish_detect();
     int start_end_slope();
+    int start_locate();
     int finish_locate();
+    int retake();
+    int start_truncate();
     int finish_truncate();
     int accept();
     int end(Fault fault);
-    void close_evaluation(double time, const double* tail, double* slope);
+    void make_secants();
     void record_transitions();
     [[nodiscard]] Fault budget() const;
     [[nodiscard]] double grid_time(long number) const noexcept;
     void probe_start();
 
     Workspace& w_;
+    std::unique_ptr<StepMethod> own_method_;
+    StepMethod& method_;
     StepSettings settings_;
     RunObserver& observer_;
     const engine::Cancellation& cancel_;
     State state_ = State::begin_step;
-    int stage_ = 0;
+    bool retaking_ = false;     ///< the step at hand ends at a transition that has been located
     long outputs_ = 0;          ///< outputs delivered
     long grid_number_ = 0;      ///< grid points passed
     long steps_per_output_;

@@ -13,6 +13,7 @@ enum Cycle : int {
     detect_cycle,     ///< combine the step's result, probe its tips: is a transition due, is the state sound
     locate_cycle,     ///< find the earliest transition of each segment on the interpolant
     truncate_cycle,   ///< state at the earliest transition of all, phases changed there
+    method_cycles,    ///< first number of a step method's own cycles
 };
 
 /// Fields of the workspace, for the race check. A unit of range is one link, except for `verdict`: one segment.
@@ -28,14 +29,15 @@ struct AssemblyOptions {
     bool operator==(const AssemblyOptions&) const = default;
 };
 
+/// Graph of a step, with the cycles of workspace.method if it has any. Frozen.
 [[nodiscard]] engine::TaskGraph step_graph(const Workspace& workspace, const AssemblyOptions& options);
 
 /// Graph of the fused assembly: one task per segment and cycle, joints at segment borders computed by both neighbours,
-/// a single synchronisation per evaluation. The context of its tasks is the workspace.
+/// a single synchronisation per evaluation. Not frozen. The context of its tasks is the workspace.
 [[nodiscard]] engine::TaskGraph fused_graph(const Workspace& workspace);
 
 /// Graph of the staged assembly. Evaluate: combine the stage state by segments; contact forces in uniform batches of touching links beside chain forces
-/// by segments; the boundary pins; forward pass; reverse pass.
+/// by segments; the boundary pins; forward pass; reverse pass. Not frozen.
 [[nodiscard]] engine::TaskGraph staged_graph(const Workspace& workspace, const AssemblyOptions& options);
 
 }  // namespace cvtflow::tasks

@@ -18,6 +18,7 @@ namespace cvtflow::tasks {
 struct Transition {
     double theta = 2.0;   ///< share of the step at which it is due; > 1: none
     int tip = -1;         ///< 4 link + 2 end + side
+    model::Phase to = model::Phase::free;   ///< what it becomes
 };
 
 /// What one segment found in a detect, locate or truncate cycle.
@@ -28,6 +29,8 @@ struct alignas(64) Verdict {
     long suppressed = 0;     ///< transitions put off because the tip has just changed
     bool pending = false;    ///< some tip has to be located
 };
+
+class StepMethod;
 
 class Workspace {
 public:
@@ -49,6 +52,10 @@ public:
     double dwell = 0.0;               ///< a tip that changed less than this ago stays [s]
     engine::PlanStep row{};           ///< stage or result that an evaluate cycle combines
     double theta = 1.0;               ///< where a truncate cycle cuts
+    Transition due;                   ///< what it cuts for
+    bool secant = false;              ///< a detect cycle makes the slopes at both ends from the states there
+    long evaluations = 0;             ///< of the right-hand side, so far
+    StepMethod* method = nullptr;     ///< whose tasks are in the graph, for their bodies; nullptr: none
     double* slope_out = nullptr;      ///< where an evaluate cycle writes slopes
     double* state_out = nullptr;      ///< where a detect or truncate cycle writes states
     bool evaluate_end = false;        ///< an evaluate cycle works at the end of the step instead of a stage

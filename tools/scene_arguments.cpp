@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "engine/method/catalogue.hpp"
+#include "tasks/method_choice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tools/ready_scenes.hpp"
@@ -73,10 +73,8 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
 }
 
 void require_method(const tasks::Scene& scene) {
-    if (engine::find_method(scene.run.method) != nullptr) return;
-    std::vector<std::string> names;
-    for (const engine::StagePlan& plan : engine::methods()) names.push_back(plan.name);
-    const std::string near = tasks::closest(scene.run.method, names);
+    if (tasks::plan_for(scene.run.method)) return;
+    const std::string near = tasks::closest(scene.run.method, tasks::method_names());
     const std::string hint = near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near);
     throw tasks::SceneError(fmt::format("no method '{}' ({})", scene.run.method, hint));
 }

@@ -3,11 +3,15 @@
 #include "tasks/assembly/link_accesses.hpp"
 #include "tasks/assembly/segment_tasks.hpp"
 #include "tasks/step_graph.hpp"
+#include "tasks/step_method.hpp"
 
 namespace cvtflow::tasks {
 
 engine::TaskGraph step_graph(const Workspace& w, const AssemblyOptions& options) {
-    return options.kind == Assembly::fused ? fused_graph(w) : staged_graph(w, options);
+    engine::TaskGraph graph = options.kind == Assembly::fused ? fused_graph(w) : staged_graph(w, options);
+    if (w.method != nullptr) w.method->add_tasks(graph);
+    graph.freeze();
+    return graph;
 }
 
 void add_transition_tasks(engine::TaskGraph& graph, const Workspace& w, int s) {
@@ -27,7 +31,6 @@ engine::TaskGraph fused_graph(const Workspace& w) {
                        .own(Field::state_kept, true).own(Field::load, true).own(Field::account, true).own(Field::phase, false).segment(Field::window, true).list()});
         add_transition_tasks(graph, w, s);
     }
-    graph.freeze();
     return graph;
 }
 

@@ -50,7 +50,7 @@ private:
 };
 
 [[nodiscard]] inline std::vector<engine::Access> detect_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s).own(Field::states_read, false).own(Field::slopes_read, false).own(Field::phase, false).own(Field::before, false)
+    return LinkAccesses(w, s).own(Field::states_read, false).own(Field::slopes_read, true).own(Field::phase, false).own(Field::before, false)
         .own(Field::end_state, true).own(Field::after, true).segment(Field::verdict, true).list();
 }
 [[nodiscard]] inline std::vector<engine::Access> locate_accesses(const Workspace& w, int s) {

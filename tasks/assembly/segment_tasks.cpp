@@ -158,9 +158,9 @@ private:
         if (to == phase) return {};
     }
     const double from = w.rule.due(phase, to, w.before[at(tip)]);
-    if (from > 0.0) return {0.0, tip};   // was due already, but had been put off
+    if (from > 0.0) return {0.0, tip, to};   // was due already, but had been put off
     const auto gap = [&](double theta) noexcept { return w.rule.due(phase, to, state.tips(theta)[corner]); };
-    return {engine::locate(gap, 0.0, end, from, gap(end), 1e-9).theta, tip};
+    return {engine::locate(gap, 0.0, end, from, gap(end), 1e-9).theta, tip, to};
 }
 
 /// Gives every tip of a link the phase that is due at the cut.
@@ -168,7 +168,8 @@ void change_phases(Workspace& w, int link, const TipIndicator* tips, Verdict& ve
     const double now = w.time + w.theta * w.h;
     for (int corner = 0; corner < model::tips_per_link; ++corner) {
         const std::size_t tip = at(model::tips_per_link * link + corner);
-        const Phase to = w.rule.next(w.phases[tip], tips[corner]);
+        Phase to = w.rule.next(w.phases[tip], tips[corner]);
+        if (to == w.phases[tip] && w.secant && static_cast<int>(tip) == w.due.tip) to = w.due.to;   // retaken: there but for the error of the search
         if (to == w.phases[tip] || !may_change(w, static_cast<int>(tip))) continue;
         w.phases[tip] = to;
         w.changed[tip] = now;
@@ -202,6 +203,26 @@ void evaluate_segment(void* workspace, int segment) noexcept {
     }
 }
 
+namespace {
+
+/// Slopes of a segment's links at both ends of a step from its states there: velocities, and one mean acceleration.
+void make_secants(Workspace& w, const Segment& own) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int half = layout.link_size();
+    for (int link = own.first; link < own.last; ++link) {
+        const int q = layout.link_begin(link);
+        const int v = q + half;
+        for (int k = 0; k < half; ++k) {
+            const double mean = (w.end_state[v + k] - w.states[0][v + k]) / w.h;
+            w.slopes[0][q + k] = w.states[0][v + k];
+            w.end_slope[q + k] = w.end_state[v + k];
+            w.slopes[0][v + k] = w.end_slope[v + k] = mean;
+        }
+    }
+}
+
+}  // namespace
+
 void detect_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
@@ -210,6 +231,7 @@ void detect_segment(void* workspace, int segment) noexcept {
     verdict = {};
     engine::combine(w.row, w.h, w.slots(), layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
                     w.end_state + layout.link_begin(own.first));
+    if (w.secant) make_secants(w, own);
     for (int link = own.first; link < own.last; ++link) {
         const double* state = w.end_state + layout.link_begin(link);
         if (!finite(state, layout.link_block())) report(verdict, FaultKind::non_finite, w.time + w.h, link, 0.0, 0.0);

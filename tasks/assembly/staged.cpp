@@ -83,7 +83,6 @@ engine::TaskGraph staged_graph(const Workspace& w, const AssemblyOptions& option
             graph.add({"truncate" + number, truncate_cycle, truncate_segment, s, truncate_accesses(w, s)});
         }
     }
-    graph.freeze();
     return graph;
 }
 

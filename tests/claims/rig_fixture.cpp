@@ -26,7 +26,7 @@ private:
 
 Rig::Rig(const model::Parameters& parameters, const std::vector<double>& state, const std::vector<model::Phase>& phases, int segments, std::string_view method)
     : workspace_(std::make_unique<tasks::Workspace>(parameters, *engine::find_method(method), tasks::Partition::equal(parameters.chain.pins, segments))),
-      graph_(tasks::fused_graph(*workspace_)) {
+      graph_(tasks::step_graph(*workspace_, {})) {
     std::copy(state.begin(), state.end(), workspace_->states[0]);
     workspace_->phases = phases;
 }

@@ -189,7 +189,7 @@ bool declares(const engine::Task& task, Field field, bool write) {
 TEST(FusedGraph, HasNoRacesForAnyNumberOfSegments) {
     for (const int segments : {1, 2, 3, 5, 7, 14, 24}) {
         const Workspace workspace(tiny().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, segments));
-        const engine::TaskGraph graph = fused_graph(workspace);
+        const engine::TaskGraph graph = step_graph(workspace, {});
         EXPECT_TRUE(engine::race_check(graph).empty()) << segments;
         EXPECT_EQ(graph.size(), 4 * segments);
         EXPECT_EQ(graph.cycles(), 4);
@@ -199,7 +199,7 @@ TEST(FusedGraph, HasNoRacesForAnyNumberOfSegments) {
 
 TEST(FusedGraph, EveryTaskDeclaresWhatItsCycleWrites) {
     const Workspace workspace(tiny().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, 5));
-    const engine::TaskGraph graph = fused_graph(workspace);
+    const engine::TaskGraph graph = step_graph(workspace, {});
     const std::vector<Field> written[] = {{Field::slope_written, Field::state_kept, Field::load, Field::account, Field::window},
                                           {Field::end_state, Field::after, Field::verdict},
                                           {Field::verdict},

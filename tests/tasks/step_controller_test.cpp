@@ -86,7 +86,7 @@ TEST(StepControllerTransitions, CutTheStepWhereTheTipReachesItsThreshold) {
         CutWatcher watcher(rig.workspace());
         const engine::Cancellation never;
         StepController controller(rig.workspace(), {begin, begin + 2e-3, 5e-8, 1e-4}, watcher, never);
-        engine::Serial().run(fused_graph(rig.workspace()), &rig.workspace(), controller);
+        engine::Serial().run(step_graph(rig.workspace(), {}), &rig.workspace(), controller);
         ASSERT_FALSE(controller.fault());
         ASSERT_EQ(static_cast<long>(watcher.depth_.size() + watcher.slip_.size()), controller.counters().detected);
         ASSERT_GT(controller.counters().truncated, 100);
@@ -135,7 +135,7 @@ TEST(StepControllerTransitions, AChatteringChainMakesProgress) {
 /// Runs with settings that a Rig does not offer.
 Fault run_with(Rig& rig, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel, Counters* counters = nullptr) {
     StepController controller(rig.workspace(), settings, observer, cancel);
-    engine::Serial().run(fused_graph(rig.workspace()), &rig.workspace(), controller);
+    engine::Serial().run(step_graph(rig.workspace(), {}), &rig.workspace(), controller);
     if (counters != nullptr) *counters = controller.counters();
     controller.rethrow();
     return controller.fault();

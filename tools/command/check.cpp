@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "engine/method/catalogue.hpp"
+#include "tasks/method_choice.hpp"
 #include "tasks/simulation.hpp"
 #include "tools/command.hpp"
 #include "tools/scene_arguments.hpp"
@@ -38,7 +38,7 @@ std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simul
 /// Evaluations of the right-hand side: every step takes its stages, every transition one or two steps more.
 std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation) {
     const tasks::RunSettings& run = scene.run;
-    const long stages = static_cast<long>(engine::find_method(run.method)->stages.size());
+    const long stages = static_cast<long>(tasks::evaluations_per_step(run.method));
     const long running = steps_over(run.until, run.output_interval, run.step);
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, run.step) : 0;
     std::string text = field("run", fmt::format("until {}, {} with step {}, {}", time_text(run.until), run.method, time_text(run.step),

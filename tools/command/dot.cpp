@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "engine/graph/dot.hpp"
-#include "engine/method/catalogue.hpp"
+#include "tasks/method_choice.hpp"
 #include "tasks/step_graph.hpp"
 #include "tools/command.hpp"
 #include "tools/scene_arguments.hpp"
@@ -25,7 +25,7 @@ struct DotArguments {
 
 ExitStatus dot(const DotArguments& arguments) {
     const tasks::Scene scene = load_scene(arguments.scene).scene;
-    const tasks::Workspace workspace(scene.parameters, *engine::find_method(scene.run.method),
+    const tasks::Workspace workspace(scene.parameters, *tasks::plan_for(scene.run.method),
                                      tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
     const auto cycle = std::find(cycles.begin(), cycles.end(), arguments.cycle) - cycles.begin();
     fmt::print("{}", engine::to_dot(tasks::step_graph(workspace, {.kind = scene.run.assembly}), static_cast<int>(cycle)));

@@ -1,0 +1,40 @@
+#pragma once
+/// Methods of both kinds under one list of names: tables of stages (engine/method), and programs with cycles of their own.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/method/stage_plan.hpp"
+#include "tasks/step_method.hpp"
+
+namespace cvtflow::tasks {
+
+/// A method that is a program: what `list methods` says of it, the slots it needs, and how it is made.
+struct MethodProgram {
+    std::string name, description, source;
+    int order = 0;               ///< on smooth scenes
+    int evaluations = 0;         ///< of the right-hand side per step; 0: varies
+    int state_slots = 1;         ///< slot 0 included
+    int slope_slots = 1;         ///< slot 0 included
+    /// @throws std::invalid_argument if the method cannot be used with the workspace's scene
+    std::unique_ptr<StepMethod> (*make)(Workspace& workspace) = nullptr;
+};
+
+/// All programs, each under a name of its own.
+[[nodiscard]] const std::vector<MethodProgram>& method_programs();
+/// nullptr: there is none of that name.
+[[nodiscard]] const MethodProgram* find_program(std::string_view name);
+
+/// Table whose slots a workspace for this method needs: the method's own, or one that holds a program's slots. nullopt: no method of that name.
+[[nodiscard]] std::optional<engine::StagePlan> plan_for(std::string_view method);
+/// Names of all methods of both kinds, tables first.
+[[nodiscard]] std::vector<std::string> method_names();
+/// Evaluations of the right-hand side in one step without transitions; 0: no such method, or it varies.
+[[nodiscard]] int evaluations_per_step(std::string_view method);
+/// The method at work on a workspace made with plan_for(method). @throws std::invalid_argument for unknown names, and as MethodProgram::make
+[[nodiscard]] std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace);
+
+}  // namespace cvtflow::tasks
