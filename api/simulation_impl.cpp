@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "api/translate.hpp"
 #include "tasks/scene/parameter_table.hpp"
@@ -132,6 +133,19 @@ void Simulation::Impl::deliver(Simulation& self) {
     callback(self);
 }
 
+/// A step that would do, where the step is the likely reason of a fault.
+std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
+    using tasks::FaultKind;
+    if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave) return "";
+    const api::FloatingDefaults defaults;
+    const std::string& method = data().run.method;
+    const double stable = tasks::largest_stable_step(simulation_.variator(), method, simulation_.time(), simulation_.state(), simulation_.phases());
+    if (!(stable > 0.0 && std::isfinite(stable))) return "";
+    char text[64];
+    std::snprintf(text, sizeof text, " up to about %.2g s here", stable);
+    return "; " + method + " is stable for steps" + text;
+}
+
 void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
     const Stay stay(*this, Stay::As::stepper);
@@ -149,7 +163,7 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         deliver(self);
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
         if (steps > 0 && (simulation_.integration_state().counters.steps != steps_before || !fault)) return;
-        if (fault) throw Error(api::code_of(fault.kind), fault.message());
+        if (fault) throw Error(api::code_of(fault.kind), fault.message() + advice(fault.kind));
     }
 }
 

@@ -67,6 +67,7 @@ private:
     void require_own_process();
     [[nodiscard]] double next_stop(double until) const;
     void deliver(Simulation& self);
+    [[nodiscard]] std::string advice(tasks::FaultKind kind) const;
     void hold(const model::HeldInputs& held);
 
     Scene scene_;

@@ -11,6 +11,7 @@ ErrorCode code_of(tasks::FaultKind kind) noexcept {
     if (kind == FaultKind::max_steps) return ErrorCode::max_steps;
     if (kind == FaultKind::max_wall) return ErrorCode::max_wall;
     if (kind == FaultKind::cancelled) return ErrorCode::cancelled;
+    if (kind == FaultKind::blow_up) return ErrorCode::blow_up;
     return ErrorCode::other_fault;
 }
 

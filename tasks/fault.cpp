@@ -13,6 +13,8 @@ std::string Fault::name() const {
         case FaultKind::max_steps: return "max_steps";
         case FaultKind::max_wall: return "max_wall";
         case FaultKind::cancelled: return "cancelled";
+        case FaultKind::blow_up: return "blow_up";
+        case FaultKind::step_too_short: return "step_too_short";
     }
     return "unknown";
 }
@@ -31,6 +33,9 @@ std::string Fault::message() const {
         case FaultKind::max_steps: return fmt::format("the budget of {:.0f} steps (run.max_steps) is used up {}", limit, when);
         case FaultKind::max_wall: return fmt::format("the budget of {:.3g} s of wall time (run.max_wall) is used up {}", limit, when);
         case FaultKind::cancelled: return fmt::format("cancelled {}", when);
+        case FaultKind::blow_up:
+            return fmt::format("pin {} moves at {:.3g} m/s {} (limit {:.3g} m/s, faster than sound in steel): the step is too long for this scene", pin, value, when, limit);
+        case FaultKind::step_too_short: return fmt::format("a step of {:.3g} s is lost in the rounding of the time {} (limit {:.3g} s)", value, when, limit);
     }
     return "unknown fault";
 }

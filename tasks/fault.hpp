@@ -5,7 +5,7 @@
 
 namespace cvtflow::tasks {
 
-enum class FaultKind { none, non_finite, penetration, left_sheave, max_steps, max_wall, cancelled };
+enum class FaultKind { none, non_finite, penetration, left_sheave, max_steps, max_wall, cancelled, blow_up, step_too_short };
 
 struct Fault {
     FaultKind kind = FaultKind::none;

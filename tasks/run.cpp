@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <numbers>
 
 #include "engine/base/hash.hpp"
 #include "engine/record/state_file.hpp"
 #include "tasks/auto_schedule.hpp"
 #include "tasks/run_recorder.hpp"
+#include "tasks/stable_step.hpp"
 
 namespace cvtflow::tasks {
 
@@ -46,6 +48,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     if (!report.fault) {
         const auto started = std::chrono::steady_clock::now();
         report.begin = simulation.time();
+        report.stable_step = largest_stable_step(simulation.variator(), scene.run.method, simulation.time(), simulation.state(), simulation.phases());
         recorder.begin_part(simulation.time(), scene.run.until);
         report.fault = simulation.run(scene.run.until, recorder, cancel);
         report.counters = simulation.counters();
@@ -96,6 +99,16 @@ std::string operating_point(const RunReport& r) {
 
 }  // namespace
 
+/// Said when the step is the likely reason of a fault, or beyond what the method can take: chattering friction looks plausible and is wrong.
+std::string stability_line(const RunReport& r) {
+    const bool unstable = r.fault.kind == FaultKind::non_finite || r.fault.kind == FaultKind::blow_up || r.fault.kind == FaultKind::penetration ||
+                          r.fault.kind == FaultKind::left_sheave;
+    const bool known = r.stable_step > 0.0 && std::isfinite(r.stable_step);
+    if (!known || (r.step <= beyond_stability * r.stable_step && !unstable)) return "";
+    return fmt::format("  stable step         {} is stable for steps up to {:.2g} s here (estimate){}\n", r.method, r.stable_step,
+                       r.step > beyond_stability * r.stable_step ? "; this step is beyond" : "");
+}
+
 std::string summary(const RunReport& r) {
     const double simulated = r.end - r.begin;
     std::string text = fmt::format("{}\n", r.fault ? "stopped: " + r.fault.message() : fmt::format("finished at t = {:.6g} s", r.end));
@@ -103,6 +116,7 @@ std::string summary(const RunReport& r) {
     if (r.settled) text += fmt::format("  settled             {} steps, {} evaluations, {:.2f} s of wall time\n", r.settling.steps, r.settling.evaluations, r.settling_wall);
     if (r.outputs > 0) text += operating_point(r);
     text += fmt::format("  method              {}, step {:.4g} s: {} steps, {} evaluations\n", r.method, r.step, r.counters.steps, r.counters.evaluations);
+    text += stability_line(r);
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated, r.counters.suppressed);
     if (simulated > 0.0) text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second\n", r.wall, r.wall / simulated);

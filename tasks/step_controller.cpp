@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "tasks/checkpoint/integration_state.hpp"
 #include "tasks/stage_method.hpp"
@@ -135,6 +136,9 @@ int StepController::begin_step() {
     if (due) ++outputs_;
     if (over) return end(Fault{});
     if (const Fault spent = budget()) return end(spent);
+    // Stages must lie at times of their own, and a step must move the time by what it says to three digits.
+    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.time);
+    if (grid_step_ < shortest) return end({FaultKind::step_too_short, w_.time, -1, grid_step_, shortest});
     w_.h = grid_time(grid_number_ + 1) - w_.time;
     retaking_ = false;
     return take(method_.begin());

@@ -8,7 +8,9 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
         case FaultKind::none: return ExitStatus::finished;
         case FaultKind::non_finite:
         case FaultKind::penetration:
-        case FaultKind::left_sheave: return ExitStatus::fault;
+        case FaultKind::left_sheave:
+        case FaultKind::blow_up:
+        case FaultKind::step_too_short: return ExitStatus::fault;
         case FaultKind::max_steps:
         case FaultKind::max_wall: return ExitStatus::budget;
         case FaultKind::cancelled: return ExitStatus::cancelled;

@@ -163,7 +163,7 @@ void compare(const Extreme& row, const Scene& scene, const IntegrationState& set
     const double moved = std::max(distance(finer.unknowns, before.unknowns), 1e-9 * length(before.unknowns));
     result.refinement = moved > 0.0 ? distance(after.unknowns, finer.unknowns) / moved : 0.0;
     result.message = objection(row, result, coarse, coarse.simulation().counters().detected);
-    const bool beyond = result.step > 1.25 * result.stable_step;
+    const bool beyond = result.step > beyond_stability * result.stable_step;
     result.ending = result.message.empty() ? Ending::right : beyond ? Ending::announced : Ending::wrong;
 }
 
