@@ -35,5 +35,6 @@ Action declare_schema(CLI::App& app);
 Action declare_local_error(CLI::App& app);
 Action declare_profile(CLI::App& app);
 Action declare_dot(CLI::App& app);
+Action declare_extremes(CLI::App& app);
 
 }  // namespace cvtflow::tools

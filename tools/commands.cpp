@@ -15,6 +15,7 @@ std::span<const Command> commands() noexcept {
         Command{"schema", "Print the JSON schema of scenes, for editors", declare_schema},
         Command{"local-error", "Measure the error of a single step against its length", declare_local_error},
         Command{"profile", "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
+        Command{"extremes", "Run the edges of every parameter and say what comes of each", declare_extremes},
         Command{"dot", "Draw the task graph of a step in Graphviz' language", declare_dot},
     };
     return rows;

@@ -28,7 +28,7 @@ struct Extreme {
     std::string name;
     std::vector<std::string> settings;        ///< on top of the scene `tiny`
     std::vector<Ending> allowed{Ending::right};
-    std::vector<FaultKind> faults;            ///< that may be among `allowed`; empty: any
+    std::vector<FaultKind> faults{};          ///< that may be among `allowed`; empty: any
     /// Largest relative error of the energy balance, and ten times less strict of the state against half the step.
     double bound = 1e-3;
     double step = 0.0;                        ///< [s]; 0: 50 ns, or 0.4 of what is stable if that is less

@@ -1,0 +1,128 @@
+/// Rows on operating points, contacts and transitions.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tasks/extremes/extreme.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+const std::vector<Ending> right_or_fault{Ending::right, Ending::fault};
+
+/// Places of shaft 1's movable sheave in the state.
+struct Sheave {
+    explicit Sheave(const Simulation& simulation, int shaft) {
+        const model::ChainLayout& at = simulation.variator().layout();
+        position = static_cast<std::size_t>(at.pulley_begin() + simulation.variator().pulleys().movable(shaft));
+        velocity = position + static_cast<std::size_t>(at.pulley_size);
+        outwards = shaft == 0 ? 1.0 : -1.0;
+    }
+    std::size_t position, velocity;
+    double outwards;   ///< sign of motion that opens the wedge
+};
+
+/// Deepest tip between any sheaves for a state.
+double deepest(const Simulation& simulation, const std::vector<double>& state) {
+    const model::Variator& variator = simulation.variator();
+    const model::ChainLayout& at = variator.layout();
+    model::SheaveMotion sheaves[4];
+    variator.pulleys().motions(state.data() + at.pulley_begin(), sheaves);
+    double most = -1.0;
+    for (int link = 0; link < at.links; ++link) {
+        model::TipProbe probe;
+        variator.chain().probe(state.data() + at.link_begin(link), sheaves, probe);
+        for (int tip = 0; tip < model::tips_per_link; ++tip) most = std::max(most, static_cast<double>(probe.depth[tip]));
+    }
+    return most;
+}
+
+void move_both(const Simulation& simulation, IntegrationState& start, double distance, double speed) {
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        const Sheave sheave(simulation, shaft);
+        start.state[sheave.position] += sheave.outwards * distance;
+        start.state[sheave.velocity] += sheave.outwards * speed;
+    }
+}
+
+void penetrate(const Simulation& simulation, double, IntegrationState& start) { move_both(simulation, start, -1e-3, 0.0); }
+void penetrate_a_little(const Simulation& simulation, double, IntegrationState& start) { move_both(simulation, start, -2e-5, 0.0); }
+/// A hundred micrometres within the first step.
+void tear_open(const Simulation& simulation, double step, IntegrationState& start) { move_both(simulation, start, 0.0, 1e-4 / step); }
+void open_wide(const Simulation& simulation, double, IntegrationState& start) { move_both(simulation, start, 1e-3, 0.0); }
+
+/// Both movable sheaves opened until the deepest tip of all has exactly this depth, as far as doubles can say.
+void open_to(const Simulation& simulation, IntegrationState& start, double depth) {
+    const std::vector<double> closed = start.state;
+    double low = -1e-3, high = 5e-3;
+    for (int halving = 0; halving < 200; ++halving) {
+        const double middle = 0.5 * (low + high);
+        start.state = closed;
+        move_both(simulation, start, middle, 0.0);
+        (deepest(simulation, start.state) > depth ? low : high) = middle;
+    }
+    std::fill(start.phases.begin(), start.phases.end(), model::Phase::free);
+}
+
+/// Closing at one metre per second, the first tip at a gap of exactly zero, or due at the very end of the first step, or all within it.
+void due_at_start(const Simulation& simulation, double, IntegrationState& start) {
+    open_to(simulation, start, 0.0);
+    move_both(simulation, start, 0.0, -1.0);
+}
+void due_at_end(const Simulation& simulation, double step, IntegrationState& start) {
+    open_to(simulation, start, -2.0 * std::cos(0.19198621771937624) * step);   // depth grows by the wedge's slope on both sides
+    move_both(simulation, start, 0.0, -1.0);
+}
+void all_in_one_step(const Simulation& simulation, double step, IntegrationState& start) {
+    open_to(simulation, start, 0.0);
+    move_both(simulation, start, 0.0, -2e-5 / step);
+}
+void at_rest_on_zero(const Simulation& simulation, double, IntegrationState& start) { open_to(simulation, start, 0.0); }
+
+}  // namespace
+
+void add_event_rows(std::vector<Extreme>& rows) {
+    const auto row = [&](const char* group, std::string name, std::vector<std::string> settings, std::vector<Ending> allowed = {Ending::right}) -> Extreme& {
+        rows.push_back({group, std::move(name), std::move(settings), std::move(allowed)});
+        return rows.back();
+    };
+    row("operation", "slack: no clamping", {"clamping.driving=0", "clamping.driven=0"});
+    row("operation", "compressed: the load drives with 10 times its torque", {"load.torque=-120 N*m"});
+    row("operation", "gross slip: 10 times the load", {"load.torque=120 N*m"});
+    row("operation", "jump of the load within one step", {"load.torque=[[0, \"12 N*m\"], [1e-12, \"-1e5 N*m\"]]"});
+    row("operation", "jump of the clamping within one step", {"clamping.driving=[[0, \"7.7 kN\"], [1e-12, \"1e7 N\"]]"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up};
+    row("operation", "clamping gone within one step", {"clamping.driving=[[0, \"7.7 kN\"], [1e-12, \"0 N\"]]"});
+    row("operation", "speed zero", {"drive.speed=0"});
+    row("operation", "speed zero from the start", {"drive.speed=0", "load.torque=0"}).geometric = true;
+    row("operation", "reversal within one step", {"drive.speed=[[0, \"2000 rpm\"], [1e-12, \"-2000 rpm\"]]"});
+    row("operation", "20,000 rpm", {"drive.speed=20000 rpm"}, right_or_fault).geometric = true;
+    rows.back().faults = {FaultKind::penetration, FaultKind::left_sheave};
+    row("operation", "free ring at 20,000 rpm", {"detail.pulleys=absent", "start.layout=ring", "start.ring_speed=20000 rpm"}, {Ending::right, Ending::refused});
+    row("operation", "faster than the limit", {"drive.speed=40000 rpm"}, {Ending::refused});
+    row("operation", "ratio beyond the sheaves", {"start.ratio=5"}, {Ending::refused}).geometric = true;
+    row("operation", "drive by a torque of 1e5 N m", {"drive.mode=torque", "drive.torque=1e5"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
+    row("operation", "ratio control wound up", {"control.enabled=true", "control.ratio=5", "control.integral=1e12", "control.authority=1e6"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
+
+    row("contact", "start 1 mm deep in the sheaves", {}, {Ending::fault}).prepare = penetrate;
+    rows.back().faults = {FaultKind::penetration, FaultKind::left_sheave};
+    row("contact", "start 20 um too deep", {}).prepare = penetrate_a_little;
+    row("contact", "sheaves 1 mm apart", {}).prepare = open_wide;
+    row("contact", "all tips leave within one step", {}).prepare = tear_open;
+    rows.back().least_transitions = 20;
+    rows.back().bound = 1e-2;
+    row("contact", "all tips of a chain of 84 meet the sheaves within one step",
+        {"chain.pins=84", "pulley.centre_distance=170 mm", "pulley.arc_position=54.44 mm", "pulley.innermost=25 mm", "pulley.outermost=80 mm"}, right_or_fault).prepare = all_in_one_step;
+    rows.back().geometric = true;
+    rows.back().least_transitions = 100;
+    rows.back().bound = 1e-2;
+    row("contact", "a gap of exactly zero, closing", {}).prepare = due_at_start;
+    rows.back().least_transitions = 1;
+    row("contact", "a gap of exactly zero, at rest", {}).prepare = at_rest_on_zero;
+    row("contact", "due at the very end of a step", {}).prepare = due_at_end;
+    rows.back().least_transitions = 1;
+}
+
+}  // namespace cvtflow::tasks
