@@ -62,7 +62,10 @@ Settings ring(int pins) {
 }  // namespace
 
 void add_friction_rows(std::vector<Extreme>& rows) {
-    for (const double v0 : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0}) rows.push_back({"friction", fmt::format("v0 = {:g} m/s", v0), all_friction("saturation_speed", v0)});
+    for (const double v0 : {1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0}) {
+        rows.push_back({"friction", fmt::format("v0 = {:g} m/s", v0), all_friction("saturation_speed", v0)});
+        if (v0 < 1e-4) rows.back().bound = 5e-3;   // a kink every few steps: no method has its order
+    }
     rows.push_back({"friction", "v0 = 0", all_friction("saturation_speed", 0.0), {Ending::refused}});
     for (const double mu : {0.0, 0.15, 0.3, 1.0, 2.0}) {
         rows.push_back({"friction", fmt::format("mu = {:g}{}", mu, mu > 0.194 ? ", beyond self-locking" : ""), all_friction("friction_coefficient", mu)});
