@@ -1,5 +1,6 @@
 /// A host with threads of its own, in every way that such hosts have.
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
@@ -8,7 +9,7 @@
 #include <unistd.h>
 
 #include <atomic>
-#include <cstring>
+#include <cstdlib>
 #include <thread>
 
 #include "host_fixture.hpp"
@@ -110,7 +111,7 @@ TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
     const Scene scene = tiny();
     const std::uint64_t expected = serial_hash(scene, -2.8e-4);
     for (const Threads threads : {Threads::present(2), Threads::own(2)}) {
-        oneapi::tbb::task_arena arena(4);
+        oneapi::tbb::task_arena arena(2);
         std::atomic<bool> stop = false;
         std::atomic<int> moonlighting = 0;
         const std::thread::id nobody;
@@ -128,6 +129,7 @@ TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
                     }
                 });
             }
+            const bool helped = eventually([&] { return host_tasks > 0; });   // the arena has a worker, and it is at work
             Simulation simulation(scene, threads);
             for (int k = 1; k <= 10; ++k) {
                 inside = std::this_thread::get_id();
@@ -137,9 +139,9 @@ TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
             EXPECT_EQ(simulation.hash(), expected);
             stop = true;
             load.wait();
+            EXPECT_TRUE(helped || std::thread::hardware_concurrency() == 1);
         });
         EXPECT_EQ(moonlighting, 0) << "a host task ran inside advance_to()";
-        EXPECT_GT(host_tasks, 0);
     }
 }
 
@@ -182,37 +184,54 @@ int in_child(const Action& action) {
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+/// Whether this is a process in which nothing else has run. If not, the test is run again in one, and its result taken from there.
+bool alone() {
+    if (std::getenv("CVTFLOW_ALONE") != nullptr) return true;
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+    const std::string command = "CVTFLOW_ALONE=1 '" + self + "' --gtest_filter=" + test->test_suite_name() + "." + test->name();
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return false;
+}
+
 TEST(HostThreads, NoneIsStartedBeforeTheFirstStepAndNoneLeftAfterShutdown) {
-    EXPECT_EQ(in_child([] {   // a process of its own, which has no workers yet
-                  const long before = threads();
-                  const Scene scene = tiny();
-                  {
-                      Simulation simulation(scene, Threads::own(4)), serial(scene);
-                      if (threads() != before) return 1;
-                      serial.advance_to(-2.9e-4);
-                      if (threads() != before) return 2;
-                      simulation.advance_to(-2.9e-4);
-                      if (threads() == before) return 3;
-                  }
-                  if (!shutdown()) return 4;
-                  return eventually([&] { return threads() == before; }) ? 0 : 5;
-              }),
-              0);
+    if (!alone()) return;
+    const long before = threads();
+    const Scene scene = tiny();
+    {
+        Simulation simulation(scene, Threads::own(2)), serial(scene);
+        EXPECT_EQ(threads(), before);
+        serial.advance_to(-2.9e-4);
+        EXPECT_EQ(threads(), before);
+        simulation.advance_to(-2.5e-4);
+        EXPECT_TRUE(threads() > before || std::thread::hardware_concurrency() == 1);
+    }
+    EXPECT_TRUE(shutdown());
+    EXPECT_TRUE(eventually([&] { return threads() == before; }));
 }
 
 TEST(HostThreads, StepsAfterShutdownStartNewThreads) {
-    EXPECT_EQ(in_child([] {
-                  const Scene scene = tiny();
-                  const std::uint64_t expected = serial_hash(scene, -2.9e-4);
-                  for (int round = 0; round < 5; ++round) {
-                      Simulation simulation(scene, Threads::own(3));
-                      simulation.advance_to(-2.9e-4);
-                      if (simulation.hash() != expected) return 1;
-                      if (!shutdown()) return 2;
-                  }
-                  return 0;
-              }),
-              0);
+    if (!alone()) return;
+    const Scene scene = tiny();
+    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
+    for (int round = 0; round < 5; ++round) {
+        {
+            Simulation simulation(scene, Threads::own(3));
+            simulation.advance_to(-2.9e-4);
+            EXPECT_EQ(simulation.hash(), expected);
+        }
+        EXPECT_TRUE(shutdown());
+        EXPECT_EQ(threads(), 1);
+    }
+}
+
+TEST(HostThreads, ShutdownSaysWhenOthersKeepTheWorkers) {
+    if (!alone()) return;
+    oneapi::tbb::task_scheduler_handle hosts{oneapi::tbb::attach{}};   // a host that uses oneTBB and is not done with it
+    Simulation simulation(tiny(), Threads::own(2));
+    simulation.advance_to(-2.9e-4);
+    EXPECT_FALSE(shutdown());
+    EXPECT_TRUE(oneapi::tbb::finalize(hosts, std::nothrow));
 }
 
 TEST(HostThreads, AForkBeforeTheFirstStepIsHarmless) {
