@@ -128,7 +128,15 @@ Fault StepController::budget() const {
     return {};
 }
 
+/// Stages must lie at times of their own, and a step must move the time by what it says, to three digits.
+Fault StepController::lost_in_rounding() const {
+    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.time);
+    if (grid_step_ >= shortest) return {};
+    return {FaultKind::step_too_short, w_.time, -1, grid_step_, shortest};
+}
+
 int StepController::begin_step() {
+    if (const Fault lost = lost_in_rounding()) return end(lost);
     counters_.evaluations = w_.evaluations;
     const bool due = w_.time == grid_time(grid_number_) && grid_number_ == outputs_ * steps_per_output_;
     const bool over = w_.time >= settings_.until - 1e-9 * settings_.output_interval;
@@ -136,9 +144,6 @@ int StepController::begin_step() {
     if (due) ++outputs_;
     if (over) return end(Fault{});
     if (const Fault spent = budget()) return end(spent);
-    // Stages must lie at times of their own, and a step must move the time by what it says to three digits.
-    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.time);
-    if (grid_step_ < shortest) return end({FaultKind::step_too_short, w_.time, -1, grid_step_, shortest});
     w_.h = grid_time(grid_number_ + 1) - w_.time;
     retaking_ = false;
     return take(method_.begin());

@@ -102,16 +102,20 @@ namespace {
 /// A simulation of the row at its start, ready to run with a step.
 class Trial {
 public:
-    Trial(const Extreme& row, Scene scene, const IntegrationState& settled, double step, double span) : simulation_(with_step(std::move(scene), step, span)) {
+    /// @param nominal the row's step, which its preparation may depend on   @param step the one to run with
+    Trial(const Extreme& row, Scene scene, const IntegrationState& settled, double nominal, double step, double span) : simulation_(with_step(std::move(scene), step, span)) {
         IntegrationState start = simulation_.integration_state();
         if (!row.geometric && settled.state.size() == start.state.size() && settled.phases.size() == start.phases.size()) start = settled;
         simulation_.restore(start);
-        if (row.prepare == nullptr) return;
-        row.prepare(simulation_, step, start);
-        simulation_.restore(start);
+        if (row.prepare != nullptr) {
+            row.prepare(simulation_, nominal, start);
+            simulation_.restore(start);
+        }
+        probed_ = run(0.0);   // phases are those of the start
     }
     [[nodiscard]] Simulation& simulation() noexcept { return simulation_; }
     [[nodiscard]] Fault run(double span) {
+        if (probed_) return probed_;
         SilentObserver silent;
         const engine::Cancellation never;
         return simulation_.run(simulation_.time() + span, silent, never);
@@ -124,6 +128,7 @@ private:
         return scene;
     }
     Simulation simulation_;
+    Fault probed_;
 };
 
 /// Stable step of both the row's and RK4's at its start; zero or infinite values mean that there is no answer.
@@ -147,7 +152,7 @@ private:
 
 void compare(const Extreme& row, const Scene& scene, const IntegrationState& settled, double span, Trial& coarse, const Account& before, ExtremeCase& result) {
     const Account after = account_of(coarse.simulation());
-    Trial fine(row, scene, settled, 0.5 * result.step, span);
+    Trial fine(row, scene, settled, result.step, 0.5 * result.step, span);
     result.fault = fine.run(span);
     if (result.fault) {
         result.ending = Ending::fault;
@@ -178,10 +183,10 @@ ExtremeCase ExtremeJudge::run(const Extreme& row, const Level& level, const std:
         Scene scene = level.scene;
         scene.run.method = method;
         set_values(scene, row.settings);
-        result.stable_step = stable_step(Trial(row, scene, level.settled, usual_step, 1e-5).simulation(), method);
+        result.stable_step = stable_step(Trial(row, scene, level.settled, usual_step, usual_step, 1e-5).simulation(), method);
         result.step = step_for(row, result.stable_step);
         const double span = static_cast<double>(row.steps) * result.step;
-        Trial coarse(row, scene, level.settled, result.step, span);
+        Trial coarse(row, scene, level.settled, result.step, result.step, span);
         const Account before = account_of(coarse.simulation());
         result.fault = coarse.run(span);
         result.steps = coarse.simulation().counters().steps;

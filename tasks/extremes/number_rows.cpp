@@ -29,9 +29,21 @@ void put_sound(const Simulation& simulation, double, IntegrationState& start) { 
 void put_denormals(const Simulation&, double, IntegrationState& start) {
     for (double& unknown : start.state) unknown = unknown == 0.0 ? std::numeric_limits<double>::denorm_min() : unknown;
 }
-void put_late(const Simulation&, double, IntegrationState& start) { start.time = 1e4; }
+/// Shaft 1 has turned as far as its governor wants by then.
+void put_late(const Simulation& simulation, double, IntegrationState& start) {
+    const model::PulleyModel& pulleys = simulation.variator().pulleys();
+    const std::size_t begin = static_cast<std::size_t>(simulation.variator().layout().pulley_begin());
+    const double turned = pulleys.reference_angle(1e4);
+    if (pulleys.size() == 36) {
+        for (const int body : {0, model::sheave_body(0, 0), model::sheave_body(0, 1)}) start.state[begin + static_cast<std::size_t>(model::body_freedom(body, 5))] += turned;
+    } else {
+        start.state[begin] += turned;
+    }
+    start.time = 1e4;
+}
 void put_very_late(const Simulation&, double, IntegrationState& start) { start.time = 1e300; }
 void put_last(const Simulation&, double, IntegrationState& start) { start.time = infinity; }
+void put_never(const Simulation&, double, IntegrationState& start) { start.time = std::numeric_limits<double>::quiet_NaN(); }
 
 }  // namespace
 
@@ -65,6 +77,7 @@ void add_number_rows(std::vector<Extreme>& rows) {
     row("t = 1e4 s with steps of 1e-12 s", put_late, {Ending::fault}, {FaultKind::step_too_short}, 1e-12);
     row("t = 1e300 s", put_very_late, {Ending::fault}, {FaultKind::step_too_short}, 5e-8);
     row("t = infinity", put_last, {Ending::fault}, {FaultKind::step_too_short}, 5e-8);
+    row("t = NaN", put_never, {Ending::fault}, {FaultKind::step_too_short}, 5e-8);
     for (const char* value : {"1e308", "1e-308", "5e-324", "inf", "nan", "-0.0"}) {
         const bool zero = std::string_view(value) == "-0.0";
         rows.push_back({"numbers", fmt::format("load.torque = {}", value), {fmt::format("load.torque={}", value)}, {Ending::right, Ending::refused}});

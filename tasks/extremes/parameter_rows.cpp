@@ -97,13 +97,16 @@ void add_size_rows(std::vector<Extreme>& rows) {
         if (pins >= 1000) rows.back().steps = 20;
     }
     rows.push_back({"pins", "2 pins", ring(2), {Ending::refused}});
-    const auto pitches = [&](const char* name, const char* list, std::vector<Ending> allowed) {
-        rows.push_back({"pitch", name, {std::string("chain.pitch=") + list}, std::move(allowed)});
+    const auto pitches = [&](const std::string& name, const std::string& list, std::vector<Ending> allowed) {
+        rows.push_back({"pitch", name, {"chain.pitch=" + list}, std::move(allowed)});
         rows.back().geometric = true;
         rows.back().faults = {FaultKind::left_sheave, FaultKind::penetration};
     };
-    pitches("all at the lower limit", "[0.001]", {Ending::refused});
-    pitches("all at the upper limit", "[0.05]", {Ending::refused});
+    for (const char* pitch : {"0.001", "0.05"}) {
+        rows.push_back({"pitch", fmt::format("free ring, all at the limit of {} m", pitch), ring(24)});
+        rows.back().settings.insert(rows.back().settings.end(), {fmt::format("chain.pitch=[{}]", pitch), "half.width=5e-4"});
+        pitches(fmt::format("all at the limit of {} m, which do not close around these pulleys", pitch), fmt::format("[{}]", pitch), {Ending::refused});
+    }
     pitches("2.7 and 13.54 mm by turns", "[2.7e-3, 13.54e-3]", right_or_fault);
     pitches("one link twice as long", "[16.24e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3]", right_or_fault);
     pitches("longer list than links", "[8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3]", {Ending::refused});
