@@ -7,7 +7,8 @@ const std::vector<Extreme>& extremes() {
         std::vector<Extreme> all;
         add_friction_rows(all);
         add_size_rows(all);
-        add_event_rows(all);
+        add_operation_rows(all);
+        add_contact_rows(all);
         add_step_rows(all);
         add_number_rows(all);
         add_limit_rows(all);

@@ -31,7 +31,7 @@ struct Extreme {
     std::vector<FaultKind> faults{};          ///< that may be among `allowed`; empty: any
     /// Largest relative error of the energy balance, and ten times less strict of the state against half the step.
     double bound = 1e-3;
-    double step = 0.0;                        ///< [s]; 0: 50 ns, or 0.4 of what is stable if that is less
+    double step = 0.0;                        ///< [s]; 0: 50 ns, or a tenth of what is stable if that is less: the stiffest mode may hold all the energy
     long steps = 200;
     bool geometric = false;                   ///< begins with the geometric start even where the settled state of `tiny` would fit
     /// Changes the start. Called with a simulation that stands at it.
@@ -46,7 +46,8 @@ struct Extreme {
 // Parts of the catalogue.
 void add_friction_rows(std::vector<Extreme>& rows);
 void add_size_rows(std::vector<Extreme>& rows);
-void add_event_rows(std::vector<Extreme>& rows);
+void add_operation_rows(std::vector<Extreme>& rows);
+void add_contact_rows(std::vector<Extreme>& rows);
 void add_step_rows(std::vector<Extreme>& rows);
 void add_number_rows(std::vector<Extreme>& rows);
 void add_limit_rows(std::vector<Extreme>& rows);

@@ -139,7 +139,7 @@ private:
 
 [[nodiscard]] double step_for(const Extreme& row, double stable) {
     if (row.step > 0.0) return row.step;
-    return std::isfinite(stable) && stable > 0.0 ? std::min(usual_step, 0.4 * stable) : usual_step;
+    return std::isfinite(stable) && stable > 0.0 ? std::min(usual_step, 0.1 * stable) : usual_step;
 }
 
 /// What is wrong with a run that came to its end, or nothing.

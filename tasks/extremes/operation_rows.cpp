@@ -87,50 +87,64 @@ void due_at_end(const Simulation& simulation, double step, IntegrationState& sta
 }
 void at_rest_on_zero(const Simulation& simulation, double, IntegrationState& start) { open_to(simulation, start, 0.0); }
 
+/// A new row of a group.
+class Adder {
+public:
+    Adder(std::vector<Extreme>& rows, const char* group) : rows_(rows), group_(group) {}
+    Extreme& operator()(std::string name, std::vector<std::string> settings, std::vector<Ending> allowed = {Ending::right}) const {
+        rows_.push_back({group_, std::move(name), std::move(settings), std::move(allowed)});
+        return rows_.back();
+    }
+
+private:
+    std::vector<Extreme>& rows_;
+    const char* group_;
+};
+
 }  // namespace
 
-void add_event_rows(std::vector<Extreme>& rows) {
-    const auto row = [&](const char* group, std::string name, std::vector<std::string> settings, std::vector<Ending> allowed = {Ending::right}) -> Extreme& {
-        rows.push_back({group, std::move(name), std::move(settings), std::move(allowed)});
-        return rows.back();
-    };
-    row("operation", "slack: no clamping", {"clamping.driving=0", "clamping.driven=0"});
-    row("operation", "compressed: the load drives with 10 times its torque", {"load.torque=-120 N*m"});
-    row("operation", "strands compressed: both halves of the chain meet at 20 m/s", {}, right_or_fault).prepare = compress;
+void add_operation_rows(std::vector<Extreme>& rows) {
+    const Adder row(rows, "operation");
+    row("slack: no clamping", {"clamping.driving=0", "clamping.driven=0"});
+    row("compressed: the load drives with 10 times its torque", {"load.torque=-120 N*m"});
+    row("strands compressed: both halves of the chain meet at 20 m/s", {}, right_or_fault).prepare = compress;
     rows.back().faults = {FaultKind::penetration, FaultKind::left_sheave};
     rows.back().steps = 400;
-    row("operation", "10 times the load", {"load.torque=120 N*m"});
-    row("operation", "gross slip: 1e5 N m stop shaft 2 in 75 us", {"load.torque=1e5 N*m"}).steps = 400;   // 20 us: tips slide at 1 m/s, 100 times v0
-    row("operation", "jump of the load within one step", {"load.torque=[[0, \"12 N*m\"], [1e-12, \"-1e5 N*m\"]]"});
-    row("operation", "jump of the clamping within one step", {"clamping.driving=[[0, \"7.7 kN\"], [1e-12, \"1e7 N\"]]"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up};
-    row("operation", "clamping gone within one step", {"clamping.driving=[[0, \"7.7 kN\"], [1e-12, \"0 N\"]]"});
-    row("operation", "speed zero", {"drive.speed=0"});
-    row("operation", "speed zero from the start", {"drive.speed=0", "load.torque=0"}).geometric = true;
-    row("operation", "reversal within one step", {"drive.speed=[[0, \"2000 rpm\"], [1e-12, \"-2000 rpm\"]]"});
-    row("operation", "20,000 rpm", {"drive.speed=20000 rpm"}, right_or_fault).geometric = true;
+    row("10 times the load", {"load.torque=120 N*m"});
+    row("gross slip: 1e5 N m stop shaft 2 in 75 us", {"load.torque=1e5 N*m"}).steps = 400;   // 20 us: tips slide at 1 m/s, 100 times v0
+    row("jump of the load within one step", {"load.torque=[[0, \"12 N*m\"], [1e-12, \"-1e5 N*m\"]]"});
+    row("jump of the clamping within one step", {"clamping.driving=[[0, \"7.7 kN\"], [1e-12, \"1e7 N\"]]"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up};
+    row("clamping gone within one step", {"clamping.driving=[[0, \"7.7 kN\"], [1e-12, \"0 N\"]]"});
+    row("speed zero", {"drive.speed=0"});
+    row("speed zero from the start", {"drive.speed=0", "load.torque=0"}).geometric = true;
+    row("reversal within one step", {"drive.speed=[[0, \"2000 rpm\"], [1e-12, \"-2000 rpm\"]]"});
+    row("20,000 rpm", {"drive.speed=20000 rpm"}, right_or_fault).geometric = true;
     rows.back().faults = {FaultKind::penetration, FaultKind::left_sheave};
-    row("operation", "free ring at 20,000 rpm", {"detail.pulleys=absent", "start.layout=ring", "start.ring_speed=20000 rpm"}, {Ending::right, Ending::refused});
-    row("operation", "faster than the limit", {"drive.speed=40000 rpm"}, {Ending::refused});
-    row("operation", "ratio beyond the sheaves", {"start.ratio=5"}, {Ending::refused}).geometric = true;
-    row("operation", "drive by a torque of 1e5 N m", {"drive.mode=torque", "drive.torque=1e5"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
-    row("operation", "ratio control wound up", {"control.enabled=true", "control.ratio=5", "control.integral=1e12", "control.authority=1e6"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
+    row("free ring at 20,000 rpm", {"detail.pulleys=absent", "start.layout=ring", "start.ring_speed=20000 rpm"}, {Ending::right, Ending::refused});
+    row("faster than the limit", {"drive.speed=40000 rpm"}, {Ending::refused});
+    row("ratio beyond the sheaves", {"start.ratio=5"}, {Ending::refused}).geometric = true;
+    row("drive by a torque of 1e5 N m", {"drive.mode=torque", "drive.torque=1e5"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
+    row("ratio control wound up", {"control.enabled=true", "control.ratio=5", "control.integral=1e12", "control.authority=1e6"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
+}
 
-    row("contact", "start 1 mm deep in the sheaves", {}, {Ending::fault}).prepare = penetrate;
+void add_contact_rows(std::vector<Extreme>& rows) {
+    const Adder row(rows, "contact");
+    row("start 1 mm deep in the sheaves", {}, {Ending::fault}).prepare = penetrate;
     rows.back().faults = {FaultKind::penetration, FaultKind::left_sheave};
-    row("contact", "start 20 um too deep", {}).prepare = penetrate_a_little;
-    row("contact", "sheaves 1 mm apart", {}).prepare = open_wide;
-    row("contact", "all tips leave within one step", {}).prepare = tear_open;
+    row("start 20 um too deep", {}).prepare = penetrate_a_little;
+    row("sheaves 1 mm apart", {}).prepare = open_wide;
+    row("all tips leave within one step", {}).prepare = tear_open;
     rows.back().least_transitions = 20;
     rows.back().bound = 1e-2;
-    row("contact", "a chain of 84: over 100 tips meet the sheaves within one step",
+    row("a chain of 84: over 100 tips meet the sheaves within one step",
         {"chain.pins=84", "pulley.centre_distance=170 mm", "pulley.arc_position=54.44 mm", "pulley.innermost=25 mm", "pulley.outermost=80 mm"}, {Ending::right}).prepare = due_at_start;
     rows.back().geometric = true;
     rows.back().least_transitions = 100;
     rows.back().steps = 3;
-    row("contact", "a gap of exactly zero, closing", {}).prepare = due_at_start;
+    row("a gap of exactly zero, closing", {}).prepare = due_at_start;
     rows.back().least_transitions = 1;
-    row("contact", "a gap of exactly zero, at rest", {}).prepare = at_rest_on_zero;
-    row("contact", "due at the very end of a step", {}).prepare = due_at_end;
+    row("a gap of exactly zero, at rest", {}).prepare = at_rest_on_zero;
+    row("due at the very end of a step", {}).prepare = due_at_end;
     rows.back().least_transitions = 1;
 }
 
