@@ -158,7 +158,7 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         {
             const api::FloatingDefaults defaults;
             observation_ = nullptr;
-            fault = simulation_.advance(next_stop(until), steps, *this, cancel_);
+            fault = api::translated(ErrorCode::internal, [&] { return simulation_.advance(next_stop(until), steps, *this, cancel_); });
         }
         deliver(self);
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
