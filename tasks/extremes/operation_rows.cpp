@@ -63,29 +63,55 @@ void compress(const Simulation& simulation, double, IntegrationState& start) {
 }
 void open_wide(const Simulation& simulation, double, IntegrationState& start) { move_both(simulation, start, 1e-3, 0.0); }
 
-/// Both movable sheaves opened until the deepest tip of all has exactly this depth, as far as doubles can say.
-void open_to(const Simulation& simulation, IntegrationState& start, double depth) {
+/// Opens both wedges about their pins: the movable sheaves by `distance`, the links between them by half of it, so that tips on both sides part.
+void move_wedges(const Simulation& simulation, IntegrationState& start, double distance, double speed) {
+    move_both(simulation, start, distance, speed);
+    const model::ChainLayout& at = simulation.variator().layout();
+    const double middle = 0.5 * simulation.workspace().parameters.pulley.centre_distance;
+    for (int link = 0; link < at.links; ++link) {
+        double* q = start.state.data() + at.link_begin(link);
+        const double outwards = Sheave(simulation, q[at.x(model::End::rear, 0)] < middle ? 0 : 1).outwards;
+        for (const model::End end : {model::End::rear, model::End::front}) {
+            q[at.z(end)] += 0.5 * outwards * distance;
+            q[at.link_size() + at.z(end)] += 0.5 * outwards * speed;
+        }
+    }
+}
+
+/// The state after a time in which nothing is accelerated.
+std::vector<double> drifted(const Simulation& simulation, std::vector<double> state, double time) {
+    const model::ChainLayout& at = simulation.variator().layout();
+    const auto drift = [&](int begin, int size) {
+        for (int k = begin; k < begin + size; ++k) state[static_cast<std::size_t>(k)] += time * state[static_cast<std::size_t>(k + size)];
+    };
+    for (int link = 0; link < at.links; ++link) drift(at.link_begin(link), at.link_size());
+    drift(at.pulley_begin(), at.pulley_size);
+    return state;
+}
+
+/// Both wedges opened until the deepest tip of all, so much later, has a depth of zero, as far as doubles can say.
+void open_to_zero(const Simulation& simulation, IntegrationState& start, double later) {
     const std::vector<double> closed = start.state;
     double low = -1e-3, high = 5e-3;
     for (int halving = 0; halving < 200; ++halving) {
         const double middle = 0.5 * (low + high);
         start.state = closed;
-        move_both(simulation, start, middle, 0.0);
-        (deepest(simulation, start.state) > depth ? low : high) = middle;
+        move_wedges(simulation, start, middle, 0.0);
+        (deepest(simulation, drifted(simulation, start.state, later)) > 0.0 ? low : high) = middle;
     }
     std::fill(start.phases.begin(), start.phases.end(), model::Phase::free);
 }
 
 /// Closing at one metre per second, the first tip at a gap of exactly zero, or due at the very end of the first step.
 void due_at_start(const Simulation& simulation, double, IntegrationState& start) {
-    open_to(simulation, start, 0.0);
-    move_both(simulation, start, 0.0, -1.0);
+    move_wedges(simulation, start, 0.0, -1.0);
+    open_to_zero(simulation, start, 0.0);
 }
 void due_at_end(const Simulation& simulation, double step, IntegrationState& start) {
-    open_to(simulation, start, -2.0 * std::cos(0.19198621771937624) * step);   // depth grows by the wedge's slope on both sides
-    move_both(simulation, start, 0.0, -1.0);
+    move_wedges(simulation, start, 0.0, -1.0);
+    open_to_zero(simulation, start, step);
 }
-void at_rest_on_zero(const Simulation& simulation, double, IntegrationState& start) { open_to(simulation, start, 0.0); }
+void at_rest_on_zero(const Simulation& simulation, double, IntegrationState& start) { open_to_zero(simulation, start, 0.0); }
 
 /// A new row of a group.
 class Adder {

@@ -173,8 +173,8 @@ TEST(HostSimulation, CallsBackAfterTheStepsThatReachAnInterval) {
     simulation.advance_to(-1e-9);
     ASSERT_EQ(times.size(), 6u);
     for (std::size_t k = 0; k < times.size(); ++k) EXPECT_NEAR(times[k], -2.5e-4 + 5e-5 * static_cast<double>(k), 1e-12);
-    EXPECT_EQ(transitions, simulation.counters().transitions);
     EXPECT_GT(transitions, 20);
+    EXPECT_EQ(simulation.counters(), Counters()) << "after settling they begin anew";
     Simulation silent(tiny());
     silent.advance_to(-1e-9);
     EXPECT_EQ(simulation.hash(), silent.hash());

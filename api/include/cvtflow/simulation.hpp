@@ -39,7 +39,7 @@ enum class Input : int {
     ratio = 5,              ///< wanted speed ratio, with control.enabled [1]
 };
 
-/// What happened since the simulation was created. All monotone.
+/// What happened since the start; after settling, since t = 0. Part of the state.
 struct Counters {
     std::int64_t steps = 0;         ///< accepted, truncated ones included
     std::int64_t evaluations = 0;   ///< of the right-hand side
@@ -135,7 +135,7 @@ public:
     [[nodiscard]] std::span<const double> channel(const std::string& name);
 
     [[nodiscard]] Counters counters() const noexcept;
-    /// What a user should know: differences between the scene and its state file, a step beyond stability. One line each.
+    /// What a user should know: differences between the scene and the one that its state file was settled with, one line each.
     [[nodiscard]] std::vector<std::string> notices() const;
     /// Largest step for which the scene's method is linearly stable here, from the extreme eigenvalues (about a hundred evaluations) [s].
     /// @throws Error busy
