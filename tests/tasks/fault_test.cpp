@@ -104,5 +104,12 @@ TEST(Faults, EachHasANameAndAMessage) {
     EXPECT_FALSE(static_cast<bool>(Fault{}));
 }
 
+TEST(FaultText, SaysWhatBlewUpAndWhichStepIsLost) {
+    EXPECT_EQ((Fault{FaultKind::blow_up, 1e-3, 7, 2.5e4, 1e4}).message(),
+              "pin 7 moves at 2.5e+04 m/s at t = 0.001 s (limit 1e+04 m/s, faster than sound in steel): the step is too long for this scene");
+    EXPECT_EQ((Fault{FaultKind::step_too_short, 1e4, -1, 1e-12, 2.2e-9}).message(),
+              "a step of 1e-12 s is lost in the rounding of the time at t = 10000 s (limit 2.2e-09 s)");
+}
+
 }  // namespace
 }  // namespace cvtflow::tasks
