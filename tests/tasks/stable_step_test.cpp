@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 #include "engine/method/catalogue.hpp"
 #include "tasks/simulation.hpp"
@@ -20,16 +21,17 @@ Scene small() {
     return scene;
 }
 
-Simulation settled(const Scene& scene) {
-    Simulation simulation(scene);
+std::unique_ptr<Simulation> settled(const Scene& scene) {
+    auto simulation = std::make_unique<Simulation>(scene);
     SilentObserver silent;
     const engine::Cancellation never;
-    EXPECT_FALSE(simulation.settle(silent, never));
+    EXPECT_FALSE(simulation->settle(silent, never));
     return simulation;
 }
 
 TEST(StableStep, FindsTheOutermostEigenvaluesOfTheDenseSpectrum) {
-    const Simulation simulation = settled(small());
+    const auto owner = settled(small());
+    const Simulation& simulation = *owner;
     const std::vector<double> state(simulation.state(), simulation.state() + simulation.variator().layout().size());
     double radius = 0.0;
     for (const auto& value : spectrum(simulation.variator(), 0.0, state, simulation.phases())) radius = std::max(radius, std::abs(value));
@@ -47,14 +49,16 @@ TEST(StableStep, IsTheReachOfTheMethodOverTheEigenvalue) {
 }
 
 TEST(StableStep, HasNoAnswerWhereTheStateIsNotFinite) {
-    const Simulation simulation = settled(small());
+    const auto owner = settled(small());
+    const Simulation& simulation = *owner;
     std::vector<double> state(simulation.state(), simulation.state() + simulation.variator().layout().size());
     state[5] = std::nan("");
     EXPECT_TRUE(extreme_eigenvalues(simulation.variator(), 0.0, state.data(), simulation.phases()).empty());
 }
 
 TEST(StableStep, TellsStepsThatEndFromStepsThatBlowUp) {
-    const Simulation start = settled(small());
+    const auto owner = settled(small());
+    const Simulation& start = *owner;
     const double stable = largest_stable_step(start.variator(), "rk4", 0.0, start.state(), start.phases());
     const auto fault_at = [&](double factor) {
         Scene scene = small();
