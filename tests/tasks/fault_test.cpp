@@ -34,6 +34,8 @@ TEST(Faults, AStepFarTooLongForTheChainIsReportedAtItsPin) {
 
 TEST(Faults, ALinkThatIsNotFiniteIsNamed) {
     model::Parameters p = tiny();
+    p.detail.pulleys = model::PulleyDetail::absent;   // they would not be finite either, and come first
+    p.start.layout = model::StartLayout::ring;
     Rig rig(p);
     const model::ChainLayout& at = rig.variator().layout();
     // Each of the four stages carries it to one link more on each side.
