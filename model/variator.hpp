@@ -17,6 +17,9 @@ public:
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
     [[nodiscard]] const PulleyModel& pulleys() const noexcept { return pulleys_; }
 
+    /// Puts values in place of the inputs' tables; between steps only.
+    void hold(const HeldInputs& held) noexcept { pulleys_.hold(held); }
+
     /// Forces of the chain on the sheaves: the links' reactions in the order of their numbers, whoever computed them.
     [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept;
 

@@ -15,6 +15,8 @@ std::string Fault::name() const {
         case FaultKind::max_wall: return "max_wall";
         case FaultKind::cancelled: return "cancelled";
         case FaultKind::step_size: return "step_size";
+        case FaultKind::blow_up: return "blow_up";
+        case FaultKind::step_too_short: return "step_too_short";
     }
     return "unknown";
 }
@@ -38,6 +40,9 @@ std::string Fault::message() const {
         case FaultKind::cancelled: return fmt::format("cancelled {}", when);
         case FaultKind::step_size:
             return fmt::format("the step would have to be shorter than {:.1e} s {} to meet run.tolerance", limit, when);
+        case FaultKind::blow_up:
+            return fmt::format("pin {} moves at {:.3g} m/s {} (limit {:.3g} m/s, faster than sound in steel): the step is too long for this scene", pin, value, when, limit);
+        case FaultKind::step_too_short: return fmt::format("a step of {:.3g} s is lost in the rounding of the time {} (limit {:.3g} s)", value, when, limit);
     }
     return "unknown fault";
 }

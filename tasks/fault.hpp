@@ -5,7 +5,7 @@
 
 namespace cvtflow::tasks {
 
-enum class FaultKind { none, non_finite, penetration, left_sheave, too_stiff, max_steps, max_wall, cancelled, step_size };
+enum class FaultKind { none, non_finite, penetration, left_sheave, too_stiff, max_steps, max_wall, cancelled, step_size, blow_up, step_too_short };
 
 struct Fault {
     FaultKind kind = FaultKind::none;

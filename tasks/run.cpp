@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <numbers>
 
 #include "engine/base/hash.hpp"
 #include "engine/record/state_file.hpp"
 #include "tasks/run_recorder.hpp"
+#include "tasks/step_advice.hpp"
 
 namespace cvtflow::tasks {
 
@@ -95,6 +97,7 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
     if (report.fault) return;
     const auto started = std::chrono::steady_clock::now();
     if (!simulation.integration_state().started) report.begin = simulation.time();
+    report.stable_step = largest_stable_step(simulation.variator(), scene.run.method, simulation.time(), simulation.state(), simulation.phases());
     report.fault = Keeper(scene, options, simulation, recorder).go(scene.run.until, cancel, report);
     report.counters = simulation.counters();
     report.local_errors = simulation.local_errors();
@@ -166,6 +169,16 @@ std::string operating_point(const RunReport& r) {
 
 namespace {
 
+/// Said when the step is the likely reason of a fault, or beyond what the method can take: chattering friction looks plausible and is wrong.
+std::string stability_line(const RunReport& r) {
+    const bool unstable = r.fault.kind == FaultKind::non_finite || r.fault.kind == FaultKind::blow_up || r.fault.kind == FaultKind::penetration ||
+                          r.fault.kind == FaultKind::left_sheave;
+    const bool known = r.stable_step > 0.0 && std::isfinite(r.stable_step);
+    if (!known || (r.step <= beyond_stability * r.stable_step && !unstable)) return "";
+    return fmt::format("  stable step         {} is stable for steps up to {:.2g} s here (estimate){}\n", r.method, r.stable_step,
+                       r.step > beyond_stability * r.stable_step ? "; this step is beyond" : "");
+}
+
 /// What was asked about local errors and what came out; empty if nothing was.
 std::string error_lines(const RunReport& r) {
     if (r.step_control == StepControl::fixed || r.local_errors.steps == 0) return {};
@@ -186,6 +199,7 @@ std::string summary(const RunReport& r) {
     text += fmt::format("  method              {}, step {:.4g} s: {} steps, {} evaluations\n", r.method, r.step, r.counters.steps, r.counters.evaluations);
     text += error_lines(r);
     if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
+    text += stability_line(r);
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  kernels             {}, working set {} KiB\n", r.kernels, (r.working_set + 1023) / 1024);
     text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated, r.counters.suppressed);

@@ -35,6 +35,7 @@ struct RunReport {
     std::vector<std::string> start_differences;
     double begin = 0.0, end = 0.0;        ///< simulated time, after settling [s]
     double step = 0.0;                    ///< [s]
+    double stable_step = 0.0;             ///< largest that the method is stable for where the run began (stable_step.hpp); 0: not asked [s]
     std::string method;
     std::string method_report;            ///< what the method did, one line; empty: nothing to say
     std::string schedule;                 ///< what ran it, and why if it was chosen

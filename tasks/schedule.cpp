@@ -102,6 +102,7 @@ std::unique_ptr<engine::Executor> make_executor(const Schedule& schedule, engine
     options.threads = schedule.threads;
     options.wait = schedule.wait;
     options.pin = schedule.pin;
+    options.present_arena = schedule.present_arena;
     options.recorder = recorder;
     return row->make(options);
 }

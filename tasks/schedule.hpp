@@ -28,6 +28,7 @@ struct Schedule {
     bool balanced = false;              ///< partition by cost of links instead of equal numbers
     engine::Wait wait = engine::Wait::balanced;
     bool pin = false;
+    bool present_arena = false;         ///< flow only: in the oneTBB arena of the caller
 
     bool operator==(const Schedule&) const = default;
     /// "flow, fused, 2 segments, 2 threads"

@@ -202,6 +202,29 @@ Fault Simulation::run(double until, RunObserver& observer, const engine::Cancell
     return integrate(step_settings(scene_.run, time_, until, scene_.run.output_interval, pause_), observer, cancel);
 }
 
+Fault Simulation::advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel) {
+    StepSettings settings = settling_settings();
+    settings.until = rest_.settling ? std::min(until, settings.until) : until;
+    if (!rest_.settling) {
+        settings.begin = time_;
+        settings.output_interval = scene_.run.output_interval;
+    }
+    if (steps > 0) settings.max_steps = rest_.counters.steps + steps;
+    Fault fault;
+    if (rest_.started) {
+        settings.begin = rest_.begin;
+        settings.output_interval = rest_.output_interval;
+        settings.step = rest_.step;
+        StepController controller(*workspace_, *method_, settings, rest_, observer, cancel);
+        fault = drive(controller);
+    } else {
+        StepController controller(*workspace_, *method_, settings, observer, cancel);
+        fault = drive(controller);
+    }
+    if (rest_.settling && time_ > -1e-9 * settings.output_interval) end_settling();
+    return fault;
+}
+
 Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel) {
     StepSettings settings = step_settings(scene_.run, time_, time_ + 1e6, scene_.run.output_interval, nullptr);
     settings.max_steps = steps;
@@ -232,6 +255,7 @@ void Simulation::restore(const IntegrationState& from) {
     w.changed = from.changed;
     w.before = from.before;
     w.list_touching();
+    method_->restart();
     rest_ = from;
     needs_settling_ = from.settling;
     time_ = from.time;

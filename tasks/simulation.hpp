@@ -51,6 +51,11 @@ public:
     /// stopped. While the start settles, only to its end at t = 0, whatever `until`.
     /// @throws SimulationError if nothing has begun
     [[nodiscard]] Fault proceed(double until, RunObserver& observer, const engine::Cancellation& cancel);
+    /// Goes on from where it stands (or begins) to `until` or for so many steps (0: as many as it takes), whatever comes first; settling ends
+    /// at t = 0 in any case. Where calls end does not change a bit of what follows. Ends with a Fault of kind max_steps after `steps`.
+    [[nodiscard]] Fault advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel);
+    /// Puts values in place of the tables of inputs, between runs.
+    void hold(const model::HeldInputs& held) noexcept { workspace_->variator.hold(held); }
     /// The next run ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr: none.
     void pause_on(const bool* flag) noexcept { pause_ = flag; }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "tasks/checkpoint/integration_state.hpp"
@@ -146,7 +147,15 @@ Fault StepController::budget() const {
     return {};
 }
 
+/// Stages must lie at times of their own, and a step must move the time by what it says, to three digits.
+Fault StepController::lost_in_rounding() const {
+    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.time);
+    if (grid_step_ >= shortest) return {};
+    return {FaultKind::step_too_short, w_.time, -1, grid_step_, shortest};
+}
+
 int StepController::begin_step() {
+    if (const Fault lost = lost_in_rounding()) return end(lost);
     counters_.evaluations = w_.evaluations;
     const bool due = w_.time == grid_time(grid_number_) && grid_number_ == outputs_ * steps_per_output_;
     const bool over = w_.time >= settings_.until - 1e-9 * settings_.output_interval;

@@ -132,6 +132,7 @@ private:
     void make_secants();
     void record_transitions();
     [[nodiscard]] Fault budget() const;
+    [[nodiscard]] Fault lost_in_rounding() const;
     [[nodiscard]] double grid_time(long number) const noexcept;
     void probe_start();
 

@@ -40,7 +40,7 @@ public:
     Workspace& operator=(const Workspace&) = delete;
 
     model::Parameters parameters;     ///< changed by adopt() only, as variator and rule
-    model::Variator variator;
+    model::Variator variator;         ///< also constant but for inputs that are held
     const engine::CompiledPlan plan;
     model::PhaseRule rule;
     const model::StagedFunctions stages;

@@ -10,7 +10,9 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
         case FaultKind::penetration:
         case FaultKind::left_sheave:
         case FaultKind::step_size:
-        case FaultKind::too_stiff: return ExitStatus::fault;
+        case FaultKind::too_stiff:
+        case FaultKind::blow_up:
+        case FaultKind::step_too_short: return ExitStatus::fault;
         case FaultKind::max_steps:
         case FaultKind::max_wall: return ExitStatus::budget;
         case FaultKind::cancelled: return ExitStatus::cancelled;

@@ -1,26 +1,13 @@
 #pragma once
 /// The scenes that come with the program, found by name.
 
-#include <filesystem>
-#include <string>
-#include <vector>
+#include "tasks/scene/ready_scenes.hpp"
 
 namespace cvtflow::tools {
 
-struct ReadyScene {
-    std::string name;  ///< the file's stem
-    std::filesystem::path path;
-};
-
-/// Folders that may hold scenes, nearest first: ./scenes, those of the environment variable CVTFLOW_SCENES (separated by ':'),
-/// share/cvtflow/scenes of an installation, the source tree that the program was built from.
-[[nodiscard]] std::vector<std::filesystem::path> scene_folders();
-
-/// All scenes in these folders, by name. Of several with one name only the nearest.
-[[nodiscard]] std::vector<ReadyScene> ready_scenes();
-
-/// A file of that path, else the ready scene of that name. What looks like a path (has '/' or ends in .toml) is returned as it is.
-/// @throws tasks::SceneError  `no scene 'basline' (did you mean 'baseline'?)`
-[[nodiscard]] std::filesystem::path find_scene(const std::string& argument);
+using tasks::find_scene;
+using tasks::ready_scenes;
+using tasks::ReadyScene;
+using tasks::scene_folders;
 
 }  // namespace cvtflow::tools

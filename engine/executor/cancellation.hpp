@@ -8,6 +8,8 @@ namespace cvtflow::engine {
 class Cancellation {
 public:
     void request() noexcept { requested_.store(true, std::memory_order_relaxed); }
+    /// Takes the wish back. @return whether there was one
+    bool withdraw() noexcept { return requested_.exchange(false, std::memory_order_relaxed); }
     [[nodiscard]] bool requested() const noexcept { return requested_.load(std::memory_order_relaxed); }
 
 private:

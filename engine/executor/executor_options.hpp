@@ -19,6 +19,7 @@ struct ExecutorOptions {
     Wait wait = Wait::balanced;
     double spin = -1.0;                 ///< time of pauses before the first yield [µs]; negative: the policy's
     bool pin = false;                   ///< each thread on one processor during run(); masks are restored afterwards
+    bool present_arena = false;         ///< oneTBB only: in the arena that run() is called in, isolated, instead of an own one; `pin` is ignored
     StampRecorder* recorder = nullptr;  ///< times of tasks go there; has at least `threads` tracks and outlives the executor
 };
 

@@ -15,7 +15,7 @@ void Flow::execute(Run& run, int first) {
     using Message = flow::continue_msg;
     ResidentBoard board(run, options(), first);
     const Processors processors;
-    TbbSection section(options().threads, false);
+    TbbSection section(options());
     section.execute([&](oneapi::tbb::task_group_context& context) {
         flow::graph graph(context);
         flow::broadcast_node<Message> start(graph);

@@ -1,11 +1,14 @@
 #pragma once
 /// The part of a process' oneTBB that belongs to one run. Private to this folder.
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 #include <oneapi/tbb/task_group.h>
 #include <oneapi/tbb/task_scheduler_observer.h>
 
+#include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "engine/executor/executor_options.hpp"
 #include "engine/executor/pinning.hpp"
@@ -35,21 +38,35 @@ private:
 /// a host that cancels its tasks cancel the step. (A default flow::graph of oneTBB 2021.8 is bound to the host's context.)
 /// The context carries the caller's floating point mode to all threads. A graph is built inside execute(), for it belongs to the arena
 /// in which it is built.
+///
+/// Or the arena in which the caller already is, isolated: the caller takes none of the host's tasks while it waits.
 class TbbSection {
 public:
     /// @param pin whether threads are pinned by their slot
-    TbbSection(int threads, bool pin) : arena_(threads, 1) {
-        if (pin) pins_ = std::make_unique<ArenaPins>(arena_, threads);
+    TbbSection(int threads, bool pin) : arena_(std::in_place, std::min(threads, most_threads()), 1) {
+        if (pin) pins_ = std::make_unique<ArenaPins>(*arena_, threads);
+    }
+    explicit TbbSection(const ExecutorOptions& options) : TbbSection(options.threads, false) {
+        if (options.present_arena) arena_.reset();
     }
 
     /// Calls action(context) in the arena; the calling thread has the slot reserved for it.
     template <class Action>
     void execute(Action&& action) {
-        arena_.execute([&] { action(context_); });
+        if (arena_) {
+            arena_->execute([&] { action(context_); });
+        } else {
+            oneapi::tbb::this_task_arena::isolate([&] { action(context_); });
+        }
     }
 
 private:
-    oneapi::tbb::task_arena arena_;
+    /// More never come, and oneTBB would complain on the host's standard error.
+    [[nodiscard]] static int most_threads() {
+        return static_cast<int>(oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism));
+    }
+
+    std::optional<oneapi::tbb::task_arena> arena_;   // none: the caller's
     oneapi::tbb::task_group_context context_{oneapi::tbb::task_group_context::isolated, oneapi::tbb::task_group_context::default_traits |
                                                                                             oneapi::tbb::task_group_context::fp_settings};
     std::unique_ptr<ArenaPins> pins_;

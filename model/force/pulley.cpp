@@ -102,10 +102,18 @@ void PulleyModel::motions(const double* block, SheaveMotion* sheaves) const noex
     }
 }
 
+double PulleyModel::reference_angle(double t) const noexcept {
+    return held_.drive_speed ? held_.angle + *held_.drive_speed * (t - held_.since) : drive_.speed.integral(t);
+}
+
+double PulleyModel::reference_speed(double t) const noexcept {
+    return held_.drive_speed ? *held_.drive_speed : drive_.speed.at(std::max(t, 0.0));
+}
+
 double PulleyModel::drive_torque(double t, const double* block) const noexcept {
-    if (drive_.mode == DriveMode::torque) return drive_.torque.at(std::max(t, 0.0));
-    const double angle = drive_.speed.integral(t) - block[rotation(0)];
-    const double speed = drive_.speed.at(std::max(t, 0.0)) - shaft_speed(block, 0);
+    if (drive_.mode == DriveMode::torque) return held_.drive_torque ? *held_.drive_torque : drive_.torque.at(std::max(t, 0.0));
+    const double angle = reference_angle(t) - block[rotation(0)];
+    const double speed = reference_speed(t) - shaft_speed(block, 0);
     return governor_stiffness_ * angle + governor_damping_ * speed;
 }
 
@@ -114,16 +122,16 @@ Inputs PulleyModel::inputs(double t, const double* block, double control) const 
     const double factor = ramp(start_, t);
     Inputs in;
     in.drive_torque = drive_torque(t, block);
-    in.load_torque = -factor * load_.torque.at(now);
-    double driving = clamping_.driving.at(now);
+    in.load_torque = -factor * (held_.load_torque ? *held_.load_torque : load_.torque.at(now));
+    double driving = held_.driving ? *held_.driving : clamping_.driving.at(now);
     if (control_.enabled) {
-        const double error = (shaft_speed(block, 0) - control_.ratio.at(now) * shaft_speed(block, 1)) / reference_speed_;
+        const double error = (shaft_speed(block, 0) - (held_.ratio ? *held_.ratio : control_.ratio.at(now)) * shaft_speed(block, 1)) / reference_speed_;
         const double correction = control_.proportional * error + control_.integral * control;
         const bool winds_up = std::abs(correction) > control_.authority && correction * error > 0.0;
         in.control_rate = winds_up ? 0.0 : error;
         driving = std::max(0.0, driving + std::clamp(correction, -control_.authority, control_.authority));
     }
-    in.clamping = {factor * driving, factor * clamping_.driven.at(now)};
+    in.clamping = {factor * driving, factor * (held_.driven ? *held_.driven : clamping_.driven.at(now))};
     return in;
 }
 

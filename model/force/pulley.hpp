@@ -2,6 +2,7 @@
 /// Shafts, sheaves, their supports, clamping, drive, load and ratio control. (model/EQUATIONS.md section 8)
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "model/account.hpp"
@@ -21,6 +22,19 @@ struct Inputs {
     double control_rate = 0.0;       ///< I' of ratio control, zero without control
 };
 
+/// Inputs that somebody has set by hand: a value in place of the scene's table, from then on.
+struct HeldInputs {
+    std::optional<double> driving;        ///< S_1 [N]
+    std::optional<double> driven;         ///< S_2 [N]
+    std::optional<double> load_torque;    ///< against the travel of shaft 2 [N·m]
+    std::optional<double> drive_torque;   ///< drive mode torque [N·m]
+    std::optional<double> drive_speed;    ///< drive mode speed [rad/s]; the reference angle goes on from `angle` at `since`
+    double since = 0.0;                   ///< [s]
+    double angle = 0.0;                   ///< [rad]
+    std::optional<double> ratio;          ///< of ratio control [1]
+    bool operator==(const HeldInputs&) const = default;
+};
+
 /// Powers of the inputs [W].
 using WorkRates = std::array<double, work_kinds>;
 
@@ -33,6 +47,12 @@ public:
     void motions(const double* block, SheaveMotion* sheaves) const noexcept;
     /// Inputs at time t; `control` is the control integral I (ignored without control).
     [[nodiscard]] Inputs inputs(double t, const double* block, double control) const noexcept;
+    /// Puts values in place of tables; between steps only.
+    void hold(const HeldInputs& held) noexcept { held_ = held; }
+    [[nodiscard]] const HeldInputs& held() const noexcept { return held_; }
+    /// What the governor of mode speed wants at time t: angle and speed of shaft 1.
+    [[nodiscard]] double reference_angle(double t) const noexcept;
+    [[nodiscard]] double reference_speed(double t) const noexcept;
     /// Slope [v | acceleration] of the pulleys' block. Losses and energies are added to the account if there is one.
     void slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept;
     [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;
@@ -75,6 +95,7 @@ private:
     Clamping clamping_;
     Control control_;
     Start start_;
+    HeldInputs held_;
     int size_;
     double half_length_;               ///< ℓ_p/2, distance of a flank plane from the middle [m]
     std::vector<double> inertia_;      ///< diagonal

@@ -63,6 +63,18 @@ void report(Verdict& verdict, FaultKind kind, double time, int pin, double value
     return sum == 0.0;
 }
 
+/// Faster than sound in steel (5.9 km/s): no chain does that, so the integration has become unstable, long before anything is infinite.
+constexpr double fastest_pin = 1e4;   // m/s
+
+/// Whether a link's block [q | v] is finite and its motion that of a chain.
+void check_motion(const Workspace& w, int link, const double* block, Verdict& verdict) noexcept {
+    const int size = w.layout().link_block();
+    if (!finite(block, size)) return report(verdict, FaultKind::non_finite, w.time + w.h, link, 0.0, 0.0);
+    double largest = 0.0;
+    for (int k = size / 2; k < size; ++k) largest = std::max(largest, std::abs(block[k]));
+    if (largest > fastest_pin) report(verdict, FaultKind::blow_up, w.time + w.h, link, largest, fastest_pin);
+}
+
 /// Whether a link's tips are where contact can be described.
 void check_contact(const Workspace& w, int link, const model::TipProbe& probe, Verdict& verdict) noexcept {
     const auto& pulley = w.parameters.pulley;
@@ -246,7 +258,7 @@ void detect_segment(void* workspace, int segment) noexcept {
     if (w.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
     for (int link = own.first; link < own.last; ++link) {
         const double* state = w.end_state + layout.link_begin(link);
-        if (!finite(state, layout.link_block())) report(verdict, FaultKind::non_finite, w.time + w.h, link, 0.0, 0.0);
+        check_motion(w, link, state, verdict);
         if (layout.pulley_size == 0 || verdict.fault) continue;
         model::TipProbe probe;
         indicate(w, state, w.end_sheaves, w.after.data() + model::tips_per_link * link, probe);

@@ -3,6 +3,7 @@
 ///     model  → std, Eigen (.cpp)                                tools, bench, tests → everything
 ///     engine → std, POSIX, fmt and Eigen (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor (.cpp)
 ///     tasks  → model, engine, std, any third party (.cpp)
+///     api    → model, engine, tasks, std; its public headers (api/include) → std and one another only
 ///     threads, locks and atomics: engine/executor only
 ///
 /// A header that includes a third party, itself or through another one, is private: only files of its own folder and
@@ -29,15 +30,17 @@ const std::map<std::string, Names> friends{
     {"model", {"model"}},
     {"engine", {"engine"}},
     {"tasks", {"model", "engine", "tasks"}},
+    {"api", {"model", "engine", "tasks", "api"}},
 };
 
 const Names thread_headers{"atomic", "barrier",   "condition_variable", "future",     "latch",
                            "mutex",  "semaphore", "shared_mutex",       "stop_token", "thread", "pthread.h"};
-const Names posix_headers{"fcntl.h", "pthread.h", "sched.h", "unistd.h"};
+const Names posix_headers{"dlfcn.h", "fcntl.h", "pthread.h", "sched.h", "unistd.h"};
 
 /// Third party behind a header in angle brackets; empty for the standard library and POSIX.
 std::string third_party(const std::string& name) {
     if (posix_headers.contains(name) || name.starts_with("sys/") || name == "immintrin.h") return "";   // ships with the compiler
+    if (name.starts_with("cvtflow/")) return "";   // our public headers
     if (name == "omp.h") return "OpenMP";
     if (name.starts_with("hdf5") || name.starts_with("H5")) return "HDF5";
     if (name.starts_with("tbb/") || name.starts_with("oneapi/")) return "oneTBB";
@@ -49,6 +52,7 @@ std::string third_party(const std::string& name) {
 Names permitted(const SourceFile& file) {
     if (file.part() == "model") return {"Eigen"};
     if (file.part() == "tasks") return {"*"};
+    if (file.part() == "api") return {};
     if (file.path.starts_with("engine/record/")) return {"Eigen", "fmt", "HDF5"};
     if (file.path.starts_with("engine/executor/")) return {"Eigen", "fmt", "oneTBB", "OpenMP"};
     return {"Eigen", "fmt"};
@@ -107,6 +111,16 @@ TEST(IncludeRule, HeadersThatIncludeThirdPartiesArePrivate) {
             if (!include.quoted || !hidden.contains(include.name)) continue;
             const bool own = include.name.substr(0, include.name.rfind('/')) == file.folder();
             EXPECT_TRUE(own || file.part() == "tests") << where(file, include) << " is private to its folder";
+        }
+    }
+}
+
+TEST(IncludeRule, PublicHeadersIncludeTheStandardLibraryAndOneAnother) {
+    for (const SourceFile& file : library()) {
+        if (!file.path.starts_with("api/include/")) continue;
+        for (const Include& include : includes_of(file.text)) {
+            EXPECT_FALSE(include.quoted) << where(file, include);
+            EXPECT_TRUE(third_party(include.name).empty() && (!include.name.ends_with(".h") || include.name.starts_with("cvtflow/"))) << where(file, include);
         }
     }
 }

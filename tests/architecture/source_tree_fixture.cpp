@@ -13,7 +13,7 @@ namespace cvtflow::architecture {
 
 namespace {
 
-const std::array folders{"model", "engine", "tasks", "tools", "bench", "tests"};
+const std::array folders{"model", "engine", "tasks", "api", "tools", "bench", "examples", "tests"};
 
 std::string read(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);

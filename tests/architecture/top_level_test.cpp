@@ -9,9 +9,11 @@ namespace cvtflow::architecture {
 namespace {
 
 const std::set<std::string> allowed{
-    ".ci",          ".clang-format", ".clang-tidy", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json",
-    "DECISIONS.md", "LICENSE",       "README.md",   "bench",      "engine",          "model",        "scenes",         "tasks",
-    "tests",        "tools",
+    ".ci",      ".clang-format", ".clang-tidy", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "DECISIONS.md", "LICENSE", "README.md",
+    "api",        // what host programs include and link: must be found without knowing the inside
+    "bench",      "engine",
+    "examples",   // the first thing that an author of a host program opens; a project of its own as well
+    "model",    "scenes",        "tasks",       "tests",      "tools",
 };
 
 TEST(TopLevel, HoldsOnlyWhatIsAllowed) {

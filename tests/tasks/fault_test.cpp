@@ -26,7 +26,7 @@ void expect_state_before(const Rig& rig, const Fault& fault) {
 TEST(Faults, AStepFarTooLongForTheChainIsReportedAtItsPin) {
     Rig rig(tiny());
     const Fault fault = rig.run({begin, 0.0, 5e-6, 5e-6});   // a hundred times the stable step
-    EXPECT_TRUE(fault.kind == FaultKind::non_finite || fault.kind == FaultKind::left_sheave || fault.kind == FaultKind::penetration) << fault.message();
+    EXPECT_TRUE(fault.kind == FaultKind::non_finite || fault.kind == FaultKind::left_sheave || fault.kind == FaultKind::penetration || fault.kind == FaultKind::blow_up) << fault.message();
     EXPECT_GE(fault.pin, 0) << fault.message();
     EXPECT_LT(fault.time, 0.0);
     expect_state_before(rig, fault);
@@ -34,16 +34,30 @@ TEST(Faults, AStepFarTooLongForTheChainIsReportedAtItsPin) {
 
 TEST(Faults, ALinkThatIsNotFiniteIsNamed) {
     model::Parameters p = tiny();
+    p.detail.pulleys = model::PulleyDetail::absent;   // they would not be finite either, and come first
+    p.start.layout = model::StartLayout::ring;
     Rig rig(p);
     const model::ChainLayout& at = rig.variator().layout();
-    // So fast that the first step carries it out of the range of numbers.
-    rig.mutable_state()[at.link_begin(7) + at.link_size() + at.z(model::End::rear)] = 1e300;
+    // Each of the four stages carries it to one link more on each side.
+    rig.mutable_state()[at.link_begin(7) + at.link_size() + at.z(model::End::rear)] = std::numeric_limits<double>::infinity();
     const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-5});
     EXPECT_EQ(fault.kind, FaultKind::non_finite) << fault.message();
-    EXPECT_GE(fault.pin, 5);
-    EXPECT_LE(fault.pin, 9);
+    EXPECT_GE(fault.pin, 3);
+    EXPECT_LE(fault.pin, 11);
     EXPECT_DOUBLE_EQ(fault.time, begin + 5e-8);
     EXPECT_EQ(fault.name(), "non_finite");
+}
+
+TEST(Faults, ALinkFasterThanSoundIsNamedBeforeAnythingIsInfinite) {
+    Rig rig(tiny());
+    const model::ChainLayout& at = rig.variator().layout();
+    rig.mutable_state()[at.link_begin(7) + at.link_size() + at.z(model::End::rear)] = 2e5;
+    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-5});
+    EXPECT_EQ(fault.kind, FaultKind::blow_up) << fault.message();
+    EXPECT_EQ(fault.limit, 1e4);
+    EXPECT_GT(fault.value, 1e4);
+    EXPECT_DOUBLE_EQ(fault.time, begin + 5e-8);
+    expect_state_before(rig, fault);
 }
 
 TEST(Faults, PulleysThatAreNotFiniteAreNamed) {
@@ -95,13 +109,20 @@ TEST(Faults, ATouchingPinOutsideTheSheaveIsReportedWithItsRadius) {
 }
 
 TEST(Faults, EachHasANameAndAMessage) {
-    for (const FaultKind kind : {FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::max_steps, FaultKind::max_wall, FaultKind::cancelled}) {
+    for (const FaultKind kind : {FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::max_steps, FaultKind::max_wall, FaultKind::cancelled, FaultKind::blow_up, FaultKind::step_too_short}) {
         const Fault fault{kind, 1.5e-3, 12, 1e-3, 2e-3};
         EXPECT_TRUE(static_cast<bool>(fault));
         EXPECT_NE(fault.name(), "unknown");
         EXPECT_NE(fault.message().find("0.0015 s"), std::string::npos) << fault.message();
     }
     EXPECT_FALSE(static_cast<bool>(Fault{}));
+}
+
+TEST(FaultText, SaysWhatBlewUpAndWhichStepIsLost) {
+    EXPECT_EQ((Fault{FaultKind::blow_up, 1e-3, 7, 2.5e4, 1e4}).message(),
+              "pin 7 moves at 2.5e+04 m/s at t = 0.001 s (limit 1e+04 m/s, faster than sound in steel): the step is too long for this scene");
+    EXPECT_EQ((Fault{FaultKind::step_too_short, 1e4, -1, 1e-12, 2.2e-9}).message(),
+              "a step of 1e-12 s is lost in the rounding of the time at t = 10000 s (limit 2.2e-09 s)");
 }
 
 }  // namespace

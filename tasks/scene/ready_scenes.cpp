@@ -1,5 +1,6 @@
-#include "tools/ready_scenes.hpp"
+#include "tasks/scene/ready_scenes.hpp"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,9 +10,22 @@
 #include "tasks/scene/scene.hpp"
 #include "tasks/scene/spelling.hpp"
 
-namespace cvtflow::tools {
+namespace cvtflow::tasks {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+/// Folder of the program or shared library that this code is part of; empty if unknown. A program is known to dladdr by argv[0] only.
+fs::path own_folder() {
+    Dl_info info{};
+    const bool known = dladdr(reinterpret_cast<const void*>(&own_folder), &info) != 0 && info.dli_fname != nullptr && info.dli_fname[0] == '/';
+    std::error_code unknown;
+    const fs::path path = fs::canonical(known ? info.dli_fname : "/proc/self/exe", unknown);
+    return unknown ? fs::path{} : path.parent_path();
+}
+
+}  // namespace
 
 std::vector<fs::path> scene_folders() {
     std::vector<fs::path> folders{"scenes"};
@@ -21,9 +35,9 @@ std::vector<fs::path> scene_folders() {
             if (!folder.empty()) folders.emplace_back(folder);
         }
     }
-    std::error_code unknown;
-    const fs::path program = fs::read_symlink("/proc/self/exe", unknown);
-    if (!unknown) folders.push_back(program.parent_path().parent_path() / "share/cvtflow/scenes");
+    // bin/ or lib/ or lib/ARCHITECTURE/ beside share/
+    fs::path folder = own_folder();
+    for (int level = 0; level < 2 && folder.has_relative_path(); ++level) folders.push_back((folder = folder.parent_path()) / "share/cvtflow/scenes");
     folders.emplace_back(CVTFLOW_SCENES_DIR);
     return folders;
 }
@@ -51,9 +65,9 @@ fs::path find_scene(const std::string& argument) {
         if (scene.name == argument) return scene.path;
         names.push_back(scene.name);
     }
-    const std::string near = tasks::closest(argument, names);
+    const std::string near = closest(argument, names);
     const std::string hint = near.empty() ? "cvtflow list scenes" : fmt::format("did you mean '{}'?", near);
-    throw tasks::SceneError(fmt::format("no scene '{}' ({})", argument, hint));
+    throw SceneError(fmt::format("no scene '{}' ({})", argument, hint));
 }
 
-}  // namespace cvtflow::tools
+}  // namespace cvtflow::tasks

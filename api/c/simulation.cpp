@@ -1,0 +1,174 @@
+#include <cstring>
+#include <utility>
+
+#include "api/c/boundary.hpp"
+
+using namespace cvtflow;
+
+namespace {
+
+[[nodiscard]] Threads threads_of(const cvtflow_options* options) {
+    if (options == nullptr || options->way == CVTFLOW_CALLER) return Threads::caller();
+    if (options->way == CVTFLOW_PRESENT) return Threads::present(options->threads);
+    if (options->way == CVTFLOW_OWN) return Threads::own(options->threads);
+    throw Error(ErrorCode::argument, "way: there is no number " + std::to_string(options->way));
+}
+
+/// Every function that only asks and cannot fail answers for NULL as for nothing.
+template <class T, class Question>
+T ask(const cvtflow_simulation* simulation, T nothing, Question&& question) noexcept {
+    try {
+        return simulation != nullptr ? question(simulation->simulation) : nothing;
+    } catch (...) {
+        return nothing;
+    }
+}
+
+}  // namespace
+
+extern "C" {
+
+cvtflow_code cvtflow_create(const cvtflow_scene* scene, const cvtflow_options* options, cvtflow_simulation** simulation, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        if (options != nullptr && options->size < sizeof(cvtflow_options)) throw Error(ErrorCode::argument, "options: its size is not set (CVTFLOW_INIT)");
+        api::given(simulation, "simulation") =
+            new cvtflow_simulation{Simulation(api::given(scene, "scene").scene, threads_of(options), options != nullptr ? options->segments : 0)};
+    });
+}
+
+cvtflow_code cvtflow_copy(const cvtflow_simulation* from, cvtflow_simulation** copy, cvtflow_message* message) {
+    return api::guarded(message, [&] { api::given(copy, "copy") = new cvtflow_simulation{api::given(from, "from").simulation.copy()}; });
+}
+
+void cvtflow_destroy(cvtflow_simulation* simulation) { delete simulation; }
+
+double cvtflow_time(const cvtflow_simulation* simulation) {
+    return ask(simulation, 0.0, [](const Simulation& s) { return s.time(); });
+}
+
+double cvtflow_step_length(const cvtflow_simulation* simulation) {
+    return ask(simulation, 0.0, [](const Simulation& s) { return s.step_length(); });
+}
+
+cvtflow_code cvtflow_advance_to(cvtflow_simulation* simulation, double time, cvtflow_message* message) {
+    return api::guarded(message, [&] { api::given(simulation, "simulation").simulation.advance_to(time); });
+}
+
+cvtflow_code cvtflow_step(cvtflow_simulation* simulation, cvtflow_message* message) {
+    return api::guarded(message, [&] { api::given(simulation, "simulation").simulation.step(); });
+}
+
+void cvtflow_cancel(cvtflow_simulation* simulation) {
+    if (simulation != nullptr) simulation->simulation.cancel();
+}
+
+cvtflow_code cvtflow_largest_stable_step(cvtflow_simulation* simulation, double* step, cvtflow_message* message) {
+    return api::guarded(message, [&] { api::given(step, "step") = api::given(simulation, "simulation").simulation.largest_stable_step(); });
+}
+
+cvtflow_code cvtflow_state_get(const cvtflow_simulation* simulation, void* bytes, size_t* size, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        const State state = api::given(simulation, "simulation").simulation.state();
+        const size_t room = std::exchange(api::given(size, "size"), state.bytes().size());
+        if (bytes == nullptr) return;
+        if (room < *size) throw Error(ErrorCode::argument, "size: " + std::to_string(room) + " bytes for a state of " + std::to_string(*size));
+        std::memcpy(bytes, state.bytes().data(), *size);
+    });
+}
+
+cvtflow_code cvtflow_state_set(cvtflow_simulation* simulation, const void* bytes, size_t size, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        const auto* first = static_cast<const std::byte*>(bytes);
+        const std::span all(&api::given(first, "bytes"), size);
+        api::given(simulation, "simulation").simulation.set_state(State::from_bytes(all));
+    });
+}
+
+uint64_t cvtflow_hash(const cvtflow_simulation* simulation) {
+    return ask(simulation, uint64_t{0}, [](const Simulation& s) { return s.hash(); });
+}
+
+cvtflow_code cvtflow_input_set(cvtflow_simulation* simulation, int32_t input, double value, cvtflow_message* message) {
+    return api::guarded(message, [&] { api::given(simulation, "simulation").simulation.set_input(static_cast<Input>(input), value); });
+}
+
+cvtflow_code cvtflow_input_get(const cvtflow_simulation* simulation, int32_t input, double* value, cvtflow_message* message) {
+    return api::guarded(message, [&] { api::given(value, "value") = api::given(simulation, "simulation").simulation.input(static_cast<Input>(input)); });
+}
+
+size_t cvtflow_size(const cvtflow_simulation* simulation) {
+    return ask(simulation, size_t{0}, [](const Simulation& s) { return s.size(); });
+}
+
+const double* cvtflow_unknowns(const cvtflow_simulation* simulation) {
+    return ask<const double*>(simulation, nullptr, [](const Simulation& s) { return s.unknowns().data(); });
+}
+
+cvtflow_code cvtflow_rhs(cvtflow_simulation* simulation, double time, const double* x, double* out, size_t size, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        const std::span from(&api::given(x, "x"), size);
+        const std::span to(&api::given(out, "out"), size);
+        api::given(simulation, "simulation").simulation.rhs(time, from, to);
+    });
+}
+
+size_t cvtflow_channel_count(const cvtflow_simulation* simulation) {
+    return ask(simulation, size_t{0}, [](const Simulation& s) { return s.channels(); });
+}
+
+cvtflow_code cvtflow_channel_describe(const cvtflow_simulation* simulation, size_t channel, cvtflow_channel_info* info, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        const ChannelInfo row = api::given(simulation, "simulation").simulation.channel_info(channel);
+        const cvtflow_channel_info ours{sizeof ours, 0, row.name.data(), row.unit.data(), row.description.data(), row.width};
+        api::fill_versioned(&api::given(info, "info"), &ours, sizeof ours, sizeof ours);
+    });
+}
+
+cvtflow_code cvtflow_channel_find(const cvtflow_simulation* simulation, const char* name, size_t* channel, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        api::given(channel, "channel") = api::given(simulation, "simulation").simulation.find_channel(&api::given(name, "name"));
+    });
+}
+
+cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, size_t channel, const double** values, size_t* width, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        const std::span<const double> now = api::given(simulation, "simulation").simulation.channel(channel);
+        api::given(values, "values") = now.data();
+        if (width != nullptr) *width = now.size();
+    });
+}
+
+cvtflow_code cvtflow_counters_get(const cvtflow_simulation* simulation, cvtflow_counters* counters) {
+    return api::guarded(nullptr, [&] {
+        const Counters now = api::given(simulation, "simulation").simulation.counters();
+        const cvtflow_counters ours{sizeof ours, 0, now.steps, now.evaluations, now.transitions, now.truncated, now.suppressed};
+        api::fill_versioned(&api::given(counters, "counters"), &ours, sizeof ours, sizeof ours);
+    });
+}
+
+cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, cvtflow_output_function function, void* user, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        std::function<void(Simulation&)> callback;
+        if (function != nullptr) {
+            callback = [=](Simulation&) {
+                if (function(simulation, user) != 0) throw Error(ErrorCode::callback, "the callback on output asked to stop");
+            };
+        }
+        api::given(simulation, "simulation").simulation.on_output(interval, std::move(callback));
+    });
+}
+
+cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_transition_function function, void* user, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        std::function<void(Simulation&, const Transition&)> callback;
+        if (function != nullptr) {
+            callback = [=](Simulation&, const Transition& t) {
+                const cvtflow_transition now{sizeof now, t.pin, t.tip, t.from, t.to, 0, t.time};
+                if (function(simulation, &now, user) != 0) throw Error(ErrorCode::callback, "the callback on a transition asked to stop");
+            };
+        }
+        api::given(simulation, "simulation").simulation.on_transition(std::move(callback));
+    });
+}
+
+}  // extern "C"

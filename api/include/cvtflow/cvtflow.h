@@ -1,0 +1,179 @@
+/* C interface of cvtflow: opaque handles, error codes, no exception and no C++ type crosses it.
+ *
+ * Stability. Functions are never removed or changed within a major version (symbol version CVTFLOW_0). Structs that grow begin with their
+ * size in bytes, set by the caller (CVTFLOW_INIT does it): the library touches no member beyond it.
+ *
+ * Errors. Functions that can fail return a code, CVTFLOW_OK = 0, and fill the message, the last argument, which may be NULL. Nothing else
+ * is changed by a call that fails, except that cvtflow_advance_to and cvtflow_step leave the simulation at the last accepted step.
+ *
+ * Threads. A scene may be used from all threads. A simulation is used by one thread at a time; a call while another one is under way
+ * returns CVTFLOW_BUSY. cvtflow_cancel may be called from every thread and from signal handlers. No thread is started before the first
+ * step. Callbacks run on the thread that called cvtflow_advance_to, between steps. See simulation.hpp, which says all of this in full.
+ */
+#ifndef CVTFLOW_CVTFLOW_H
+#define CVTFLOW_CVTFLOW_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define CVTFLOW_API __attribute__((visibility("default")))
+
+typedef enum cvtflow_code {
+    CVTFLOW_OK = 0,
+    CVTFLOW_ARGUMENT = 1,     /* value out of range, wrong length, unknown name, NULL */
+    CVTFLOW_SCENE = 2,        /* the scene cannot be read or has problems */
+    CVTFLOW_START_STATE = 3,  /* the scene's state file */
+    CVTFLOW_STATE = 4,        /* a saved state of another scene or version, or damaged */
+    CVTFLOW_BUSY = 5,         /* stepped by another thread, or called from its own callback */
+    CVTFLOW_FORKED = 6,       /* ran on threads before this process was forked off */
+    CVTFLOW_CANCELLED = 7,    /* the simulation can go on */
+    CVTFLOW_MEMORY = 8,
+    CVTFLOW_INTERNAL = 9,     /* a defect of cvtflow */
+    CVTFLOW_CALLBACK = 10,    /* a callback returned other than 0 */
+    CVTFLOW_NON_FINITE = 20,  /* from here on: why a simulation cannot go on */
+    CVTFLOW_PENETRATION = 21,
+    CVTFLOW_LEFT_SHEAVE = 22,
+    CVTFLOW_MAX_STEPS = 23,
+    CVTFLOW_MAX_WALL = 24,
+    CVTFLOW_BLOW_UP = 25,
+    CVTFLOW_OTHER_FAULT = 39
+} cvtflow_code;
+
+typedef struct cvtflow_scene cvtflow_scene;
+typedef struct cvtflow_simulation cvtflow_simulation;
+
+/* What went wrong, in words: a string that ends in 0, cut off if it does not fit. */
+typedef struct cvtflow_message {
+    uint32_t size; /* of this struct */
+    int32_t code;
+    char text[1016];
+} cvtflow_message;
+
+/* Who does the work; see threads.hpp. */
+typedef enum cvtflow_way {
+    CVTFLOW_CALLER = 0,  /* the calling thread alone */
+    CVTFLOW_PRESENT = 1, /* the oneTBB arena in which the call is made */
+    CVTFLOW_OWN = 2      /* an arena of its own */
+} cvtflow_way;
+
+typedef struct cvtflow_options {
+    uint32_t size;
+    int32_t way;      /* cvtflow_way */
+    int32_t threads;  /* of the present or own arena, the caller included; 0: as many as the process may use (own only) */
+    int32_t segments; /* tasks per step; 0: one per thread */
+} cvtflow_options;
+
+typedef enum cvtflow_input {
+    CVTFLOW_CLAMPING_DRIVING = 0, /* S_1 [N] */
+    CVTFLOW_CLAMPING_DRIVEN = 1,  /* S_2 [N] */
+    CVTFLOW_LOAD_TORQUE = 2,      /* [N m] */
+    CVTFLOW_DRIVE_TORQUE = 3,     /* [N m], drive.mode = "torque" */
+    CVTFLOW_DRIVE_SPEED = 4,      /* [rad/s], drive.mode = "speed" */
+    CVTFLOW_RATIO = 5             /* [1], control.enabled */
+} cvtflow_input;
+
+typedef struct cvtflow_counters {
+    uint32_t size;
+    uint32_t reserved;
+    int64_t steps, evaluations, transitions, truncated, suppressed;
+} cvtflow_counters;
+
+/* Strings live as long as the library is loaded. */
+typedef struct cvtflow_channel_info {
+    uint32_t size;
+    uint32_t reserved;
+    const char* name;
+    const char* unit;
+    const char* description;
+    size_t width;
+} cvtflow_channel_info;
+
+typedef struct cvtflow_transition {
+    uint32_t size;
+    int32_t pin, tip, from, to; /* phases: 0 free, 1 touching, 2 sticking, 3 slipping */
+    uint32_t reserved;
+    double time; /* [s] */
+} cvtflow_transition;
+
+/* An initialiser of a versioned struct: cvtflow_options options = CVTFLOW_INIT(cvtflow_options); */
+#ifdef __cplusplus
+#define CVTFLOW_INIT(type) ([] { type made{}; made.size = sizeof(type); return made; }())
+#else
+#define CVTFLOW_INIT(type) {.size = sizeof(type)}
+#endif
+
+/* Other than 0 ends cvtflow_advance_to with CVTFLOW_CALLBACK. */
+typedef int (*cvtflow_output_function)(cvtflow_simulation* simulation, void* user);
+typedef int (*cvtflow_transition_function)(cvtflow_simulation* simulation, const cvtflow_transition* transition, void* user);
+
+CVTFLOW_API const char* cvtflow_version(void);              /* "0.1.0" */
+CVTFLOW_API const char* cvtflow_code_name(int32_t code);    /* "cancelled"; "unknown" for a number that is no code */
+CVTFLOW_API cvtflow_code cvtflow_shutdown(void);            /* ends worker threads; CVTFLOW_BUSY if others keep them alive */
+
+/* Scenes: immutable, counted. */
+CVTFLOW_API cvtflow_code cvtflow_scene_read(const char* path, cvtflow_scene** scene, cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_scene_parse(const char* text, const char* name, cvtflow_scene** scene, cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_scene_ready(const char* name, cvtflow_scene** scene, cvtflow_message* message);
+/* A new scene with settings "key=value". */
+CVTFLOW_API cvtflow_code cvtflow_scene_with(const cvtflow_scene* scene, const char* const* settings, size_t count, cvtflow_scene** changed,
+                                            cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_scene_with_detail(const cvtflow_scene* scene, const char* preset, cvtflow_scene** changed,
+                                                   cvtflow_message* message);
+CVTFLOW_API const char* cvtflow_scene_name(const cvtflow_scene* scene); /* lives as long as the scene */
+CVTFLOW_API void cvtflow_scene_release(cvtflow_scene* scene);           /* NULL is allowed; simulations keep what they need */
+
+/* Simulations. options may be NULL: the caller alone. */
+CVTFLOW_API cvtflow_code cvtflow_create(const cvtflow_scene* scene, const cvtflow_options* options, cvtflow_simulation** simulation,
+                                        cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_copy(const cvtflow_simulation* from, cvtflow_simulation** copy, cvtflow_message* message);
+CVTFLOW_API void cvtflow_destroy(cvtflow_simulation* simulation); /* NULL is allowed */
+
+CVTFLOW_API double cvtflow_time(const cvtflow_simulation* simulation);        /* [s] */
+CVTFLOW_API double cvtflow_step_length(const cvtflow_simulation* simulation); /* [s] */
+CVTFLOW_API cvtflow_code cvtflow_advance_to(cvtflow_simulation* simulation, double time, cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_step(cvtflow_simulation* simulation, cvtflow_message* message);
+CVTFLOW_API void cvtflow_cancel(cvtflow_simulation* simulation);
+CVTFLOW_API cvtflow_code cvtflow_largest_stable_step(cvtflow_simulation* simulation, double* step, cvtflow_message* message);
+
+/* Full integration state as bytes. get: *size is the room at bytes on entry and what is needed on return; bytes NULL asks for it. */
+CVTFLOW_API cvtflow_code cvtflow_state_get(const cvtflow_simulation* simulation, void* bytes, size_t* size, cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_state_set(cvtflow_simulation* simulation, const void* bytes, size_t size, cvtflow_message* message);
+CVTFLOW_API uint64_t cvtflow_hash(const cvtflow_simulation* simulation);
+
+/* value may be set between steps and from callbacks. */
+CVTFLOW_API cvtflow_code cvtflow_input_set(cvtflow_simulation* simulation, int32_t input, double value, cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_input_get(const cvtflow_simulation* simulation, int32_t input, double* value, cvtflow_message* message);
+
+/* Unknowns and right-hand side. */
+CVTFLOW_API size_t cvtflow_size(const cvtflow_simulation* simulation);
+CVTFLOW_API const double* cvtflow_unknowns(const cvtflow_simulation* simulation); /* [size], valid until the next step */
+CVTFLOW_API cvtflow_code cvtflow_rhs(cvtflow_simulation* simulation, double time, const double* x, double* out, size_t size,
+                                     cvtflow_message* message);
+
+/* Channels: what there is to see, by number or name. */
+CVTFLOW_API size_t cvtflow_channel_count(const cvtflow_simulation* simulation);
+CVTFLOW_API cvtflow_code cvtflow_channel_describe(const cvtflow_simulation* simulation, size_t channel, cvtflow_channel_info* info,
+                                                  cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_channel_find(const cvtflow_simulation* simulation, const char* name, size_t* channel,
+                                              cvtflow_message* message);
+/* *values stays valid until the simulation changes. */
+CVTFLOW_API cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, size_t channel, const double** values, size_t* width,
+                                                cvtflow_message* message);
+
+CVTFLOW_API cvtflow_code cvtflow_counters_get(const cvtflow_simulation* simulation, cvtflow_counters* counters);
+
+/* One function of each kind per simulation; NULL removes it. */
+CVTFLOW_API cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, cvtflow_output_function function, void* user,
+                                           cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_transition_function function, void* user,
+                                               cvtflow_message* message);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,8 @@
+#pragma once
+/// All of the C++ interface.
+
+#include <cvtflow/error.hpp>
+#include <cvtflow/scene.hpp>
+#include <cvtflow/simulation.hpp>
+#include <cvtflow/threads.hpp>
+#include <cvtflow/version.hpp>

@@ -1,0 +1,49 @@
+#pragma once
+/// What is simulated: an immutable description that any number of simulations and threads may share.
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include <cvtflow/export.hpp>
+
+namespace cvtflow {
+inline namespace v0 {
+
+class Simulation;
+
+/// A handle to a checked scene; copies share it. All members are safe to call from several threads at once.
+class CVTFLOW_EXPORT Scene {
+public:
+    /// Reads a scene file. @throws Error (scene): every problem in it, one per line
+    [[nodiscard]] static Scene read(const std::string& path);
+    /// A scene given as text; `name` stands for the file in messages, and start.state is relative to its folder. @throws Error (scene)
+    [[nodiscard]] static Scene parse(const std::string& text, const std::string& name = "scene.toml");
+    /// A scene that comes with cvtflow ("baseline"), from the installed data or the folders of the environment variable CVTFLOW_SCENES.
+    /// @throws Error (scene)
+    [[nodiscard]] static Scene ready(const std::string& name);
+
+    /// This scene with settings "key=value", as --set on the command line. @throws Error (scene)
+    [[nodiscard]] Scene with(std::span<const std::string> settings) const;
+    [[nodiscard]] Scene with(const std::string& setting) const;
+    /// This scene at a level of detail: "coarse", "medium", "fine", "full". A state file that then no longer fits is dropped.
+    /// @throws Error (scene)
+    [[nodiscard]] Scene with_detail(const std::string& preset) const;
+
+    [[nodiscard]] const std::string& name() const noexcept;
+    [[nodiscard]] const std::string& description() const noexcept;
+    /// The scene as TOML with every key.
+    [[nodiscard]] std::string text() const;
+    /// Value of a key, as TOML: value("run.step") is "5e-8". @throws Error (argument) for an unknown key
+    [[nodiscard]] std::string value(const std::string& key) const;
+
+private:
+    struct Data;
+    explicit Scene(std::shared_ptr<const Data> data) noexcept;
+    friend class Simulation;
+
+    std::shared_ptr<const Data> data_;
+};
+
+}  // namespace v0
+}  // namespace cvtflow

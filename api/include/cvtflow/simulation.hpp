@@ -1,0 +1,163 @@
+#pragma once
+/// One simulation of one scene inside a host program.
+///
+/// Threads. A simulation is used by one thread at a time, of any identity. Any number of simulations may run side by side on any threads,
+/// they share nothing. cancel() may be called from any thread and from signal handlers. A second call while one is under way is refused
+/// (busy), it neither waits nor breaks anything.
+///
+/// Callbacks run on the thread that called advance_to(), between steps, outside of any parallel section: they may read the simulation, set
+/// its inputs, cancel it, use other simulations in every way, and throw (the exception leaves advance_to()). Stepping or replacing the
+/// state of the same simulation from its own callback is refused (busy).
+///
+/// Floating-point environment. Steps are taken in the default environment (round to nearest, denormals kept, traps off), whatever the host
+/// has set, so results do not depend on it; the host's is put back before any callback and on return.
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <cvtflow/error.hpp>
+#include <cvtflow/export.hpp>
+#include <cvtflow/scene.hpp>
+#include <cvtflow/threads.hpp>
+
+namespace cvtflow {
+inline namespace v0 {
+
+/// What a host may set between steps; a set value replaces the scene's table from then on.
+enum class Input : int {
+    clamping_driving = 0,   ///< S_1 [N], ≥ 0
+    clamping_driven = 1,    ///< S_2 [N], ≥ 0
+    load_torque = 2,        ///< against the travel of shaft 2 [N·m]
+    drive_torque = 3,       ///< on shaft 1, drive.mode = "torque" [N·m]
+    drive_speed = 4,        ///< of shaft 1, drive.mode = "speed" [rad/s]
+    ratio = 5,              ///< wanted speed ratio, with control.enabled [1]
+};
+
+/// What happened since the start; after settling, since t = 0. Part of the state.
+struct Counters {
+    std::int64_t steps = 0;         ///< accepted, truncated ones included
+    std::int64_t evaluations = 0;   ///< of the right-hand side
+    std::int64_t transitions = 0;   ///< changes of a tip's phase
+    std::int64_t truncated = 0;     ///< steps cut at a transition
+    std::int64_t suppressed = 0;    ///< transitions put off because the tip had just changed
+    bool operator==(const Counters&) const = default;
+};
+
+struct ChannelInfo {
+    std::string_view name;          ///< "shaft_1/torque"; all three live as long as the library is loaded and end in 0
+    std::string_view unit;          ///< "N*m", "1" for none
+    std::string_view description;
+    std::size_t width = 1;          ///< number of values
+};
+
+/// A change of a tip's phase. Phases: 0 free, 1 touching, 2 sticking, 3 slipping.
+struct Transition {
+    double time;    ///< [s]
+    int pin;        ///< counted from 0
+    int tip;        ///< 4 link + 2 (front half) + (side +z)
+    int from, to;
+};
+
+/// The full integration state: set_state(state()) continues bitwise. Inputs that the host has set are part of it.
+class CVTFLOW_EXPORT State {
+public:
+    State() = default;
+    /// @throws Error (state) if the bytes are damaged or of another version
+    [[nodiscard]] static State from_bytes(std::span<const std::byte> bytes);
+    [[nodiscard]] std::span<const std::byte> bytes() const noexcept { return bytes_; }
+    bool operator==(const State&) const = default;
+
+private:
+    friend class Simulation;
+    std::vector<std::byte> bytes_;
+};
+
+class CVTFLOW_EXPORT Simulation {
+public:
+    /// Prepares the start state; starts no thread. @param segments tasks per step; 0: one per thread
+    /// @throws Error (start_state, scene, argument)
+    explicit Simulation(const Scene& scene, Threads threads = Threads::caller(), int segments = 0);
+    ~Simulation();
+    Simulation(Simulation&& other) noexcept;
+    Simulation& operator=(Simulation&& other) noexcept;
+    Simulation(const Simulation&) = delete;
+    Simulation& operator=(const Simulation&) = delete;
+    /// A second simulation of the same scene in the same state, without the callbacks. @throws Error (busy, memory)
+    [[nodiscard]] Simulation copy() const;
+
+    [[nodiscard]] const Scene& scene() const noexcept;
+    /// [s]. A geometric start that has to settle begins at -start.settling_time: advance_to(0) settles it.
+    [[nodiscard]] double time() const noexcept;
+    /// Length of a step that no transition cuts [s].
+    [[nodiscard]] double step_length() const noexcept;
+
+    /// Takes whole steps until time() ≥ t. Where the calls end does not change the result: one call or a thousand give the same bits.
+    /// @throws Error (a fault, cancelled, busy, forked); the simulation then stands at the last accepted step
+    void advance_to(double t);
+    /// One step, perhaps cut short by a transition. @throws as advance_to
+    void step();
+    /// Ends advance_to() of another thread after at most one step, or the next one at its beginning. One wish ends one call.
+    void cancel() noexcept;
+
+    [[nodiscard]] State state() const;
+    /// @throws Error (state) if it is of another scene, busy
+    void set_state(const State& state);
+    /// Hash of unknowns and phases: bitwise equality in short.
+    [[nodiscard]] std::uint64_t hash() const;
+
+    /// @throws Error (argument) for a value out of range or an input that the scene does not have; busy
+    void set_input(Input input, double value);
+    /// Present value, set or of the scene's table. @throws Error (argument) as above
+    [[nodiscard]] double input(Input input) const;
+
+    /// Number of unknowns: coordinates and velocities link by link, then shafts and sheaves (ARCHITECTURE.md).
+    [[nodiscard]] std::size_t size() const noexcept;
+    /// The unknowns now [size()]; valid until the next step.
+    [[nodiscard]] std::span<const double> unknowns() const noexcept;
+    /// out = dx/dt at (t, x), for solvers of the host's own: a function of t and x alone (a tip that penetrates touches, any other is free)
+    /// and of the inputs. Uses the simulation's memory: not from two threads at once. @throws Error (argument) for lengths, busy
+    void rhs(double t, std::span<const double> x, std::span<double> out);
+
+    [[nodiscard]] std::size_t channels() const noexcept;
+    /// @throws Error (argument)
+    [[nodiscard]] ChannelInfo channel_info(std::size_t index) const;
+    /// @throws Error (argument) with the name that was probably meant
+    [[nodiscard]] std::size_t find_channel(const std::string& name) const;
+    /// The values of a channel now, valid until the simulation changes. The first read after a step observes the whole state, some tens of
+    /// microseconds; further reads are free. @throws Error (argument)
+    [[nodiscard]] std::span<const double> channel(std::size_t index);
+    [[nodiscard]] std::span<const double> channel(const std::string& name);
+
+    [[nodiscard]] Counters counters() const noexcept;
+    /// What a user should know: differences between the scene and the one that its state file was settled with, one line each.
+    [[nodiscard]] std::vector<std::string> notices() const;
+    /// Largest step for which the scene's method is linearly stable here, from the extreme eigenvalues (about a hundred evaluations) [s].
+    /// @throws Error busy
+    [[nodiscard]] double largest_stable_step();
+
+    /// Called after the first step at or after every multiple of `interval` [s]. Replaces the one before; an empty function removes it.
+    /// @throws Error (argument) unless interval > 0; busy
+    void on_output(double interval, std::function<void(Simulation&)> callback);
+    /// Called for every transition since the last call, in their order, between two outputs at the latest. @throws Error busy
+    void on_transition(std::function<void(Simulation&, const Transition&)> callback);
+
+private:
+    class Impl;
+    explicit Simulation(std::unique_ptr<Impl> impl) noexcept;
+
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Ends the worker threads that simulations of this process have started, and waits until they are gone: before dlclose(), or where a host
+/// counts threads. To be called while no simulation steps; later steps start new ones.
+/// @return false if other users of oneTBB in this process keep its threads alive (or a simulation is still stepping)
+CVTFLOW_EXPORT bool shutdown() noexcept;
+
+}  // namespace v0
+}  // namespace cvtflow

@@ -1,0 +1,20 @@
+#pragma once
+/// Version of these headers. Semantic: a program built against 0.x runs with the same 0.x, one built against 1.x with every later 1.y.
+/// (Equality with the project's version is a test.)
+
+#include <string>
+
+#include <cvtflow/export.hpp>
+
+#define CVTFLOW_VERSION_MAJOR 0
+#define CVTFLOW_VERSION_MINOR 1
+#define CVTFLOW_VERSION_PATCH 0
+
+namespace cvtflow {
+inline namespace v0 {
+
+/// Version of the library that is loaded: "0.1.0".
+[[nodiscard]] CVTFLOW_EXPORT std::string library_version();
+
+}  // namespace v0
+}  // namespace cvtflow

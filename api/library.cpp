@@ -1,0 +1,14 @@
+#include <cvtflow/simulation.hpp>
+#include <cvtflow/version.hpp>
+
+#include "engine/executor/worker_threads.hpp"
+
+namespace cvtflow {
+inline namespace v0 {
+
+std::string library_version() { return CVTFLOW_VERSION_TEXT; }
+
+bool shutdown() noexcept { return engine::end_worker_threads(); }
+
+}  // namespace v0
+}  // namespace cvtflow

@@ -1,0 +1,27 @@
+#pragma once
+/// The scenes that come with the program, found by name.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace cvtflow::tasks {
+
+struct ReadyScene {
+    std::string name;  ///< the file's stem
+    std::filesystem::path path;
+};
+
+/// Folders that may hold scenes, nearest first: ./scenes, those of the environment variable CVTFLOW_SCENES (separated by ':'),
+/// share/cvtflow/scenes of the installation that this program or library belongs to (wherever it was moved), the source tree that it was
+/// built from.
+[[nodiscard]] std::vector<std::filesystem::path> scene_folders();
+
+/// All scenes in these folders, by name. Of several with one name only the nearest.
+[[nodiscard]] std::vector<ReadyScene> ready_scenes();
+
+/// A file of that path, else the ready scene of that name. What looks like a path (has '/' or ends in .toml) is returned as it is.
+/// @throws SceneError  `no scene 'basline' (did you mean 'baseline'?)`
+[[nodiscard]] std::filesystem::path find_scene(const std::string& argument);
+
+}  // namespace cvtflow::tasks

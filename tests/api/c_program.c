@@ -1,0 +1,171 @@
+/* The C interface from C11: every function once, errors as codes, versioned structs of other sizes. Prints what failed. */
+
+#include <cvtflow/cvtflow.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int failures = 0;
+
+#define CHECK(condition)                                                        \
+    do {                                                                        \
+        if (!(condition)) {                                                     \
+            fprintf(stderr, "c_program.c:%d: not so: %s\n", __LINE__, #condition); \
+            ++failures;                                                         \
+        }                                                                       \
+    } while (0)
+
+static cvtflow_scene* brief_scene(const char* path) {
+    cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
+    cvtflow_scene* scene = NULL;
+    cvtflow_scene* brief = NULL;
+    const char* settings[] = {"start.settling_time=0.3 ms", "start.ramp_time=0.3 ms", "run.step=100 ns"};
+    CHECK(cvtflow_scene_read(path, &scene, &message) == CVTFLOW_OK);
+    CHECK(strcmp(cvtflow_scene_name(scene), "tiny") == 0);
+    CHECK(cvtflow_scene_with(scene, settings, 3, &brief, &message) == CVTFLOW_OK);
+    CHECK(message.code == CVTFLOW_OK && message.text[0] == '\0');
+    cvtflow_scene_release(scene);
+    return brief;
+}
+
+static void check_errors(const cvtflow_scene* scene) {
+    cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
+    cvtflow_scene* none = NULL;
+    cvtflow_simulation* simulation = NULL;
+    cvtflow_options options = {0};
+    struct { uint32_t size; int32_t code; char text[8]; } brief = {sizeof brief, 0, ""};
+    CHECK(cvtflow_scene_read("/nowhere.toml", &none, &message) == CVTFLOW_SCENE);
+    CHECK(message.code == CVTFLOW_SCENE && strstr(message.text, "/nowhere.toml") != NULL);
+    CHECK(cvtflow_scene_parse("[chain]\npins = 2\n", NULL, &none, (cvtflow_message*)&brief) == CVTFLOW_SCENE);
+    CHECK(strcmp(brief.text, "scene.t") == 0); /* cut off where the room ends */
+    CHECK(cvtflow_scene_read(NULL, &none, &message) == CVTFLOW_ARGUMENT);
+    CHECK(strcmp(message.text, "path is NULL") == 0);
+    CHECK(cvtflow_scene_ready("no_such_scene_at_all", &none, NULL) == CVTFLOW_SCENE);
+    CHECK(cvtflow_scene_with_detail(scene, "finest", &none, NULL) == CVTFLOW_SCENE);
+    CHECK(none == NULL);
+    CHECK(cvtflow_create(scene, &options, &simulation, &message) == CVTFLOW_ARGUMENT);
+    options.size = sizeof options;
+    options.way = 77;
+    CHECK(cvtflow_create(scene, &options, &simulation, &message) == CVTFLOW_ARGUMENT);
+    CHECK(strcmp(message.text, "way: there is no number 77") == 0);
+    CHECK(simulation == NULL);
+    CHECK(cvtflow_advance_to(NULL, 1.0, &message) == CVTFLOW_ARGUMENT);
+    CHECK(cvtflow_time(NULL) == 0.0 && cvtflow_size(NULL) == 0 && cvtflow_unknowns(NULL) == NULL);
+    CHECK(strcmp(cvtflow_code_name(CVTFLOW_CANCELLED), "cancelled") == 0);
+    CHECK(strcmp(cvtflow_code_name(4711), "unknown") == 0);
+    cvtflow_cancel(NULL);
+    cvtflow_destroy(NULL);
+    cvtflow_scene_release(NULL);
+}
+
+static void check_states(cvtflow_simulation* simulation) {
+    size_t size = 0;
+    void* bytes = NULL;
+    uint64_t hash = 0;
+    cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
+    cvtflow_simulation* copy = NULL;
+    CHECK(cvtflow_state_get(simulation, NULL, &size, &message) == CVTFLOW_OK && size > 1000);
+    bytes = malloc(size);
+    size = 10;
+    CHECK(cvtflow_state_get(simulation, bytes, &size, &message) == CVTFLOW_ARGUMENT && size > 1000);
+    CHECK(cvtflow_state_get(simulation, bytes, &size, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_copy(simulation, &copy, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_advance_to(simulation, -2.8e-4, &message) == CVTFLOW_OK);
+    hash = cvtflow_hash(simulation);
+    CHECK(cvtflow_state_set(simulation, bytes, size, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_hash(simulation) != hash);
+    CHECK(cvtflow_advance_to(simulation, -2.8e-4, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_hash(simulation) == hash);
+    CHECK(cvtflow_advance_to(copy, -2.8e-4, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_hash(copy) == hash);
+    ((char*)bytes)[size / 3] ^= 1;
+    CHECK(cvtflow_state_set(simulation, bytes, size, &message) == CVTFLOW_STATE);
+    cvtflow_destroy(copy);
+    free(bytes);
+}
+
+static void check_channels(cvtflow_simulation* simulation) {
+    cvtflow_channel_info info = CVTFLOW_INIT(cvtflow_channel_info);
+    struct { uint32_t size, reserved; const char* name; } too_small = {sizeof too_small, 0, NULL};
+    const double* values = NULL;
+    size_t channel = 0, width = 0;
+    CHECK(cvtflow_channel_count(simulation) > 40);
+    CHECK(cvtflow_channel_find(simulation, "links/tension", &channel, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_channel_describe(simulation, channel, &info, NULL) == CVTFLOW_OK);
+    CHECK(strcmp(info.name, "links/tension") == 0 && strcmp(info.unit, "N") == 0 && info.width == 24);
+    CHECK(cvtflow_channel_describe(simulation, channel, (cvtflow_channel_info*)&too_small, NULL) == CVTFLOW_ARGUMENT);
+    CHECK(cvtflow_channel_values(simulation, channel, &values, &width, NULL) == CVTFLOW_OK && width == 24 && isfinite(values[23]));
+    CHECK(cvtflow_channel_find(simulation, "tension", &channel, NULL) == CVTFLOW_ARGUMENT);
+}
+
+static void check_equations(cvtflow_simulation* simulation) {
+    const size_t size = cvtflow_size(simulation);
+    double* out = malloc(size * sizeof *out);
+    double value = 0.0, step = 0.0;
+    size_t k = 0;
+    CHECK(cvtflow_rhs(simulation, cvtflow_time(simulation), cvtflow_unknowns(simulation), out, size, NULL) == CVTFLOW_OK);
+    for (k = 0; k < size; ++k) CHECK(isfinite(out[k]));
+    CHECK(cvtflow_rhs(simulation, 0.0, cvtflow_unknowns(simulation), out, size - 1, NULL) == CVTFLOW_ARGUMENT);
+    CHECK(cvtflow_input_set(simulation, CVTFLOW_LOAD_TORQUE, 7.5, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_input_get(simulation, CVTFLOW_LOAD_TORQUE, &value, NULL) == CVTFLOW_OK && value == 7.5);
+    CHECK(cvtflow_input_set(simulation, CVTFLOW_RATIO, 1.0, NULL) == CVTFLOW_ARGUMENT);
+    CHECK(cvtflow_largest_stable_step(simulation, &step, NULL) == CVTFLOW_OK && step > 1e-9 && step < 1e-5);
+    CHECK(fabs(cvtflow_step_length(simulation) - 1e-7) < 1e-20);
+    free(out);
+}
+
+struct calls {
+    int outputs;
+    long transitions;
+};
+
+static int on_output(cvtflow_simulation* simulation, void* user) {
+    struct calls* calls = user;
+    CHECK(cvtflow_step(simulation, NULL) == CVTFLOW_BUSY);
+    return ++calls->outputs == 3; /* enough */
+}
+
+static int on_transition(cvtflow_simulation* simulation, const cvtflow_transition* transition, void* user) {
+    (void)simulation;
+    CHECK(transition->size == sizeof *transition && transition->from != transition->to);
+    ++((struct calls*)user)->transitions;
+    return 0;
+}
+
+static void check_callbacks(cvtflow_simulation* simulation) {
+    struct calls calls = {0, 0};
+    cvtflow_counters counters = CVTFLOW_INIT(cvtflow_counters);
+    cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
+    CHECK(cvtflow_on_output(simulation, 1e-5, on_output, &calls, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_on_transition(simulation, on_transition, &calls, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_advance_to(simulation, 1.0, &message) == CVTFLOW_CALLBACK);
+    CHECK(calls.outputs == 3);
+    CHECK(cvtflow_counters_get(simulation, &counters) == CVTFLOW_OK && counters.steps > 100);
+    CHECK(cvtflow_on_output(simulation, 1.0, NULL, NULL, &message) == CVTFLOW_OK);
+    CHECK(cvtflow_on_transition(simulation, NULL, NULL, &message) == CVTFLOW_OK);
+    cvtflow_cancel(simulation);
+    CHECK(cvtflow_step(simulation, &message) == CVTFLOW_CANCELLED);
+    CHECK(cvtflow_step(simulation, &message) == CVTFLOW_OK);
+}
+
+int main(int argc, char** argv) {
+    cvtflow_scene* scene = argc > 1 ? brief_scene(argv[1]) : NULL;
+    cvtflow_simulation* simulation = NULL;
+    cvtflow_options options = CVTFLOW_INIT(cvtflow_options);
+    if (scene == NULL) return 2;
+    check_errors(scene);
+    options.way = CVTFLOW_OWN;
+    options.threads = 2;
+    CHECK(cvtflow_create(scene, &options, &simulation, NULL) == CVTFLOW_OK);
+    cvtflow_scene_release(scene); /* the simulation keeps what it needs */
+    CHECK(cvtflow_advance_to(simulation, -2.9e-4, NULL) == CVTFLOW_OK);
+    check_states(simulation);
+    check_channels(simulation);
+    check_equations(simulation);
+    check_callbacks(simulation);
+    cvtflow_destroy(simulation);
+    CHECK(cvtflow_shutdown() == CVTFLOW_OK);
+    printf("cvtflow %s: %s\n", cvtflow_version(), failures == 0 ? "all as promised" : "something is not as promised");
+    return failures == 0 ? 0 : 1;
+}

@@ -1,0 +1,60 @@
+#pragma once
+/// A host program's view: the installed headers, a small scene, and how many threads there are.
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cvtflow/cvtflow.hpp>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace cvtflow::host {
+
+/// 24 pins; settles for 0.3 ms only: cheap, and full of transitions.
+inline Scene tiny(std::vector<std::string> more = {}) {
+    more.insert(more.begin(), {"start.settling_time=0.3 ms", "start.ramp_time=0.3 ms", "run.step=100 ns"});
+    return Scene::read(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml").with(more);
+}
+
+/// Threads of this process.
+inline long threads() {
+    const std::filesystem::directory_iterator tasks("/proc/self/task");
+    return std::distance(begin(tasks), end(tasks));
+}
+
+/// Code of the error that `action` throws; none if it throws none.
+template <class Action>
+ErrorCode code_of(const Action& action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.code();
+    }
+    return ErrorCode::none;
+}
+
+/// Text of the error that `action` throws.
+template <class Action>
+std::string error_of(const Action& action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+/// Waits until `condition` holds. @return whether it did within 20 s
+template <class Condition>
+bool eventually(const Condition& condition) {
+    using namespace std::chrono_literals;
+    for (int attempt = 0; attempt < 20000; ++attempt) {
+        if (condition()) return true;
+        std::this_thread::sleep_for(1ms);
+    }
+    return false;
+}
+
+}  // namespace cvtflow::host

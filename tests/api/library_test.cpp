@@ -1,0 +1,182 @@
+/// The shared library as hosts of plugins load it: by dlopen, many times, in two versions at once; and what it shows.
+
+#include <dlfcn.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <cvtflow/cvtflow.h>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+
+namespace cvtflow::host {
+namespace {
+
+const std::string scene_file = std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml";
+
+/// The C interface of one loaded library.
+class Library {
+public:
+    explicit Library(const std::string& path) : handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+        if (handle_ == nullptr) std::fprintf(stderr, "%s\n", dlerror());
+    }
+    ~Library() {
+        if (handle_ != nullptr) dlclose(handle_);
+    }
+    Library(const Library&) = delete;
+    Library& operator=(const Library&) = delete;
+
+    [[nodiscard]] bool loaded() const { return handle_ != nullptr; }
+    /// The function of the header with this name.
+    template <class Function>
+    [[nodiscard]] Function* function(Function& /*type*/, const char* name) const {
+        return reinterpret_cast<Function*>(dlsym(handle_, name));
+    }
+
+private:
+    void* handle_;
+};
+
+#define FROM(library, name) (library).function(name, #name)
+
+/// A short run through the C interface on two threads of the library's own. @return hash, 0 if something fails
+std::uint64_t run_in(const Library& library) {
+    cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
+    cvtflow_scene* scene = nullptr;
+    cvtflow_scene* brief = nullptr;
+    cvtflow_simulation* simulation = nullptr;
+    const std::array settings{"start.settling_time=0.2 ms", "start.ramp_time=0.2 ms", "run.step=100 ns"};
+    cvtflow_options options = CVTFLOW_INIT(cvtflow_options);
+    options.way = CVTFLOW_OWN;
+    options.threads = 2;
+    std::uint64_t hash = 0;
+    if (FROM(library, cvtflow_scene_read)(scene_file.c_str(), &scene, &message) == CVTFLOW_OK &&
+        FROM(library, cvtflow_scene_with)(scene, settings.data(), settings.size(), &brief, &message) == CVTFLOW_OK &&
+        FROM(library, cvtflow_create)(brief, &options, &simulation, &message) == CVTFLOW_OK &&
+        FROM(library, cvtflow_advance_to)(simulation, -1.9e-4, &message) == CVTFLOW_OK) {
+        hash = FROM(library, cvtflow_hash)(simulation);
+    } else {
+        std::fprintf(stderr, "%s\n", message.text);
+    }
+    FROM(library, cvtflow_destroy)(simulation);
+    FROM(library, cvtflow_scene_release)(brief);
+    FROM(library, cvtflow_scene_release)(scene);
+    return hash;
+}
+
+bool mapped(const std::string& name) {
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);) {
+        if (line.find(name) != std::string::npos) return true;
+    }
+    return false;
+}
+
+/// Runs in a child, since this program is linked with the library and could not unload it.
+template <class Action>
+int in_child_program(const Action& action) {
+    const pid_t child = fork();
+    if (child == 0) {
+        alarm(300);
+        _exit(action());
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+TEST(SharedLibrary, IsLoadedAndUnloadedAHundredTimes) {
+    EXPECT_EQ(in_child_program([] {
+                  std::uint64_t expected = 0;
+                  for (int round = 0; round < 100; ++round) {
+                      {
+                          const Library library(CVTFLOW_LIBRARY);
+                          if (!library.loaded()) return 1;
+                          const std::uint64_t hash = run_in(library);
+                          if (round == 0) expected = hash;
+                          if (hash == 0 || hash != expected) return 2;
+                          if (FROM(library, cvtflow_shutdown)() != CVTFLOW_OK) return 3;
+                      }
+                      if (mapped("libcvtflow")) return 4;
+                  }
+                  return 0;
+              }),
+              0);
+}
+
+TEST(SharedLibrary, LivesBesideAnotherVersion) {
+    EXPECT_EQ(in_child_program([] {
+                  const Library one(CVTFLOW_LIBRARY), other(CVTFLOW_NEXT_LIBRARY);
+                  if (!one.loaded() || !other.loaded()) return 1;
+                  if (std::string(FROM(one, cvtflow_version)()) == FROM(other, cvtflow_version)()) return 2;
+                  const std::uint64_t expected = run_in(one);
+                  for (int round = 0; round < 3; ++round) {
+                      if (run_in(one) != expected || run_in(other) != expected) return 3;
+                  }
+                  return expected != 0 ? 0 : 4;
+              }),
+              0);
+}
+
+std::string output_of(const std::string& command) {
+    std::FILE* pipe = popen(command.c_str(), "r");
+    std::string output;
+    std::array<char, 4096> buffer;
+    while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
+    pclose(pipe);
+    return output;
+}
+
+/// Names with versions that the library shows and that match `pattern` of grep -E.
+std::set<std::string> shown(const std::string& pattern) {
+    std::istringstream lines(output_of("nm -D --defined-only --with-symbol-versions '" CVTFLOW_LIBRARY "' | awk '{print $3}' | grep -E '" + pattern + "'"));
+    std::set<std::string> names;
+    for (std::string name; std::getline(lines, name);) names.insert(name);
+    return names;
+}
+
+TEST(SharedLibrary, ShowsTheFunctionsOfTheSymbolFileAndNoOther) {
+    std::ifstream file(CVTFLOW_SOURCE_DIR "/api/symbols.txt");
+    std::set<std::string> promised;
+    for (std::string line; std::getline(file, line);) {
+        if (!line.empty() && line[0] != '#') promised.insert(line);
+    }
+    EXPECT_GT(promised.size(), 25u);
+    EXPECT_EQ(shown("^cvtflow_"), promised) << "a function that was added belongs into api/symbols.txt; one that is gone breaks programs";
+}
+
+TEST(SharedLibrary, HidesItsInsideAndWhatItIsMadeOf) {
+    for (const std::string& name : shown(".")) {
+        const bool interface = name.starts_with("cvtflow_") || name.starts_with("_ZN7cvtflow2v0") || name.starts_with("_ZNK7cvtflow2v0") ||
+                               name.find("7cvtflow2v05ErrorE@") != std::string::npos || name.starts_with("CVTFLOW_");
+        EXPECT_TRUE(interface) << name;
+    }
+}
+
+TEST(SharedLibrary, HeaderDeclaresWhatTheSymbolFilePromises) {
+    std::ifstream header(CVTFLOW_SOURCE_DIR "/api/include/cvtflow/cvtflow.h");
+    const std::string text{std::istreambuf_iterator<char>(header), {}};
+    for (const std::string& name : shown("^cvtflow_")) EXPECT_NE(text.find(" " + name.substr(0, name.find('@')) + "("), std::string::npos) << name;
+}
+
+/// Sizes and places of members are part of the binary interface: x86-64 and other 64-bit systems.
+TEST(SharedLibrary, StructsKeepTheirLayout) {
+    EXPECT_EQ(sizeof(cvtflow_message), 1024u);
+    EXPECT_EQ(offsetof(cvtflow_message, text), 8u);
+    EXPECT_EQ(sizeof(cvtflow_options), 16u);
+    EXPECT_EQ(sizeof(cvtflow_counters), 48u);
+    EXPECT_EQ(offsetof(cvtflow_counters, suppressed), 40u);
+    EXPECT_EQ(sizeof(cvtflow_channel_info), 40u);
+    EXPECT_EQ(offsetof(cvtflow_channel_info, width), 32u);
+    EXPECT_EQ(sizeof(cvtflow_transition), 32u);
+    EXPECT_EQ(offsetof(cvtflow_transition, time), 24u);
+}
+
+}  // namespace
+}  // namespace cvtflow::host

@@ -1,0 +1,95 @@
+/// The installed package as strangers use it: a fresh CMake project, pkg-config, another prefix, and sources inside a host's project.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace cvtflow::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string here = CVTFLOW_SOURCE_DIR "/tests/api";
+
+class Package : public testing::Test {
+protected:
+    Package() : folder_(fs::temp_directory_path() / ("cvtflow_package_" + std::to_string(getpid()))) { fs::create_directories(folder_); }
+    ~Package() override { fs::remove_all(folder_); }
+
+    /// Standard output and error of a command, which must succeed.
+    std::string run(const std::string& command) const {
+        std::FILE* pipe = popen(("cd '" + folder_.string() + "' && { " + command + "; } 2>&1").c_str(), "r");
+        std::string output;
+        std::array<char, 4096> buffer;
+        while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
+        EXPECT_EQ(pclose(pipe), 0) << command << "\n" << output;
+        return output;
+    }
+    void install(const std::string& prefix) const { run("cmake --install '" CVTFLOW_BINARY_DIR "' --prefix '" + (folder_ / prefix).string() + "'"); }
+
+    fs::path folder_;
+};
+
+TEST_F(Package, IsFoundAndUsedByAFreshProjectAlsoAfterItWasMoved) {
+    install("first");
+    fs::rename(folder_ / "first", folder_ / "moved");
+    run("cmake -S " + here + "/consumer -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/moved -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
+    run("cmake --build b");
+    EXPECT_THAT(run("b/consumer_cpp"), testing::HasSubstr("t = -0.009999 s, 648 unknowns"));
+    EXPECT_THAT(run("b/consumer_c"), testing::HasSubstr("648 unknowns"));
+    std::ifstream file(folder_ / "b/program.txt");
+    std::string program;
+    std::getline(file, program);
+    EXPECT_EQ(program, (folder_ / "moved/bin/cvtflow").string());
+    EXPECT_THAT(run(program + " check baseline"), testing::HasSubstr((folder_ / "moved/share/cvtflow/scenes/baseline.toml").string()));
+}
+
+TEST_F(Package, IsFoundByPkgConfig) {
+    install("p");
+    const std::string config = run("dirname $(find p -name cvtflow.pc)");
+    const std::string with = "export PKG_CONFIG_PATH=" + config.substr(0, config.size() - 1) + "; ";
+    EXPECT_EQ(run(with + "pkg-config --modversion cvtflow"), CVTFLOW_PROJECT_VERSION "\n");
+    run(with + CVTFLOW_CC " -std=c11 -Wall -Wextra -pedantic -Werror " + here + "/consumer/main.c -o c $(pkg-config --cflags --libs cvtflow)");
+    EXPECT_THAT(run(with + "LD_LIBRARY_PATH=$(pkg-config --variable=libdir cvtflow) ./c"), testing::HasSubstr("648 unknowns"));
+    EXPECT_THAT(run(with + "ls $(pkg-config --variable=scenesdir cvtflow)"), testing::HasSubstr("tiny.toml"));
+}
+
+TEST_F(Package, HoldsNoHeaderOfThirdPartiesAndNothingOfTheInside) {
+    install("p");
+    const std::string text = run("cat p/include/cvtflow/*");
+    for (const char* party : {"Eigen", "hdf5", "tbb/", "fmt/", "nlohmann", "toml", "model/", "engine/", "tasks/"}) {
+        EXPECT_EQ(text.find("#include <" + std::string(party)), std::string::npos) << party;
+        EXPECT_EQ(text.find("#include \"" + std::string(party)), std::string::npos) << party;
+    }
+    EXPECT_EQ(run("find p -type d -name cvtflow | wc -l"), "4\n") << "include, lib/cmake, share, share/doc";
+}
+
+TEST_F(Package, IsAFolderInAHostsProject) {
+    run("cmake -S " + here + "/subdirectory -B b -G Ninja -DCVTFLOW_SOURCE=" CVTFLOW_SOURCE_DIR " -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
+}
+
+using NightlyPackage = Package;
+
+TEST_F(NightlyPackage, IsBuiltAsAFolderInAHostsProject) {
+    run("cmake -S " + here + "/subdirectory -B b -G Ninja -DCVTFLOW_SOURCE=" CVTFLOW_SOURCE_DIR " -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
+    run("cmake --build b");
+    EXPECT_THAT(run("b/host"), testing::HasSubstr("648 unknowns"));
+}
+
+TEST_F(NightlyPackage, BuildsTheExamplesAgainstTheInstallation) {
+    install("p");
+    run("cmake -S " CVTFLOW_SOURCE_DIR "/examples -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
+        " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
+    run("cmake --build b");
+    EXPECT_THAT(run("b/host_openmp 3"), testing::HasSubstr("the same bits"));
+    EXPECT_THAT(run("b/host_threads 2 3"), testing::HasSubstr("clamping"));
+}
+
+}  // namespace
+}  // namespace cvtflow::host

@@ -1,0 +1,116 @@
+/// Threads and processes: none before the first step, none after shutdown, and what a fork leaves.
+
+#include <oneapi/tbb/global_control.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <thread>
+
+#include "host_fixture.hpp"
+
+namespace cvtflow::host {
+namespace {
+
+/// Hash after a short run, on the calling thread.
+std::uint64_t serial_hash(const Scene& scene, double until) {
+    Simulation simulation(scene);
+    simulation.advance_to(until);
+    return simulation.hash();
+}
+
+/// Runs `action` in a child process; its exit status.
+template <class Action>
+int in_child(const Action& action) {
+    const pid_t child = fork();
+    if (child == 0) {
+        alarm(60);   // a child that hangs ends with a signal
+        _exit(action());
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+/// Whether this is a process in which nothing else has run. If not, the test is run again in one, and its result taken from there.
+bool alone() {
+    if (std::getenv("CVTFLOW_ALONE") != nullptr) return true;
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
+    const std::string command = "CVTFLOW_ALONE=1 '" + self + "' --gtest_filter=" + test->test_suite_name() + "." + test->name();
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    return false;
+}
+
+TEST(HostProcess, NoneIsStartedBeforeTheFirstStepAndNoneLeftAfterShutdown) {
+    if (!alone()) return;
+    const long before = threads();
+    const Scene scene = tiny();
+    {
+        Simulation simulation(scene, Threads::own(2)), serial(scene);
+        EXPECT_EQ(threads(), before);
+        serial.advance_to(-2.9e-4);
+        EXPECT_EQ(threads(), before);
+        simulation.advance_to(-2.5e-4);
+        EXPECT_TRUE(threads() > before || std::thread::hardware_concurrency() == 1);
+    }
+    EXPECT_TRUE(shutdown());
+    EXPECT_TRUE(eventually([&] { return threads() == before; }));
+}
+
+TEST(HostProcess, StepsAfterShutdownStartNewThreads) {
+    if (!alone()) return;
+    const Scene scene = tiny();
+    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
+    for (int round = 0; round < 5; ++round) {
+        {
+            Simulation simulation(scene, Threads::own(3));
+            simulation.advance_to(-2.9e-4);
+            EXPECT_EQ(simulation.hash(), expected);
+        }
+        EXPECT_TRUE(shutdown());
+        EXPECT_EQ(threads(), 1);
+    }
+}
+
+TEST(HostProcess, ShutdownSaysWhenOthersKeepTheWorkers) {
+    if (!alone()) return;
+    oneapi::tbb::task_scheduler_handle hosts{oneapi::tbb::attach{}};   // a host that uses oneTBB and is not done with it
+    Simulation simulation(tiny(), Threads::own(2));
+    simulation.advance_to(-2.9e-4);
+    EXPECT_FALSE(shutdown());
+    EXPECT_TRUE(oneapi::tbb::finalize(hosts, std::nothrow));
+}
+
+TEST(HostProcess, AForkBeforeTheFirstStepIsHarmless) {
+    const Scene scene = tiny();
+    EXPECT_EQ(in_child([&] {
+                  Simulation simulation(scene, Threads::own(2));
+                  const std::uint64_t expected = serial_hash(scene, -2.9e-4);
+                  return in_child([&] {
+                      simulation.advance_to(-2.9e-4);
+                      return simulation.hash() == expected ? 0 : 1;
+                  });
+              }),
+              0);
+}
+
+TEST(HostProcess, AForkAfterThreadedStepsIsAClearErrorAndTheCallerAloneCanGoOn) {
+    const Scene scene = tiny();
+    EXPECT_EQ(in_child([&] {
+                  Simulation simulation(scene, Threads::own(2));
+                  simulation.advance_to(-2.9e-4);
+                  return in_child([&] {
+                      const ErrorCode code = code_of([&] { simulation.advance_to(-2.8e-4); });
+                      if (code != ErrorCode::forked) return 1;
+                      Simulation here(scene);
+                      here.set_state(simulation.state());
+                      here.advance_to(-2.8e-4);
+                      return here.hash() == serial_hash(scene, -2.8e-4) ? 0 : 2;
+                  });
+              }),
+              0);
+}
+
+}  // namespace
+}  // namespace cvtflow::host

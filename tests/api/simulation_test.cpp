@@ -1,0 +1,284 @@
+/// One simulation in a host: steps, states, inputs, channels, callbacks, errors.
+
+#include <malloc.h>
+
+#include <cfenv>
+#include <cmath>
+#include <cstring>
+
+#include "host_fixture.hpp"
+
+namespace cvtflow::host {
+namespace {
+
+TEST(HostSimulation, GivesTheSameBitsInOneCallAndInAThousand) {
+    const Scene scene = tiny();
+    Simulation whole(scene), pieces(scene), steps(scene);
+    whole.advance_to(2e-5);
+    for (int k = -300; k <= 20; ++k) pieces.advance_to(1e-6 * k);
+    while (steps.time() < 2e-5 - 1e-12) steps.step();
+    EXPECT_NE(whole.counters().steps, 0);
+    EXPECT_EQ(pieces.hash(), whole.hash());
+    EXPECT_EQ(steps.hash(), whole.hash());
+    EXPECT_EQ(pieces.time(), whole.time());
+    EXPECT_EQ(steps.counters(), whole.counters());
+}
+
+TEST(HostSimulation, GivesTheSameBitsForEveryWayOfRunning) {
+    const Scene scene = tiny();
+    Simulation serial(scene);
+    serial.advance_to(1e-5);
+    for (const int segments : {0, 3, 24}) {
+        for (const Threads threads : {Threads::caller(), Threads::own(2), Threads::own(3), Threads::present(2)}) {
+            Simulation other(scene, threads, segments);
+            other.advance_to(-1e-4);
+            other.advance_to(1e-5);
+            EXPECT_EQ(other.hash(), serial.hash()) << static_cast<int>(threads.way()) << ", " << segments << " segments";
+        }
+    }
+}
+
+TEST(HostSimulation, ContinuesBitwiseFromAStateThatWasPutBack) {
+    const Scene scene = tiny();
+    for (const double saved_at : {-2.5e-4, -1e-7, 0.0, 3.3e-6}) {
+        Simulation simulation(scene);
+        simulation.advance_to(saved_at);
+        const State saved = simulation.state();
+        simulation.advance_to(1e-5);
+        const std::uint64_t expected = simulation.hash();
+        const Counters counters = simulation.counters();
+        simulation.set_state(saved);   // back in time
+        EXPECT_EQ(simulation.state(), saved);
+        simulation.advance_to(1e-5);
+        EXPECT_EQ(simulation.hash(), expected) << saved_at;
+        Simulation other(scene, Threads::own(2));   // and in another simulation, run another way
+        other.set_state(State::from_bytes(saved.bytes()));
+        other.advance_to(1e-5);
+        EXPECT_EQ(other.hash(), expected) << saved_at;
+        EXPECT_EQ(other.counters(), counters);
+    }
+}
+
+TEST(HostSimulation, CopiesGoTheirOwnWay) {
+    Simulation simulation(tiny());
+    simulation.advance_to(-1e-4);
+    simulation.set_input(Input::load_torque, 5.0);
+    Simulation copy = simulation.copy();
+    EXPECT_EQ(copy.hash(), simulation.hash());
+    EXPECT_EQ(copy.input(Input::load_torque), 5.0);
+    copy.advance_to(1e-6);
+    EXPECT_NE(copy.hash(), simulation.hash());
+    simulation.advance_to(1e-6);
+    EXPECT_EQ(copy.hash(), simulation.hash());
+}
+
+TEST(HostSimulation, RefusesStatesThatAreDamagedOrOfAnotherScene) {
+    Simulation simulation(tiny());
+    const State good = simulation.state();
+    std::vector<std::byte> bytes(good.bytes().begin(), good.bytes().end());
+    bytes[bytes.size() / 2] ^= std::byte{1};
+    EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(bytes)); }), "saved state: it is damaged");
+    EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(std::span(bytes).first(3))); }), "saved state: these bytes are none of this version");
+    EXPECT_EQ(error_of([&] { simulation.set_state(State()); }), "saved state: these bytes are none of this version");
+    Simulation stiffer(tiny({"tip.hertz=3e10"}));
+    EXPECT_EQ(error_of([&] { stiffer.set_state(good); }), "saved state: it belongs to another scene, method or step");
+    Simulation elsewhere(tiny({"run.threads=3", "run.until=7 ms", "scene.name=other"}));
+    EXPECT_NO_THROW(elsewhere.set_state(good));   // what does not matter to the course does not count
+}
+
+TEST(HostSimulation, TakesInputsFromTheHost) {
+    const Scene scene = tiny();
+    Simulation simulation(scene);
+    simulation.advance_to(0.0);
+    EXPECT_EQ(simulation.input(Input::clamping_driving), 7700.0);
+    simulation.set_input(Input::clamping_driving, 8000.0);
+    simulation.set_input(Input::drive_speed, 250.0);
+    EXPECT_EQ(simulation.input(Input::clamping_driving), 8000.0);
+    EXPECT_EQ(simulation.channel("shaft_1/clamping")[0], 8000.0);
+    // The governor's torque is 2 J w (speed wanted - speed) + J w² (angle wanted - angle): the angle does not jump with the speed wanted.
+    Simulation same(scene);
+    same.advance_to(0.0);
+    const double polar = 2e-2 + 2 * 8e-3, frequency = 2.0 * M_PI * 200.0;
+    const double expected = same.channel("shaft_1/torque")[0] + 2.0 * polar * frequency * (250.0 - 209.43951023931953);
+    EXPECT_NEAR(simulation.channel("shaft_1/torque")[0], expected, 1e-9 * std::abs(expected));
+    simulation.set_input(Input::drive_speed, 250.0);   // once more changes nothing
+    EXPECT_NEAR(simulation.channel("shaft_1/torque")[0], expected, 1e-9 * std::abs(expected));
+}
+
+TEST(HostSimulation, AnInputHeldAtTheTablesValueChangesNothing) {
+    Simulation simulation(tiny()), held(tiny());
+    for (const Input input : {Input::clamping_driving, Input::clamping_driven, Input::load_torque}) held.set_input(input, held.input(input));
+    simulation.advance_to(1e-6);
+    held.advance_to(1e-6);
+    EXPECT_EQ(held.hash(), simulation.hash());
+}
+
+TEST(HostSimulation, SaysWhichInputsItDoesNotTake) {
+    Simulation simulation(tiny());
+    EXPECT_EQ(error_of([&] { simulation.set_input(Input::clamping_driven, -1.0); }), "clamping.driven: -1 is outside [0, 1e7] N");
+    EXPECT_EQ(code_of([&] { simulation.set_input(Input::load_torque, std::nan("")); }), ErrorCode::argument);
+    EXPECT_EQ(error_of([&] { simulation.set_input(Input::drive_torque, 1.0); }), "drive.torque: needs drive.mode = \"torque\"");
+    EXPECT_EQ(error_of([&] { simulation.set_input(Input::ratio, 1.0); }), "control.ratio: needs control.enabled = true");
+    EXPECT_EQ(error_of([&] { simulation.set_input(static_cast<Input>(17), 1.0); }), "input: there is no number 17");
+}
+
+TEST(HostSimulation, ShowsChannelsByNameAndNumber) {
+    Simulation simulation(tiny());
+    EXPECT_GT(simulation.channels(), 40u);
+    const std::size_t tension = simulation.find_channel("links/tension");
+    EXPECT_EQ(simulation.channel_info(tension).unit, "N");
+    EXPECT_EQ(simulation.channel_info(tension).width, 24u);
+    EXPECT_EQ(simulation.channel(tension).size(), 24u);
+    for (std::size_t k = 0; k < simulation.channels(); ++k) EXPECT_EQ(simulation.find_channel(std::string(simulation.channel_info(k).name)), k);
+    simulation.advance_to(-1e-4);
+    EXPECT_GT(simulation.channel("tips/touching")[0], 0.0);
+    EXPECT_EQ(simulation.channel("run/steps")[0], static_cast<double>(simulation.counters().steps));
+    EXPECT_EQ(error_of([&] { static_cast<void>(simulation.channel("ratoi")); }), "channel: there is no 'ratoi' (did you mean \"ratio\"?)");
+    EXPECT_EQ(code_of([&] { static_cast<void>(simulation.channel(1000)); }), ErrorCode::argument);
+}
+
+TEST(HostSimulation, RightHandSideIsTheSlopeOfTheMotion) {
+    Simulation simulation(tiny({"detail.friction=smoothed", "run.step=10 ns", "run.output_interval=10 ns", "run.state_interval=10 ns"}));
+    simulation.advance_to(-2.9e-4);
+    const std::size_t size = simulation.size();
+    std::vector<double> before(simulation.unknowns().begin(), simulation.unknowns().end()), slope(size), again(size);
+    const double t = simulation.time();
+    simulation.rhs(t, before, slope);
+    simulation.rhs(t, before, again);
+    EXPECT_EQ(slope, again);
+    simulation.step();
+    const double h = simulation.time() - t;
+    double error = 0.0, change = 0.0;
+    for (std::size_t k = 0; k < size; ++k) {
+        const double moved = simulation.unknowns()[k] - before[k];
+        error += (moved - h * slope[k]) * (moved - h * slope[k]);
+        change += moved * moved;
+    }
+    EXPECT_LT(std::sqrt(error / change), 0.5);   // h λ is up to 0.6: the first order is half of it at most
+    EXPECT_EQ(code_of([&] { simulation.rhs(t, std::span(before).first(3), slope); }), ErrorCode::argument);
+}
+
+TEST(HostSimulation, CallsBackAfterTheStepsThatReachAnInterval) {
+    Simulation simulation(tiny());
+    std::vector<double> times;
+    long transitions = 0;
+    double last = -1.0;
+    simulation.on_output(5e-5, [&](Simulation& at) { times.push_back(at.time()); });
+    simulation.on_transition([&](Simulation&, const Transition& t) {
+        EXPECT_GE(t.time, last);
+        EXPECT_NE(t.from, t.to);
+        last = t.time;
+        ++transitions;
+    });
+    simulation.advance_to(-1e-9);
+    ASSERT_EQ(times.size(), 6u);
+    for (std::size_t k = 0; k < times.size(); ++k) EXPECT_NEAR(times[k], -2.5e-4 + 5e-5 * static_cast<double>(k), 1e-12);
+    EXPECT_GT(transitions, 20);
+    EXPECT_EQ(simulation.counters(), Counters()) << "after settling they begin anew";
+    Simulation silent(tiny());
+    silent.advance_to(-1e-9);
+    EXPECT_EQ(simulation.hash(), silent.hash());
+}
+
+TEST(HostSimulation, CallbacksMayDoEverythingButStepTheirOwnSimulation) {
+    const Scene scene = tiny();
+    Simulation simulation(scene, Threads::own(2)), other(scene);
+    int calls = 0;
+    simulation.on_output(1e-4, [&](Simulation& self) {
+        ++calls;
+        EXPECT_EQ(error_of([&] { self.advance_to(1.0); }), "a simulation cannot be stepped or replaced from its own callback");
+        EXPECT_EQ(code_of([&] { self.step(); }), ErrorCode::busy);
+        EXPECT_EQ(code_of([&] { self.set_state(self.state()); }), ErrorCode::busy);
+        EXPECT_GT(self.channel("shaft_1/clamping")[0], 0.0);
+        self.set_input(Input::clamping_driving, 7700.0 + calls);
+        other.advance_to(self.time());
+        Simulation twin = self.copy();
+        twin.advance_to(self.time() + 1e-6);
+    });
+    simulation.advance_to(-1e-6);
+    EXPECT_EQ(calls, 2);
+    EXPECT_EQ(simulation.input(Input::clamping_driving), 7702.0);
+}
+
+TEST(HostSimulation, ExceptionsOfCallbacksReachTheCaller) {
+    Simulation simulation(tiny(), Threads::own(2));
+    simulation.on_output(1e-4, [](Simulation&) { throw std::string("from the host"); });
+    EXPECT_THROW(simulation.advance_to(0.0), std::string);
+    EXPECT_NEAR(simulation.time(), -2e-4, 1e-9);
+    simulation.on_output(1.0, nullptr);
+    simulation.advance_to(-1e-4);   // and goes on
+    Simulation undisturbed(tiny());
+    undisturbed.advance_to(-1e-4);
+    EXPECT_EQ(simulation.hash(), undisturbed.hash());
+}
+
+TEST(HostSimulation, LeavesTheFloatingPointEnvironmentAsItFoundIt) {
+    Simulation plain(tiny());
+    plain.advance_to(-1e-4);
+    Simulation simulation(tiny(), Threads::own(2));
+    std::fesetround(FE_UPWARD);
+    feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
+    const unsigned denormals = __builtin_ia32_stmxcsr() | 0x8040;   // flushed to zero, as hosts of audio and games set it
+    __builtin_ia32_ldmxcsr(denormals);
+    std::fenv_t before, after;
+    std::fegetenv(&before);
+    simulation.advance_to(-1e-4);
+    static_cast<void>(simulation.channel("ratio"));
+    std::fegetenv(&after);
+    const int round = std::fegetround(), traps = fegetexcept();
+    std::fesetenv(FE_DFL_ENV);
+    EXPECT_EQ(std::memcmp(&before, &after, sizeof before), 0);
+    EXPECT_EQ(round, FE_UPWARD);
+    EXPECT_EQ(traps, FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
+    EXPECT_EQ(simulation.hash(), plain.hash());
+}
+
+TEST(HostSimulation, ReportsFaultsWithCodesAndStaysAtTheLastGoodStep) {
+    Simulation simulation(tiny({"run.step=10 us", "run.output_interval=10 us"}));
+    const ErrorCode code = code_of([&] { simulation.advance_to(0.0); });
+    EXPECT_TRUE(code == ErrorCode::non_finite || code == ErrorCode::penetration || code == ErrorCode::left_sheave || code == ErrorCode::blow_up) << error_name(code);
+    for (const double unknown : simulation.unknowns()) ASSERT_TRUE(std::isfinite(unknown));
+    EXPECT_LT(simulation.largest_stable_step(), 1e-5);
+    EXPECT_GT(simulation.largest_stable_step(), 1e-9);
+}
+
+TEST(HostSimulation, ReportsWhatIsWrongWithScenesAndArguments) {
+    EXPECT_EQ(code_of([] { static_cast<void>(Scene::read("/nowhere.toml")); }), ErrorCode::scene);
+    EXPECT_EQ(error_of([] { static_cast<void>(Scene::parse("[chain]\npins = 2\n", "host.toml")); }), "host.toml:2:8: chain.pins: 2 is outside [3, 10000]");
+    EXPECT_EQ(error_of([] { static_cast<void>(Scene::ready("baselin")); }), "no scene 'baselin' (did you mean 'baseline'?)");
+    EXPECT_EQ(tiny().value("chain.pins"), "24");
+    EXPECT_EQ(code_of([] { static_cast<void>(tiny().value("chain.pin")); }), ErrorCode::argument);
+    EXPECT_EQ(error_of([] { Simulation(tiny(), Threads::own(-1)); }), "threads: -1 is outside [0, 1024]");
+    EXPECT_EQ(error_of([] { Simulation(tiny(), Threads::present(0)); }), "threads: 0 is outside [1, 1024]");
+    EXPECT_EQ(error_of([] { Simulation(tiny(), Threads::caller(), 25); }), "segments: 25 is outside [0, 24], the links of this chain");
+    Simulation simulation(tiny());
+    EXPECT_EQ(code_of([&] { simulation.advance_to(std::nan("")); }), ErrorCode::argument);
+    EXPECT_EQ(code_of([&] { simulation.on_output(0.0, [](Simulation&) {}); }), ErrorCode::argument);
+    EXPECT_NO_THROW(simulation.advance_to(-1.0));   // the past: nothing to do
+    EXPECT_EQ(simulation.time(), -3e-4);
+}
+
+TEST(HostSimulation, VersionOfHeadersAndLibraryIsThatOfTheProject) {
+    const std::string headers = std::to_string(CVTFLOW_VERSION_MAJOR) + "." + std::to_string(CVTFLOW_VERSION_MINOR) + "." + std::to_string(CVTFLOW_VERSION_PATCH);
+    EXPECT_EQ(headers, CVTFLOW_PROJECT_VERSION);
+    EXPECT_EQ(library_version(), CVTFLOW_PROJECT_VERSION);
+}
+
+TEST(HostSimulation, AThousandComeAndGoWithoutATrace) {
+    const Scene scene = tiny();
+    std::size_t in_use = 0;
+    long workers = 0;
+    for (int k = 0; k < 1000; ++k) {
+        Simulation simulation(scene, k % 2 == 0 ? Threads::caller() : Threads::own(2));
+        if (k % 4 < 2) simulation.step();
+        if (k != 200) continue;
+        in_use = mallinfo2().uordblks;
+        workers = threads();
+    }
+    // oneTBB keeps its workers; what it and the allocator keep is there after the first 200. A simulation takes 0.2 MB.
+    EXPECT_LT(mallinfo2().uordblks, in_use + 100'000);
+    EXPECT_LE(threads(), workers);
+}
+
+}  // namespace
+}  // namespace cvtflow::host

@@ -1,0 +1,223 @@
+/// A host with threads of its own, in every way that such hosts have.
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
+#include <pthread.h>
+
+#include <atomic>
+#include <thread>
+
+#include "host_fixture.hpp"
+
+namespace cvtflow::host {
+namespace {
+
+/// Hash after a short run, on the calling thread.
+std::uint64_t serial_hash(const Scene& scene, double until) {
+    Simulation simulation(scene);
+    simulation.advance_to(until);
+    return simulation.hash();
+}
+
+TEST(HostThreads, EightThreadsWithFourSimulationsEachGetTheSerialHash) {
+    const Scene scene = tiny();
+    const std::uint64_t expected = serial_hash(scene, -2.5e-4);
+    for (const Threads threads : {Threads::caller(), Threads::own(2)}) {
+        std::atomic<int> right = 0;
+        {
+            std::vector<std::jthread> hosts;
+            for (int host = 0; host < 8; ++host) {
+                hosts.emplace_back([&] {
+                    std::vector<Simulation> mine;
+                    for (int k = 0; k < 4; ++k) mine.emplace_back(scene, threads);
+                    for (double t = -2.9e-4; t < -2.45e-4; t += 1e-5) {   // by turns
+                        for (Simulation& simulation : mine) simulation.advance_to(t);
+                    }
+                    for (Simulation& simulation : mine) {
+                        simulation.advance_to(-2.5e-4);
+                        right += simulation.hash() == expected ? 1 : 0;
+                    }
+                });
+            }
+        }
+        EXPECT_EQ(right, 32) << static_cast<int>(threads.way());
+    }
+}
+
+TEST(HostThreads, ASimulationMayWanderFromThreadToThread) {
+    const Scene scene = tiny();
+    Simulation simulation(scene, Threads::own(2));
+    for (int k = 1; k <= 5; ++k) std::jthread([&] { simulation.advance_to(-3e-4 + 1e-5 * k); });
+    EXPECT_EQ(simulation.hash(), serial_hash(scene, -2.5e-4));
+}
+
+TEST(HostThreads, ASecondCallIsRefusedWhileOneIsUnderWay) {
+    Simulation simulation(tiny());
+    std::atomic<bool> inside = false;
+    std::atomic<bool> go_on = false;
+    simulation.on_output(1e-5, [&](Simulation&) {
+        inside = true;
+        while (!go_on) std::this_thread::yield();
+    });
+    std::jthread stepper([&] { simulation.advance_to(-2.8e-4); });
+    ASSERT_TRUE(eventually([&] { return inside.load(); }));
+    EXPECT_EQ(error_of([&] { simulation.advance_to(1.0); }), "the simulation is in use by another thread");
+    EXPECT_EQ(code_of([&] { simulation.set_input(Input::load_torque, 1.0); }), ErrorCode::busy);
+    EXPECT_EQ(code_of([&] { static_cast<void>(simulation.state()); }), ErrorCode::busy);
+    go_on = true;
+    stepper.join();
+    EXPECT_EQ(code_of([&] { simulation.advance_to(-2.7e-4); }), ErrorCode::none);
+}
+
+TEST(HostThreads, CancellationFromAnotherThreadEndsOneCallSoon) {
+    const Scene scene = tiny();
+    for (const Threads threads : {Threads::caller(), Threads::own(2)}) {
+        Simulation simulation(scene, threads);
+        std::atomic<bool> running = false;
+        ErrorCode code = ErrorCode::none;
+        std::jthread stepper([&] {
+            running = true;
+            code = code_of([&] { simulation.advance_to(10.0); });   // hours
+        });
+        ASSERT_TRUE(eventually([&] { return running.load(); }));
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        const auto asked = std::chrono::steady_clock::now();
+        simulation.cancel();
+        stepper.join();
+        const double latency = std::chrono::duration<double>(std::chrono::steady_clock::now() - asked).count();
+        EXPECT_EQ(code, ErrorCode::cancelled);
+        EXPECT_LT(latency, 2.0) << "a step takes some tens of microseconds; the rest is the machine's";
+        RecordProperty("latency_us", std::to_string(1e6 * latency));
+        const std::uint64_t there = serial_hash(scene, simulation.time());
+        EXPECT_EQ(simulation.hash(), there);
+        EXPECT_NO_THROW(simulation.step());   // one wish, one call
+    }
+}
+
+TEST(HostThreads, AWishBeforeTheCallCountsForTheNextOne) {
+    Simulation simulation(tiny());
+    simulation.cancel();
+    EXPECT_EQ(code_of([&] { simulation.advance_to(-2.9e-4); }), ErrorCode::cancelled);
+    EXPECT_EQ(simulation.time(), -3e-4);
+    EXPECT_EQ(code_of([&] { simulation.advance_to(-2.9e-4); }), ErrorCode::none);
+}
+
+TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
+    const Scene scene = tiny();
+    const std::uint64_t expected = serial_hash(scene, -2.8e-4);
+    for (const Threads threads : {Threads::present(2), Threads::own(2)}) {
+        oneapi::tbb::task_arena arena(2);
+        std::atomic<bool> stop = false;
+        std::atomic<int> moonlighting = 0;
+        const std::thread::id nobody;
+        std::atomic<std::thread::id> inside = nobody;
+        std::atomic<long> host_tasks = 0;
+        arena.execute([&] {
+            oneapi::tbb::task_group load;
+            for (int k = 0; k < 3; ++k) {
+                load.run([&] {
+                    while (!stop) {
+                        oneapi::tbb::parallel_for(0, 64, [&](int) {
+                            ++host_tasks;
+                            if (inside.load() == std::this_thread::get_id()) ++moonlighting;
+                        });
+                    }
+                });
+            }
+            for (int wait = 0; wait < 1000 && host_tasks == 0; ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(1));   // a worker comes
+            Simulation simulation(scene, threads);
+            for (int k = 1; k <= 10; ++k) {
+                inside = std::this_thread::get_id();
+                simulation.advance_to(-3e-4 + 2e-6 * k);
+                inside = nobody;
+            }
+            EXPECT_EQ(simulation.hash(), expected);
+            stop = true;
+            load.wait();
+        });
+        EXPECT_EQ(moonlighting, 0) << "a host task ran inside advance_to()";
+    }
+}
+
+TEST(HostThreads, OneSimulationPerTaskOfAHostsParallelLoop) {
+    const Scene scene = tiny();
+    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
+    std::atomic<int> right = 0;
+    oneapi::tbb::parallel_for(0, 12, [&](int k) {
+        const Threads ways[] = {Threads::caller(), Threads::own(2), Threads::present(2)};
+        Simulation simulation(scene, ways[k % 3]);
+        simulation.advance_to(-2.9e-4);
+        right += simulation.hash() == expected ? 1 : 0;
+    });
+    EXPECT_EQ(right, 12);
+}
+
+TEST(HostThreads, AHostThatUsesOpenMp) {
+    const Scene scene = tiny();
+    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
+    int right = 0;
+#pragma omp parallel for num_threads(4) reduction(+ : right)
+    for (int k = 0; k < 8; ++k) {
+        Simulation simulation(scene, k % 2 == 0 ? Threads::caller() : Threads::own(2));
+        simulation.advance_to(-2.9e-4);
+        right += simulation.hash() == expected ? 1 : 0;
+    }
+    EXPECT_EQ(right, 8);
+}
+
+struct OnSmallStack {
+    const Scene* scene;
+    Threads threads;
+    std::size_t used = 0;
+    bool done = false;
+};
+
+/// A thread on a painted stack; how much of it was overwritten.
+void* run_on_small_stack(void* argument) {
+    auto& job = *static_cast<OnSmallStack*>(argument);
+    Simulation simulation(*job.scene, job.threads);
+    simulation.advance_to(-2.9e-4);
+    simulation.step();
+    static_cast<void>(simulation.channel("ratio"));
+    job.done = true;
+    return nullptr;
+}
+
+TEST(HostThreads, NeedLessThan64KilobytesOfStack) {
+    const Scene scene = tiny({"plate.count=64", "detail.joint_points=16", "detail.order=3", "detail.plates=each"});
+    for (const Threads threads : {Threads::caller(), Threads::own(2)}) {
+        OnSmallStack job{&scene, threads};
+        constexpr std::size_t size = 512 * 1024;
+        std::vector<unsigned char> stack(size + 4096, 0xa5);
+        void* base = stack.data() + 4096 - reinterpret_cast<std::uintptr_t>(stack.data()) % 4096;
+        pthread_attr_t attributes;
+        pthread_attr_init(&attributes);
+        ASSERT_EQ(pthread_attr_setstack(&attributes, base, size), 0);
+        pthread_t thread;
+        ASSERT_EQ(pthread_create(&thread, &attributes, run_on_small_stack, &job), 0);
+        pthread_join(thread, nullptr);
+        pthread_attr_destroy(&attributes);
+        ASSERT_TRUE(job.done);
+        const auto* bytes = static_cast<const unsigned char*>(base);
+        std::size_t untouched = 0;
+        while (untouched < size && bytes[untouched] == 0xa5) ++untouched;
+        RecordProperty("stack_bytes", std::to_string(size - untouched));
+        EXPECT_LT(size - untouched, 64u * 1024u) << static_cast<int>(threads.way());
+    }
+}
+
+TEST(HostThreads, TheFirstStepComesSoon) {
+    const Scene scene = tiny();
+    for (const Threads threads : {Threads::caller(), Threads::own(2)}) {
+        const auto begin = std::chrono::steady_clock::now();
+        Simulation simulation(scene, threads);
+        simulation.step();
+        const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        RecordProperty("time_to_first_step_us", std::to_string(1e6 * wall));
+        EXPECT_LT(wall, 2.0) << "some milliseconds on a quiet machine";
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::host
