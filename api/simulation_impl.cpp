@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "api/translate.hpp"
 #include "tasks/scene/parameter_table.hpp"

@@ -27,6 +27,7 @@ std::span<const Command> commands() noexcept {
         Command{"profile", "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
         Command{"newton", "Try the implicit methods: Newton's convergence, cost and error by variant and step", declare_newton},
         Command{"detail", "Compare levels of detail: what each dial costs and what it changes", declare_detail},
+        Command{"tradeoff", "Measure what accuracy costs: methods and steps, the Pareto front, a recommendation", declare_tradeoff},
         Command{"extremes", "Run the edges of every parameter and say what comes of each", declare_extremes},
         Command{"dot", "Draw the task graph of a step in Graphviz' language", declare_dot},
     };

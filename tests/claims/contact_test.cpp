@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/friction/friction.hpp"
 #include "model/observation.hpp"
 #include "tests/claims/chain_view_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"

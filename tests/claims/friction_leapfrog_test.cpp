@@ -1,0 +1,99 @@
+/// Claims about the leapfrog with friction inside the step, on the baseline at full detail, against RK4 at 12.5 ns.
+/// The same figures by hand: cvtflow compare baseline rk4@50ns dumka3-p5@2us leapfrog-rkc@1us leapfrog-rkc@2us leapfrog-chebyshev@2us
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "model/observation.hpp"
+#include "tasks/tradeoff/error_measure.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
+
+namespace cvtflow::claims {
+namespace {
+
+const engine::Cancellation never;
+
+std::vector<std::string> choice(const std::string& method, const std::string& step) { return {"run.method=" + method, "run.step=" + step}; }
+
+tasks::ErrorMeasure measure_of(const std::string& scene, const std::vector<std::string>& settings = {}) {
+    std::vector<std::string> all{"run.schedule=serial"};
+    all.insert(all.end(), settings.begin(), settings.end());
+    return {ready_scene(scene, all), tasks::MeasureSettings{}, never};
+}
+
+const tasks::ErrorMeasure& baseline() {
+    static const tasks::ErrorMeasure measure = measure_of("baseline");
+    return measure;
+}
+
+tasks::TrajectoryErrors errors(const tasks::ErrorMeasure& measure, const std::string& method, const std::string& step) {
+    const tasks::TrajectoryErrors found = measure.errors(measure.run(choice(method, step))).overall;
+    testing::Test::RecordProperty(method + "@" + step, std::to_string(found.axial_force));
+    return found;
+}
+
+/// One force evaluation per step, 14 where DUMKA3-P5 takes 27 of 2 us.
+TEST(FrictionLeapfrogClaim, AtTwoMicrosecondsItIsAsExactAsDumka3WithOneEvaluationPerStep) {
+    for (const std::string method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {
+        const tasks::Trajectory run = baseline().run(choice(method, "2us"));
+        const tasks::TrajectoryErrors found = baseline().errors(run).overall;
+        EXPECT_LT(found.axial_force, 2e-4) << method;
+        EXPECT_LT(found.tension, 1e-4) << method;
+        EXPECT_LT(found.slip, 1e-3) << method;
+        EXPECT_LE(run.counters.evaluations, run.counters.steps + run.counters.truncated) << method;
+    }
+}
+
+/// Order 2: errors fall at least by 2^1.6 when the step is halved; transitions and kinks of the law take some of it.
+TEST(FrictionLeapfrogClaim, ItsErrorFallsLikeTheSquareOfTheStep) {
+    const double coarse = errors(baseline(), "leapfrog-rkc", "2us").axial_force, fine = errors(baseline(), "leapfrog-rkc", "500ns").axial_force;
+    EXPECT_LT(std::log2(coarse / fine) / 2.0, 2.4);
+    EXPECT_GT(std::log2(coarse / fine) / 2.0, 1.6);
+}
+
+/// A saturation speed a hundred times smaller makes RK4 need steps a hundred times shorter; here stages grow tenfold and results tend to a limit.
+TEST(FrictionLeapfrogClaim, AsTheSaturationSpeedVanishesResultsTendToALimit) {
+    const auto end = [](const std::string& scale) {
+        const double factor = std::stod(scale);
+        const auto text = [&](double value) { return std::to_string(value * factor * 1e9) + "e-9"; };
+        const tasks::Scene scene = ready_scene("baseline", {"run.schedule=serial", "run.method=leapfrog-chebyshev", "run.step=1us", "joint.saturation_speed=" + text(5e-3),
+                                                            "plate.saturation_speed=" + text(1e-2), "tip.saturation_speed=" + text(1e-2)});
+        tasks::Simulation simulation(scene);
+        tasks::SilentObserver nobody;
+        EXPECT_FALSE(simulation.run(100e-6, nobody, never)) << scale;
+        model::Observer observer(simulation.variator());
+        return observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).tight;
+    };
+    const double tenth = end("0.1"), hundredth = end("0.01"), thousandth = end("0.001");
+    EXPECT_NEAR(thousandth / hundredth, 1.0, 2e-3);
+    EXPECT_LT(std::abs(thousandth - hundredth), std::abs(hundredth - tenth) + 1e-3 * hundredth);
+}
+
+/// What a user is told on one scene holds on another.
+TEST(NightlyFrictionLeapfrog, KeepsItsErrorsOnLowOverdriveAndTheLoadRamp) {
+    for (const std::string scene : {"low", "overdrive", "load_ramp"}) {
+        const tasks::ErrorMeasure measure = measure_of(scene);
+        const tasks::TrajectoryErrors found = errors(measure, "leapfrog-rkc", "2us");
+        EXPECT_LT(found.axial_force, 1e-3) << scene;
+        EXPECT_LT(found.tension, 1e-3) << scene;
+    }
+}
+
+/// Alternating, the fastest of three.
+TEST(NightlyFrictionLeapfrog, IsFiveTimesFasterThanDumka3P5AndThirtyTimesFasterThanRk4) {
+    double rk4 = std::numeric_limits<double>::infinity(), dumka3 = rk4, leapfrog = rk4;
+    for (int round = 0; round < 3; ++round) {
+        rk4 = std::min(rk4, baseline().run(choice("rk4", "50ns")).wall_per_second());
+        dumka3 = std::min(dumka3, baseline().run(choice("dumka3-p5", "2us")).wall_per_second());
+        leapfrog = std::min(leapfrog, baseline().run(choice("leapfrog-chebyshev", "2us")).wall_per_second());
+    }
+    RecordProperty("faster_than_dumka3", std::to_string(dumka3 / leapfrog));
+    RecordProperty("faster_than_rk4", std::to_string(rk4 / leapfrog));
+    EXPECT_GE(dumka3 / leapfrog, 5.0);
+    EXPECT_GE(rk4 / leapfrog, 30.0);
+}
+
+}  // namespace
+}  // namespace cvtflow::claims

@@ -1,0 +1,15 @@
+#pragma once
+/// Methods with their steps as commands take them: METHOD@STEP, METHOD@LONGEST~TOLERANCE.
+
+#include <string>
+#include <vector>
+
+namespace cvtflow::tools {
+
+/// A time above 0 with or without its unit [s]. @throws tasks::SceneError that begins with the option
+[[nodiscard]] double read_time(const std::string& option, const std::string& text);
+
+/// "dumka3-p5@2us", "dopri54@1us~1e-3" (a tolerance) as settings of a scene. @throws tasks::SceneError
+[[nodiscard]] std::vector<std::string> read_choice(const std::string& choice);
+
+}  // namespace cvtflow::tools
