@@ -77,4 +77,24 @@ int SpectralBound::estimate(double t, const double* state, const model::Phase* p
     return evaluations;
 }
 
+void SpectralBound::save(std::vector<double>& memory) const {
+    memory.push_back(cold_ ? 1.0 : 0.0);
+    for (const Iteration* each : {&velocity_, &coordinate_}) {
+        memory.insert(memory.end(), {each->value, each->size});
+        memory.insert(memory.end(), each->direction.begin(), each->direction.end());
+    }
+}
+
+std::span<const double> SpectralBound::load(std::span<const double> memory) {
+    cold_ = memory[0] != 0.0;
+    memory = memory.subspan(1);
+    for (Iteration* each : {&velocity_, &coordinate_}) {
+        each->value = memory[0];
+        each->size = memory[1];
+        std::copy_n(memory.begin() + 2, each->direction.size(), each->direction.begin());
+        memory = memory.subspan(2 + each->direction.size());
+    }
+    return memory;
+}
+
 }  // namespace cvtflow::tasks

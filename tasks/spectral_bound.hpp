@@ -3,6 +3,7 @@
 /// imaginary one. Found by power iteration on differences of the right-hand side, with perturbations so small that no contact opens, closes
 /// or begins to slide for them: at most a nanometre per second, or ten picometres.
 
+#include <span>
 #include <vector>
 
 #include "model/variator.hpp"
@@ -22,6 +23,10 @@ public:
     [[nodiscard]] double real() const noexcept { return velocity_.value; }
     /// Largest frequency of the accelerations by coordinates, friction aside [rad/s].
     [[nodiscard]] double imaginary() const noexcept;
+
+    /// Where the iterations have come to, for checkpoints. load() returns what follows in memory.
+    void save(std::vector<double>& memory) const;
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
 
 private:
     /// Direction and growth of one power iteration.

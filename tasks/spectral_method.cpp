@@ -47,6 +47,21 @@ double SpectralMethod::longest_step(double wanted) {
     return longest(wanted);
 }
 
+void SpectralMethod::save(std::vector<double>& memory) const {
+    std::vector<double> slope;
+    StageMethod::save(slope);
+    memory.assign(1, looked_);
+    bound_.save(memory);
+    memory.insert(memory.end(), slope.begin(), slope.end());
+}
+
+void SpectralMethod::load(std::span<const double> memory) {
+    if (memory.empty()) return;
+    looked_ = memory[0];
+    memory = bound_.load(memory.subspan(own_memory));
+    StageMethod::load(memory);
+}
+
 std::size_t LadderMethod::rung_for(double h) const noexcept {
     std::size_t rung = 0;
     while (rung + 1 < rungs_.size() && rungs_[rung].real < real() * h) ++rung;
@@ -89,6 +104,19 @@ void FittedMethod::choose(double h) {
     if (wanted_lately_ < far_below * fitted_real_) return refit(headroom * wanted_lately_, headroom * wanted_lately_ * imaginary() / real());
     steps_since_review_ = 0;
     wanted_lately_ = 0.0;
+}
+
+void FittedMethod::save(std::vector<double>& memory) const {
+    SpectralMethod::save(memory);
+    memory.insert(memory.begin(), {fitted_real_, fitted_imaginary_, wanted_lately_, static_cast<double>(steps_since_review_)});
+}
+
+void FittedMethod::load(std::span<const double> memory) {
+    if (memory.empty()) return;
+    if (memory[0] > 0.0) refit(memory[0], memory[1]);   // the same polynomial again
+    wanted_lately_ = memory[2];
+    steps_since_review_ = static_cast<int>(memory[3]);
+    SpectralMethod::load(memory.subspan(4));
 }
 
 double FittedMethod::longest(double wanted) {

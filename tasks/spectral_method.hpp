@@ -15,6 +15,8 @@ public:
     [[nodiscard]] int begin() final;
     void rejected() noexcept override;
     [[nodiscard]] double longest_step(double wanted) final;
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
 
 protected:
     SpectralMethod(Workspace& workspace, int error_power) : StageMethod(workspace, error_power), bound_(workspace.variator) {}
@@ -30,6 +32,7 @@ protected:
 
 private:
     void look();
+    static constexpr std::size_t own_memory = 1;
 
     SpectralBound bound_;
     double looked_ = -1e300;   ///< when [s]
@@ -68,6 +71,8 @@ public:
     explicit FittedMethod(Workspace& workspace) : SpectralMethod(workspace, 3) {}
 
     [[nodiscard]] int fits() const noexcept { return fits_; }
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
 
 protected:
     /// @throws std::runtime_error if no polynomial of most_stages stages is stable for such a step

@@ -34,6 +34,21 @@ std::optional<engine::PlanStep> StageMethod::error_row() const noexcept {
     return plan_->error();
 }
 
+/// The slope at the state, if it is known.
+void StageMethod::save(std::vector<double>& memory) const {
+    memory.clear();
+    if (slope_at_ == SlopeAt::nowhere) return;
+    const int slot = slope_at_ == SlopeAt::start ? 0 : plan_->stage(plan_->stages() - 1).slope;
+    const double* slope = w_.slopes[static_cast<std::size_t>(slot)];
+    memory.assign(slope, slope + w_.layout().size());
+}
+
+void StageMethod::load(std::span<const double> memory) {
+    if (memory.empty()) return;
+    std::copy(memory.begin(), memory.end(), w_.slopes[0]);
+    slope_at_ = SlopeAt::start;
+}
+
 int StageMethod::start_stage(int stage) {
     stage_ = stage;
     w_.evaluate_end = false;

@@ -16,6 +16,8 @@ public:
     [[nodiscard]] int next() override;
     void restart() noexcept override { slope_at_ = SlopeAt::nowhere; }
     void rejected() noexcept override { slope_at_ = SlopeAt::start; }
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
     [[nodiscard]] std::optional<engine::PlanStep> error_row() const noexcept override;
     [[nodiscard]] int error_power() const noexcept override { return error_power_; }
 

@@ -85,7 +85,7 @@ TEST_F(RunReaderTest, ReadsCompressedStates) {
 TEST_F(RunReaderTest, NamesWhatIsNotThere) {
     const RunReader reader(example());
     EXPECT_EQ(error_of([&] { (void)reader.channel("torque"); }), path("out.h5") + ": no channel 'torque'");
-    EXPECT_EQ(error_of([&] { (void)reader.last("time"); }), path("out.h5") + ": no channel 'time'");
+    EXPECT_EQ(error_of([&] { (void)reader.last("torque"); }), path("out.h5") + ": no channel 'torque'");
     EXPECT_EQ(error_of([&] { (void)reader.table("events"); }), path("out.h5") + ": no table 'events'");
 }
 

@@ -50,7 +50,7 @@ TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
 }
 
 TEST(FrictionLeapfrog, FrictionTooStiffForItIsAFaultThatSaysSo) {
-    Simulation simulation(claims::ready_scene("baseline", {"run.method=leapfrog-rkc", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-9"}));
+    Simulation simulation(claims::ready_scene("baseline", {"run.method=leapfrog-rkc", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-6"}));
     SilentObserver nobody;
     const Fault fault = simulation.run(1e-5, nobody, never);
     EXPECT_EQ(fault.kind, FaultKind::too_stiff);
