@@ -24,6 +24,11 @@ public:
     /// Largest frequency of the accelerations by coordinates, friction aside [rad/s].
     [[nodiscard]] double imaginary() const noexcept;
 
+    /// The next estimate begins anew.
+    void forget() noexcept {
+        cold_ = true;
+        velocity_.value = coordinate_.value = 0.0;
+    }
     /// Where the iterations have come to, for checkpoints. load() returns what follows in memory.
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);

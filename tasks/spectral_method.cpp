@@ -37,6 +37,12 @@ int SpectralMethod::begin() {
     return StageMethod::begin();
 }
 
+void SpectralMethod::restart() noexcept {
+    StageMethod::restart();
+    bound_.forget();
+    looked_ = -1e300;
+}
+
 void SpectralMethod::rejected() noexcept {
     StageMethod::rejected();
     looked_ = -1e300;
@@ -104,6 +110,12 @@ void FittedMethod::choose(double h) {
     if (wanted_lately_ < far_below * fitted_real_) return refit(headroom * wanted_lately_, headroom * wanted_lately_ * imaginary() / real());
     steps_since_review_ = 0;
     wanted_lately_ = 0.0;
+}
+
+void FittedMethod::restart() noexcept {
+    SpectralMethod::restart();
+    fitted_real_ = fitted_imaginary_ = wanted_lately_ = 0.0;   // the next step asks for more: a new fit
+    steps_since_review_ = 0;
 }
 
 void FittedMethod::save(std::vector<double>& memory) const {

@@ -13,6 +13,7 @@ namespace cvtflow::tasks {
 class SpectralMethod : public StageMethod {
 public:
     [[nodiscard]] int begin() final;
+    void restart() noexcept override;
     void rejected() noexcept override;
     [[nodiscard]] double longest_step(double wanted) final;
     void save(std::vector<double>& memory) const override;
@@ -71,6 +72,7 @@ public:
     explicit FittedMethod(Workspace& workspace) : SpectralMethod(workspace, 3) {}
 
     [[nodiscard]] int fits() const noexcept { return fits_; }
+    void restart() noexcept override;
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;
 

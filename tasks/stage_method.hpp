@@ -15,6 +15,7 @@ public:
     [[nodiscard]] int begin() override;
     [[nodiscard]] int next() override;
     void restart() noexcept override { slope_at_ = SlopeAt::nowhere; }
+    void transition() noexcept override { slope_at_ = SlopeAt::nowhere; }
     void rejected() noexcept override { slope_at_ = SlopeAt::start; }
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;

@@ -45,6 +45,7 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
     w_.dwell = dwell_steps * grid_step_;
     w_.secant = method_.retakes();
     w_.evaluations = 0;
+    method_.restart();   // a run does not depend on what ran before it
     probe_start();
 }
 
@@ -265,61 +266,6 @@ int StepController::start_end_slope() {
     w_.slope_out = w_.end_slope;
     std::copy(std::begin(w_.end_sheaves), std::end(w_.end_sheaves), std::begin(w_.sheaves));
     return evaluate_cycle;
-}
-
-int StepController::start_locate() {
-    state_ = State::locate;
-    return locate_cycle;
-}
-
-int StepController::finish_locate() {
-    Transition first;
-    for (const Verdict& verdict : w_.verdicts) {
-        if (verdict.first.theta < first.theta) first = verdict.first;
-    }
-    if (first.theta > 1.0) return accept();
-    w_.theta = first.theta;
-    w_.due = first;
-    return method_.retakes() && first.theta > 0.0 ? retake() : start_truncate();
-}
-
-/// The step once more, only up to the transition.
-int StepController::retake() {
-    retaking_ = true;
-    w_.h *= w_.theta;
-    w_.theta = 1.0;
-    return take(method_.begin());
-}
-
-int StepController::start_truncate() {
-    state_ = State::truncate;
-    std::copy(w_.phases.begin(), w_.phases.end(), phases_before_.begin());
-    const model::ChainLayout& at = w_.layout();
-    w_.interpolant().evaluate(w_.theta, at.pulley_begin(), at.size(), w_.cut_state + at.pulley_begin());
-    w_.variator.pulleys().motions(w_.cut_state + at.pulley_begin(), w_.sheaves);
-    return truncate_cycle;
-}
-
-void StepController::record_transitions() {
-    for (std::size_t tip = 0; tip < w_.phases.size(); ++tip) {
-        if (w_.phases[tip] == phases_before_[tip]) continue;
-        const int number = static_cast<int>(tip);
-        const int pin = (number / 4 + number / 2 % 2) % w_.layout().links;
-        ++counters_.detected;
-        observer_.transition({w_.time, pin, number, phases_before_[tip], w_.phases[tip]});
-    }
-}
-
-int StepController::finish_truncate() {
-    std::swap(w_.states[0], w_.cut_state);
-    std::swap(w_.before, w_.after);
-    w_.time += w_.theta * w_.h;
-    ++counters_.truncated;
-    ++counters_.steps;
-    method_.transition();
-    w_.list_touching();
-    record_transitions();
-    return begin_step();
 }
 
 int StepController::accept() {

@@ -36,7 +36,7 @@ public:
     /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the end,
     /// so slopes[0] must hold the slope at the start when the step is done.
     [[nodiscard]] virtual bool retakes() const noexcept { return false; }
-    /// The next step does not begin where the last one ended: somebody has set the state.
+    /// A run begins, or somebody has set the state: whatever is remembered is forgotten.
     virtual void restart() noexcept {}
     /// Tips have changed their phase since the last step.
     virtual void transition() noexcept { restart(); }
@@ -52,6 +52,7 @@ public:
 
     /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after restart()
     /// goes on bit for bit where save() was called. Nothing for methods without memory.
+    [[nodiscard]] virtual bool resumes() const noexcept { return true; }   ///< whether save() holds all of it
     virtual void save(std::vector<double>& memory) const { memory.clear(); }
     virtual void load(std::span<const double> memory) { (void)memory; }
     /// Why a step failed.

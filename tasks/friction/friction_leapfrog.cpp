@@ -56,6 +56,14 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
     }
 }
 
+void FrictionLeapfrog::restart() noexcept {
+    continues_ = false;
+    begun_ = -1e300;
+    length_ = 0.0;
+    steps_ = 0;
+    system_.restart();
+}
+
 /// Slope slot 1: [v | mean acceleration of the step before], the acceleration zero where there is none.
 void FrictionLeapfrog::extrapolate() {
     if (continues_) {

@@ -28,7 +28,7 @@ public:
     void add_tasks(engine::TaskGraph& graph) override;
     void repartitioned() override { system_.repartition(w_.partition); }
     [[nodiscard]] bool retakes() const noexcept override { return true; }
-    void restart() noexcept override { continues_ = false; }
+    void restart() noexcept override;
     void transition() noexcept override {}   // history stays good: nothing jumps
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;

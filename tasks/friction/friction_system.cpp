@@ -36,11 +36,16 @@ FrictionSystem::FrictionSystem(const Workspace& w, int states, int slopes)
     for (const model::Columns& slot : slopes_) slope_views_.push_back(slot.data());
     for (model::Columns* field : {&base_, &base_before_, &probe_, &mode_, &image_}) *field = model::Columns(rows, columns);
     impulses_ = model::Columns(3 * model::tips_per_link, columns);
-    for (int row = 0; row < rows; ++row) {   // a mode without symmetry, to begin power iterations with
-        for (int link = 0; link < w.layout().links; ++link) *mode_.at(row, link + 1) = std::sin(1.0 + 0.7 * row + 2.399 * link);
-    }
+    restart();
     normal_loads_.resize(at(w.layout().links));
     repartition(w.partition);
+}
+
+void FrictionSystem::restart() noexcept {
+    const model::ChainLayout& layout = friction_.chain().layout();
+    for (int row = 0; row < layout.link_size(); ++row) {   // a mode without symmetry, to begin with
+        for (int link = 0; link < layout.links; ++link) *mode_.at(row, link + 1) = std::sin(1.0 + 0.7 * row + 2.399 * link);
+    }
 }
 
 void FrictionSystem::repartition(const Partition& partition) {

@@ -21,6 +21,8 @@ public:
     /// Memory of segments, after every change of the partition.
     void repartition(const Partition& partition);
 
+    /// Power iterations begin anew.
+    void restart() noexcept;
     /// The forces at hand become those of the step before.
     void turn_over() noexcept { std::swap(base_, base_before_); }
 

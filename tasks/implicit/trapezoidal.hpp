@@ -23,6 +23,7 @@ public:
     [[nodiscard]] int begin() override;
     [[nodiscard]] int next() override;
     void restart() noexcept override;
+    [[nodiscard]] bool resumes() const noexcept override { return false; }   // its Jacobians outlast steps
 
     void prepare(int first, int last) noexcept override;
     void finish(int first, int last) noexcept override;
