@@ -127,7 +127,9 @@ private:
         const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix.transpose());
         const Eigen::MatrixXd q = qr.householderQ();
         const Eigen::MatrixXd r = qr.matrixQR().topLeftCorner(conditions, conditions).triangularView<Eigen::Upper>();
-        particular_ = q.leftCols(conditions) * r.transpose().triangularView<Eigen::Lower>().solve(Eigen::VectorXd::Ones(conditions));
+        Eigen::VectorXd shares = Eigen::VectorXd::Ones(conditions);
+        r.transpose().triangularView<Eigen::Lower>().solveInPlace(shares);
+        particular_.noalias() = q.leftCols(conditions) * shares;
         free_ = q.rightCols(columns - conditions);
         reduced_ = rows_ * free_;
         offset_ = rows_ * particular_;
