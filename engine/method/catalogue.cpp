@@ -67,25 +67,43 @@ const MethodFamily* family_of(std::string_view name) {
     return found == families.end() ? nullptr : &*found;
 }
 
-std::span<const StagePlan> methods() {
+namespace {
+
+/// The methods that are tables of numbers: cheap to make, unlike the families, whose polynomials are computed.
+const std::vector<StagePlan>& tables() {
     static const std::vector<StagePlan> all = [] {
         std::vector<StagePlan> list{rk4(), rk38(), heun(), euler(), dopri54(), dopri65(), dopri87()};
         for (const int order : {2, 3, 4}) list.push_back(extrapolated_euler(order));
         for (const int order : {4, 6, 8}) list.push_back(gragg_bulirsch_stoer(order));
-        for (const int stages : {10, 20, 30, 50}) list.push_back(rkc(stages));
-        for (const int stages : {10, 20, 40}) list.push_back(rock2(stages));
-        for (const int stages : {10, 20, 40}) list.push_back(serk2(stages));
-        for (const char* name : {"fitted-l100-w1", "fitted-l200-w2", "fitted-l300-w3", "fitted-l400-w4"}) list.push_back(*fitted_by_name(name));
         for (int polynomial = 0; polynomial < dumka3_polynomials; ++polynomial) list.push_back(dumka3(polynomial));
         return list;
     }();
     return all;
 }
 
+const StagePlan* named(std::span<const StagePlan> plans, std::string_view name) {
+    const auto found = std::find_if(plans.begin(), plans.end(), [&](const StagePlan& plan) { return plan.name == name; });
+    return found == plans.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::span<const StagePlan> methods() {
+    static const std::vector<StagePlan> all = [] {
+        std::vector<StagePlan> list = tables();
+        for (const int stages : {10, 20, 30, 50}) list.push_back(rkc(stages));
+        for (const int stages : {10, 20, 40}) list.push_back(rock2(stages));
+        for (const int stages : {10, 20, 40}) list.push_back(serk2(stages));
+        for (const char* name : {"fitted-l100-w1", "fitted-l200-w2", "fitted-l300-w3", "fitted-l400-w4"}) list.push_back(*fitted_by_name(name));
+        return list;
+    }();
+    return all;
+}
+
 const StagePlan* find_method(std::string_view name) {
-    const std::span<const StagePlan> all = methods();
-    const auto found = std::find_if(all.begin(), all.end(), [&](const StagePlan& plan) { return plan.name == name; });
-    return found == all.end() ? kept_rkc(name) : &*found;
+    if (family_of(name) == nullptr) return named(tables(), name);
+    const StagePlan* example = named(methods(), name);
+    return example != nullptr ? example : kept_rkc(name);
 }
 
 std::optional<StagePlan> make_method(std::string_view name) {
