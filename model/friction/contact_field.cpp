@@ -24,16 +24,25 @@ ContactField::ContactField(const ChainModel& chain)
 
 namespace {
 
-std::vector<double> inverse_of(const double* rows, int size) {
-    const Eigen::MatrixXd inverse = Eigen::Map<const Eigen::MatrixXd>(rows, size, size).inverse();
-    return {inverse.data(), inverse.data() + size * size};
+/// @param rows of the matrix, `size` modes of either end
+MirroredInverse inverse_of(const double* rows, int size) {
+    const Eigen::MatrixXd inverse = Eigen::Map<const Eigen::MatrixXd>(rows, 2 * size, 2 * size).inverse();
+    MirroredInverse mirrored;
+    for (int m = 0; m < size; ++m) {
+        for (int k = m % 2; k < size; k += 2) {
+            const auto at = static_cast<std::size_t>(m * most_lateral + k);
+            mirrored.sum[at] = 0.5 * (inverse(m, k) + inverse(m, size + k));
+            mirrored.difference[at] = 0.5 * (inverse(m, k) - inverse(m, size + k));
+        }
+    }
+    return mirrored;
 }
 
 }  // namespace
 
 FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
-    : chain_(chain), lateral_inverse_(inverse_of(chain.inertia().lateral_matrix.data(), 2 * chain.layout().lateral())),
-      axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 4)), by_phase_(by_phase),
+    : chain_(chain), lateral_inverse_(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral())),
+      axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 2)), by_phase_(by_phase),
       kernels_(kernels_of(chain.isa()).friction(chain.layout().order)) {}
 
 int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 4) * joint_stride(links); }

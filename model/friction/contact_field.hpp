@@ -2,6 +2,7 @@
 /// Every friction contact of the chain with all frozen but velocities, laid out component by component so that lanes can run over links:
 /// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first.
 
+#include <array>
 #include <vector>
 
 #include "model/chain_model.hpp"
@@ -61,6 +62,12 @@ struct ContactField {
     std::vector<TipArms> arms;   ///< [links], where a tip touches
 };
 
+/// Inverse of a mass matrix of a link, by its symmetries: both ends are alike, and so are both halves of the pins' length.
+/// [[a, b], [b, a]] acts on the sum of both ends as a + b and on their difference as a - b; modes of even and of odd order do not couple.
+struct MirroredInverse {
+    std::array<double, most_lateral * most_lateral> sum{}, difference{};   ///< (a ± b)/2, rows most_lateral apart; where m + k is odd: 0
+};
+
 class FrictionOperator;
 
 struct FrictionRange {
@@ -72,6 +79,13 @@ struct FrictionRange {
     double time;              ///< of the velocities, from the middle of the step, in steps
 };
 
+/// Accelerations by everything but friction, linear in time: now + lean (now - before). Columns over links (column = link + 1).
+struct FrictionBase {
+    const Columns* now;
+    const Columns* before;
+    double lean;
+};
+
 /// What a field has to know of the step in whose middle it is recorded.
 struct ContactDrift {
     double step = 0.0;          ///< h [s]
@@ -81,7 +95,7 @@ struct ContactDrift {
 /// Functions of one order and one instruction set.
 struct FrictionKernels {
     using Record = void (*)(const ChainModel&, const ChainRange&, const ContactDrift&, ContactField&, LinkLoad*) noexcept;
-    using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const Columns*, Columns&, double, Columns*) noexcept;
+    using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionBase*, Columns&, double, Columns*) noexcept;
     Record record;
     Evaluate slopes, steepest;
 };
@@ -105,8 +119,8 @@ public:
         kernels_.record(chain_, range, drift, field, loads);
     }
     /// slope = base + A⁻¹ friction(velocity), rows of links first … last - 1. Adds weight times the force of every tip to impulses.
-    /// @param base, slope columns over links (column = link + 1)   @param impulses [3 tips_per_link] rows: x, y, z of each tip, or nullptr
-    void slopes(const ContactField& field, const FrictionRange& range, const Columns* base, Columns& slope, double weight, Columns* impulses) const noexcept {
+    /// @param base or nullptr: none   @param slope columns over links   @param impulses [3 tips_per_link] rows: x, y, z of each tip, or nullptr
+    void slopes(const ContactField& field, const FrictionRange& range, const FrictionBase* base, Columns& slope, double weight, Columns* impulses) const noexcept {
         kernels_.slopes(*this, field, range, base, slope, weight, impulses);
     }
     /// The same for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
@@ -115,13 +129,13 @@ public:
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
     /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
     [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }
-    [[nodiscard]] const std::vector<double>& lateral_inverse() const noexcept { return lateral_inverse_; }
-    [[nodiscard]] const std::vector<double>& axial_inverse() const noexcept { return axial_inverse_; }
+    [[nodiscard]] const MirroredInverse& lateral_inverse() const noexcept { return lateral_inverse_; }
+    [[nodiscard]] const MirroredInverse& axial_inverse() const noexcept { return axial_inverse_; }
 
 private:
     const ChainModel& chain_;
-    std::vector<double> lateral_inverse_;   ///< inverse of the mass matrix of x, and of y, row by row
-    std::vector<double> axial_inverse_;     ///< of z and e
+    MirroredInverse lateral_inverse_;   ///< of x, and of y
+    MirroredInverse axial_inverse_;     ///< of z and e
     bool by_phase_;
     FrictionKernels kernels_;
 };

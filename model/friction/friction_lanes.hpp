@@ -4,7 +4,7 @@
 
 #include "model/force/link_frame.hpp"
 #include "model/friction/contact_field.hpp"
-#include "model/friction/friction.hpp"
+#include "model/friction/sliding.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -25,47 +25,25 @@ public:
 
     /// Joint of the rear pins of links first + own … + W - 1, to scratch.
     void joints(int own) const noexcept {
-        V gap_x[n], gap_y[n];
+        JointRates rates;
         for (int m = 0; m < n; ++m) {
-            gap_x[m] = velocity(at<P>.x(End::front, m), own - 1) - velocity(at<P>.x(End::rear, m), own);
-            gap_y[m] = velocity(at<P>.y(End::front, m), own - 1) - velocity(at<P>.y(End::rear, m), own);
+            rates.x[m] = velocity(at<P>.x(End::front, m), own - 1) - velocity(at<P>.x(End::rear, m), own);
+            rates.y[m] = velocity(at<P>.y(End::front, m), own - 1) - velocity(at<P>.y(End::rear, m), own);
         }
-        const V gap_z = velocity(at<P>.z(End::front), own - 1) - velocity(at<P>.z(End::rear), own);
-        const V gap_e = velocity(at<P>.e(End::front), own - 1) - velocity(at<P>.e(End::rear), own);
-        const V before = turning(own - 1), after = turning(own);
+        rates.z = velocity(at<P>.z(End::front), own - 1) - velocity(at<P>.z(End::rear), own);
+        rates.e = velocity(at<P>.e(End::front), own - 1) - velocity(at<P>.e(End::rear), own);
+        rates.before = turning(own - 1);
+        rates.after = turning(own);
         V force[joint_rows];
         for (V& row : force) row = V(0.0);
-        for (int g = 0; g < field_.components.joint_points; ++g) {
-            const int row = field_.components.joint(g);
-            const V nx = contact(row + Joint::normal_x, own), ny = contact(row + Joint::normal_y, own);
-            const V lever_before = contact(row + Joint::lever_before, own), lever_after = contact(row + Joint::lever_after, own);
-            V ax = gap_x[0], ay = gap_y[0];
-            for (int m = 1; m < n; ++m) {
-                ax += basis(c_.joint_points, m, g) * gap_x[m];
-                ay += basis(c_.joint_points, m, g) * gap_y[m];
-            }
-            const double xi = c_.joint_points.position[static_cast<std::size_t>(g)];
-            const V slip = nx * ay - ny * ax + before * lever_before + after * lever_after;
-            const V axial = gap_z + xi * gap_e;
-            const V grip = contact(row + Joint::grip, own) * factor(c_.joint.friction, slip * slip + axial * axial);
-            const V across = -grip * slip, along = -grip * axial;
-            const V fx = -across * ny, fy = across * nx;
-            force[0] += fx;
-            force[n] += fy;
-            for (int m = 1; m < n; ++m) {
-                force[m] += basis(c_.joint_points, m, g) * fx;
-                force[n + m] += basis(c_.joint_points, m, g) * fy;
-            }
-            force[2 * n] += along;
-            force[2 * n + 1] += xi * along;
-            force[2 * n + 2] += across * lever_before;
-            force[2 * n + 3] += across * lever_after;
-        }
+        const int points = field_.components.joint_points;
+        for (int g = 0; g < points / 2; ++g) mirrored_points(own, g, rates, force);
+        if (points % 2 == 1) middle_point(own, points / 2, rates, force);
         for (int row = 0; row < joint_rows; ++row) store(force[row], range_.scratch + row * joint_stride_ + own);
     }
 
     /// Slopes of links first + own … + W - 1; their joints must be in scratch.
-    void links(int own, const Columns* base, Columns& slope, double weight, Columns* impulses) const noexcept {
+    void links(int own, const FrictionBase* base, Columns& slope, double weight, Columns* impulses) const noexcept {
         V f[at<P>.link_size()];
         add_joints(own, f);
         V moment = joint(2 * n + 3, own) + joint(2 * n + 2, own + 1);
@@ -81,6 +59,76 @@ public:
     }
 
 private:
+    /// Relative velocities in a joint: of the axes, and how fast the links before and after it turn.
+    struct JointRates {
+        V x[n], y[n], z, e, before, after;
+    };
+    /// Legendre modes of even and of odd order summed apart, so that they serve the points at ξ and at -ξ.
+    struct Halves {
+        V even, odd;
+    };
+    struct PointForce {
+        V x, y, along;
+    };
+
+    [[nodiscard]] Halves halves_at(const V* modes, int g) const noexcept {
+        Halves sum{modes[0], V(0.0)};
+        if constexpr (n > 1) sum.odd = basis(c_.joint_points, 1, g) * modes[1];
+        if constexpr (n > 2) sum.even += basis(c_.joint_points, 2, g) * modes[2];
+        if constexpr (n > 3) sum.odd += basis(c_.joint_points, 3, g) * modes[3];
+        return sum;
+    }
+
+    /// Sliding of point g across the axis.
+    [[nodiscard]] V slip_of(int own, int g, const V& x, const V& y, const JointRates& rates) const noexcept {
+        const int row = field_.components.joint(g);
+        return contact(row + Joint::normal_x, own) * y - contact(row + Joint::normal_y, own) * x + rates.before * contact(row + Joint::lever_before, own) +
+               rates.after * contact(row + Joint::lever_after, own);
+    }
+
+    /// Force at point g that slides with slip and axial; moments to force.
+    [[nodiscard]] PointForce point_force(int own, int g, const V& slip, const V& axial, const V& factor, V* force) const noexcept {
+        const int row = field_.components.joint(g);
+        const V grip = contact(row + Joint::grip, own) * factor;
+        const V across = grip * slip;   // against the motion: signs below
+        force[2 * n + 2] = force[2 * n + 2] - across * contact(row + Joint::lever_before, own);
+        force[2 * n + 3] = force[2 * n + 3] - across * contact(row + Joint::lever_after, own);
+        return {across * contact(row + Joint::normal_y, own), -(across * contact(row + Joint::normal_x, own)), -(grip * axial)};
+    }
+
+    /// Points g and count - 1 - g, at ξ and -ξ.
+    void mirrored_points(int own, int g, const JointRates& rates, V* force) const noexcept {
+        const int h = field_.components.joint_points - 1 - g;
+        const double xi = c_.joint_points.position[static_cast<std::size_t>(g)];
+        const Halves x = halves_at(rates.x, g), y = halves_at(rates.y, g);
+        const V slip_g = slip_of(own, g, x.even + x.odd, y.even + y.odd, rates), slip_h = slip_of(own, h, x.even - x.odd, y.even - y.odd, rates);
+        const V tilt = xi * rates.e;
+        const V axial_g = rates.z + tilt, axial_h = rates.z - tilt;
+        const auto [factor_g, factor_h] = sliding_factors<W, Steepest>(c_.joint.friction, slip_g * slip_g + axial_g * axial_g, slip_h * slip_h + axial_h * axial_h);
+        const PointForce a = point_force(own, g, slip_g, axial_g, factor_g, force), b = point_force(own, h, slip_h, axial_h, factor_h, force);
+        spread(g, a.x + b.x, a.x - b.x, force);
+        spread(g, a.y + b.y, a.y - b.y, force + n);
+        force[2 * n] += a.along + b.along;
+        force[2 * n + 1] += xi * (a.along - b.along);
+    }
+
+    /// The point at ξ = 0.
+    void middle_point(int own, int g, const JointRates& rates, V* force) const noexcept {
+        const V slip = slip_of(own, g, halves_at(rates.x, g).even, halves_at(rates.y, g).even, rates);
+        const PointForce f = point_force(own, g, slip, rates.z, sliding_factor<W, Steepest>(c_.joint.friction, slip * slip + rates.z * rates.z), force);
+        spread(g, f.x, V(0.0), force);
+        spread(g, f.y, V(0.0), force + n);
+        force[2 * n] += f.along;
+    }
+
+    /// Adds the forces at two mirrored points, as sum and difference, to the modes.
+    void spread(int g, const V& sum, const V& difference, V* modes) const noexcept {
+        modes[0] += sum;
+        if constexpr (n > 1) modes[1] += basis(c_.joint_points, 1, g) * difference;
+        if constexpr (n > 2) modes[2] += basis(c_.joint_points, 2, g) * sum;
+        if constexpr (n > 3) modes[3] += basis(c_.joint_points, 3, g) * difference;
+    }
+
     static void store(const V& lanes, double* to) noexcept { lanes.copy_to(to); }
     [[nodiscard]] int column(int own) const noexcept { return range_.first + own + 1; }
     [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
@@ -95,19 +143,6 @@ private:
         const V vx = velocity(at<P>.x(End::front, 0), own) - velocity(at<P>.x(End::rear, 0), own);
         const V vy = velocity(at<P>.y(End::front, 0), own) - velocity(at<P>.y(End::rear, 0), own);
         return (contact(ContactComponents::frame_x, own) * vy - contact(ContactComponents::frame_y, own) * vx) * contact(ContactComponents::inverse_length, own);
-    }
-
-    [[nodiscard]] static V factor(const FrictionCurve& curve, const V& square) noexcept {
-        if constexpr (Steepest) return V(1.0 / curve.saturation_speed);
-        return slip_factor<W>(curve, sqrt(square));
-    }
-
-    /// s(v/v0) sign v of a sliding velocity along one axis: without division where the law is piecewise.
-    [[nodiscard]] static V held(const FrictionCurve& curve, const V& speed) noexcept {
-        const V share = (1.0 / curve.saturation_speed) * speed;
-        if (Steepest) return share;
-        if (curve.smoothing != 0.0) return slip_factor<W>(curve, abs(speed)) * speed;
-        return larger<W>(smaller<W>(share, V(1.0)), V(-1.0));
     }
 
     void add_joints(int own, V* f) const noexcept {
@@ -130,7 +165,7 @@ private:
         for (int j = 0; j < field_.components.plates; ++j) {
             const double xi = c_.plates.position[static_cast<std::size_t>(j)];
             const V sliding = gap_z + xi * gap_e;
-            const V slide = contact(field_.components.plate(j), own) * held(c_.plate_friction, sliding);
+            const V slide = contact(field_.components.plate(j), own) * held<W, Steepest>(c_.plate_friction, sliding);
             fz += slide;
             fe += xi * slide;
         }
@@ -151,72 +186,104 @@ private:
     void tips(int own, V* f, V& moment, double weight, Columns* impulses) const noexcept {
         const V turn = turning(own);
         for (const End end : {End::rear, End::front}) {
-            for (int side = 0; side < 2; ++side) tip(own, end, side, turn, f, moment, weight, impulses);
+            Halves x{velocity(at<P>.x(end, 0), own), V(0.0)}, y{velocity(at<P>.y(end, 0), own), V(0.0)};
+            for (int m = 1; m < n; ++m) {
+                (m % 2 == 0 ? x.even : x.odd) += velocity(at<P>.x(end, m), own);
+                (m % 2 == 0 ? y.even : y.odd) += velocity(at<P>.y(end, m), own);
+            }
+            const V z = velocity(at<P>.z(end), own), e = velocity(at<P>.e(end), own);
+            const int low = 2 * static_cast<int>(end), high = low + 1;   // at ξ = -1 and at ξ = 1
+            const TipSlip a = tip_slip(own, low, x.even - x.odd, y.even - y.odd, z - e, turn), b = tip_slip(own, high, x.even + x.odd, y.even + y.odd, z + e, turn);
+            const auto [factor_a, factor_b] = tip_factors(own, low, a.square(), b.square());
+            const PointForce below = tip_force(own, low, a, factor_a, moment, weight, impulses), above = tip_force(own, high, b, factor_b, moment, weight, impulses);
+            const V sum_x = below.x + above.x, sum_y = below.y + above.y, difference_x = above.x - below.x, difference_y = above.y - below.y;
+            for (int m = 0; m < n; ++m) {
+                f[at<P>.x(end, m)] += m % 2 == 0 ? sum_x : difference_x;
+                f[at<P>.y(end, m)] += m % 2 == 0 ? sum_y : difference_y;
+            }
+            f[at<P>.z(end)] += below.along + above.along;
+            f[at<P>.e(end)] += above.along - below.along;
         }
     }
 
-    void tip(int own, End end, int side, const V& turn, V* f, V& moment, double weight, Columns* impulses) const noexcept {
-        const double s = side == 0 ? -1.0 : 1.0;
-        const int corner = 2 * static_cast<int>(end) + side;
+    /// Velocity of a tip along its sheave's surface.
+    struct TipSlip {
+        V x, y, z;
+        [[nodiscard]] V square() const noexcept { return x * x + y * y + z * z; }
+    };
+
+    [[nodiscard]] TipSlip tip_slip(int own, int corner, const V& pin_x, const V& pin_y, const V& pin_z, const V& turn) const noexcept {
         const int row = field_.components.tip(corner);
         const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
-        const V lever_x = contact(row + Tip::lever_x, own), lever_y = contact(row + Tip::lever_y, own);
-        V vx = velocity(at<P>.x(end, 0), own), vy = velocity(at<P>.y(end, 0), own);
-        for (int m = 1; m < n; ++m) {
-            const double value = m % 2 == 0 ? 1.0 : s;
-            vx += value * velocity(at<P>.x(end, m), own);
-            vy += value * velocity(at<P>.y(end, m), own);
-        }
-        V vz = velocity(at<P>.z(end), own) + s * velocity(at<P>.e(end), own);
-        vx = vx - turn * lever_y;
-        vy += turn * lever_x;
+        V vx = pin_x - turn * contact(row + Tip::lever_y, own), vy = pin_y + turn * contact(row + Tip::lever_x, own), vz = pin_z;
         if constexpr (!Steepest) {
             vx = vx - contact(row + Tip::sheave, own) - range_.time * contact(row + Tip::drift, own);
             vy = vy - contact(row + Tip::sheave + 1, own) - range_.time * contact(row + Tip::drift + 1, own);
             vz = vz - contact(row + Tip::sheave + 2, own) - range_.time * contact(row + Tip::drift + 2, own);
         }
         const V along = vx * gx + vy * gy + vz * gz;
-        vx = vx - along * gx;
-        vy = vy - along * gy;
-        vz = vz - along * gz;
-        const V grip = -contact(row + Tip::grip, own) * tip_factor(row, own, vx * vx + vy * vy + vz * vz);
-        const V fx = grip * vx, fy = grip * vy, fz = grip * vz;
-        for (int m = 0; m < n; ++m) {
-            const double value = m % 2 == 0 ? 1.0 : s;
-            f[at<P>.x(end, m)] += value * fx;
-            f[at<P>.y(end, m)] += value * fy;
-        }
-        f[at<P>.z(end)] += fz;
-        f[at<P>.e(end)] += s * fz;
-        moment += lever_x * fy - lever_y * fx;
-        if (impulses == nullptr) return;
-        add(weight * fx, impulses->at(3 * corner, column(own)));
-        add(weight * fy, impulses->at(3 * corner + 1, column(own)));
-        add(weight * fz, impulses->at(3 * corner + 2, column(own)));
+        return {vx - along * gx, vy - along * gy, vz - along * gz};
     }
 
-    [[nodiscard]] V tip_factor(int row, int own, const V& square) const noexcept {
-        if (Steepest || !friction_.by_phase()) return factor(c_.tip.friction, square);
-        const V least = contact(row + Tip::least, own), most = contact(row + Tip::most, own);
-        return V(1.0) / larger<W>(smaller<W>(sqrt(square), most), least);
+    [[nodiscard]] PointForce tip_force(int own, int corner, const TipSlip& slip, const V& factor, V& moment, double weight, Columns* impulses) const noexcept {
+        const int row = field_.components.tip(corner);
+        const V grip = -contact(row + Tip::grip, own) * factor;
+        const PointForce force{grip * slip.x, grip * slip.y, grip * slip.z};
+        moment += contact(row + Tip::lever_x, own) * force.y - contact(row + Tip::lever_y, own) * force.x;
+        if (impulses != nullptr) {
+            add(weight * force.x, impulses->at(3 * corner, column(own)));
+            add(weight * force.y, impulses->at(3 * corner + 1, column(own)));
+            add(weight * force.along, impulses->at(3 * corner + 2, column(own)));
+        }
+        return force;
+    }
+
+    /// Of tips `low` and low + 1.
+    [[nodiscard]] std::pair<V, V> tip_factors(int own, int low, const V& first, const V& second) const noexcept {
+        if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(c_.tip.friction, first, second);
+        return {1.0 / bounded_speed(own, low, first), 1.0 / bounded_speed(own, low + 1, second)};
+    }
+
+    /// Within the branch of the law that the tip's phase stands for.
+    [[nodiscard]] V bounded_speed(int own, int corner, const V& square) const noexcept {
+        const int row = field_.components.tip(corner);
+        return larger<W>(smaller<W>(sqrt(square), contact(row + Tip::most, own)), contact(row + Tip::least, own));
     }
 
     static void add(const V& lanes, double* to) noexcept { store(load<W>(to) + lanes, to); }
 
-    void accelerate(int own, const V* f, const Columns* base, Columns& slope) const noexcept {
-        const double* lateral = friction_.lateral_inverse().data();
-        for (int axis = 0; axis < 2; ++axis) {
-            const V* force = f + axis * 2 * n;
-            for (int row = 0; row < 2 * n; ++row) solve_row(own, 2 * n, lateral + row * 2 * n, force, axis * 2 * n + row, base, slope);
-        }
-        const double* axial = friction_.axial_inverse().data();
-        for (int row = 0; row < 4; ++row) solve_row(own, 4, axial + row * 4, f + 4 * n, 4 * n + row, base, slope);
+    void accelerate(int own, const V* f, const FrictionBase* base, Columns& slope) const noexcept {
+        const MirroredInverse& lateral = friction_.lateral_inverse();
+        for (int axis = 0; axis < 2; ++axis) accelerate_ends<n>(own, lateral, f + 2 * n * axis, 2 * n * axis, base, slope);
+        accelerate_ends<2>(own, friction_.axial_inverse(), f + 4 * n, 4 * n, base, slope);
     }
 
-    void solve_row(int own, int size, const double* inverse, const V* force, int row, const Columns* base, Columns& slope) const noexcept {
-        V value = inverse[0] * force[0];
-        for (int k = 1; k < size; ++k) value += inverse[k] * force[k];
-        if (base != nullptr) value += load<W>(base->at(row, column(own)));
+    /// Rows row … row + 2 size - 1: `size` modes of the rear pin, then of the front pin.
+    template <int size>
+    void accelerate_ends(int own, const MirroredInverse& inverse, const V* force, int row, const FrictionBase* base, Columns& slope) const noexcept {
+        V both[size], apart[size];
+        for (int m = 0; m < size; ++m) {
+            both[m] = force[m] + force[size + m];
+            apart[m] = force[m] - force[size + m];
+        }
+        for (int m = 0; m < size; ++m) {
+            const double* sum = inverse.sum.data() + m * most_lateral;
+            const double* difference = inverse.difference.data() + m * most_lateral;
+            V together = sum[m % 2] * both[m % 2], opposed = difference[m % 2] * apart[m % 2];
+            for (int k = m % 2 + 2; k < size; k += 2) {
+                together += sum[k] * both[k];
+                opposed += difference[k] * apart[k];
+            }
+            put(together + opposed, own, row + m, base, slope);
+            put(together - opposed, own, row + size + m, base, slope);
+        }
+    }
+
+    void put(V value, int own, int row, const FrictionBase* base, Columns& slope) const noexcept {
+        if (base != nullptr) {
+            const V now = load<W>(base->now->at(row, column(own)));
+            value += now + base->lean * (now - load<W>(base->before->at(row, column(own))));
+        }
         store(value, slope.at(row, column(own)));
     }
 

@@ -159,7 +159,7 @@ void record(const ChainModel& chain, const ChainRange& range, const ContactDrift
 }
 
 template <int P, bool Steepest>
-void evaluate(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const Columns* base, Columns& slope,
+void evaluate(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FrictionBase* base, Columns& slope,
               double weight, Columns* impulses) noexcept {
     const int links = range.last - range.first;
     const auto in_groups = [](int count, const auto& body) {

@@ -136,15 +136,9 @@ void FrictionSystem::subtract(const Workspace& w, int segment) noexcept {
 
 void FrictionSystem::stage(const Workspace& w, const engine::PlanStep& row, double h, double lean, double weight, int segment) noexcept {
     combine(row, h, w, segment);
-    const Segment& own = w.partition[segment];
     model::Columns& slope = slopes_[at(row.slope)];
-    for (int component = 0; component < w.layout().link_size(); ++component) {
-        const double* now = base_.at(component, own.first + 1);
-        const double* before = base_before_.at(component, own.first + 1);
-        double* to = image_.at(component, own.first + 1);
-        for (int k = 0; k < own.size(); ++k) to[k] = now[k] + lean * (now[k] - before[k]);
-    }
-    friction_.slopes(field_, range_of(w, row.time - 0.5, segments_[at(segment)].window, segment), &image_, slope, weight, weight != 0.0 ? &impulses_ : nullptr);
+    const model::FrictionBase base{&base_, &base_before_, lean};
+    friction_.slopes(field_, range_of(w, row.time - 0.5, segments_[at(segment)].window, segment), &base, slope, weight, weight != 0.0 ? &impulses_ : nullptr);
     repeat(w, slope, segment);
 }
 
