@@ -8,10 +8,17 @@
 
 namespace cvtflow::model {
 
-Columns::Columns(int components, int columns) : stride_((columns + 7) / 8 * 8 + 8) {
-    memory_.assign(static_cast<std::size_t>(components * stride_ + 8), 0.0);
+namespace {
+
+constexpr int line = 8;   // doubles of a cache line
+
+}  // namespace
+
+Columns::Columns(int components, int columns) : stride_((columns + line - 1 + line - 1) / line * line + line) {
+    memory_.assign(static_cast<std::size_t>(components * stride_ + 2 * line), 0.0);
     data_ = memory_.data();
-    while (reinterpret_cast<std::uintptr_t>(data_) % 64 != 0) ++data_;
+    while (reinterpret_cast<std::uintptr_t>(data_) % (line * sizeof(double)) != 0) ++data_;
+    data_ += before_first;
 }
 
 ContactField::ContactField(const ChainModel& chain)
@@ -45,6 +52,6 @@ FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
       axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 2)), by_phase_(by_phase),
       kernels_(kernels_of(chain.isa()).friction(chain.layout().order)) {}
 
-int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 4) * joint_stride(links); }
+int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 4) * joint_stride(links) + line; }
 
 }  // namespace cvtflow::model

@@ -31,9 +31,12 @@ struct ContactComponents {
     [[nodiscard]] constexpr int count() const noexcept { return tip(tips_per_link); }
 };
 
-/// Columns of doubles, one row per component, rows on cache lines of their own.
+/// Columns of doubles, one row per component, rows on cache lines of their own. Column 1, where links begin, begins a cache line.
 class Columns {
 public:
+    /// Numbers that may be read and written before column 0.
+    static constexpr int before_first = 7;
+
     Columns() = default;
     Columns(int components, int columns);
 
@@ -110,7 +113,7 @@ public:
     [[nodiscard]] int scratch_size(int links) const noexcept;
 
     /// Columns of a joint's rows in scratch.
-    [[nodiscard]] static constexpr int joint_stride(int links) noexcept { return links + 1 + 8; }
+    [[nodiscard]] static constexpr int joint_stride(int links) noexcept { return (links + 1 + 7) / 8 * 8 + 8; }
 
     /// Notes the contacts of the links of a range, and replaces their reactions on the sheaves by those of the normal forces alone.
     /// Ghost columns are written with the links that they repeat.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 namespace cvtflow::tasks {
@@ -57,7 +58,9 @@ void FrictionSystem::repartition(const Partition& partition) {
 
 model::FrictionRange FrictionSystem::range_of(const Workspace& w, double time, const model::Columns& velocity, int segment) noexcept {
     const Segment& own = w.partition[segment];
-    return {own.first, own.last, velocity.at(0, own.first), velocity.stride(), segments_[at(segment)].scratch.data(), w.phases.data(), time};
+    double* scratch = segments_[at(segment)].scratch.data();
+    while (reinterpret_cast<std::uintptr_t>(scratch) % 64 != 0) ++scratch;   // on a cache line: scratch_size() leaves room
+    return {own.first, own.last, velocity.at(0, own.first), velocity.stride(), scratch, w.phases.data(), time};
 }
 
 /// Ghost columns next to a segment's own, where it holds the link that they repeat.
@@ -101,26 +104,34 @@ void FrictionSystem::load(const Workspace& w, const double* whole_slope, int seg
     repeat(w, probe_, segment);
 }
 
-/// A row's velocities of a segment's links and their neighbours, into its window.
-void FrictionSystem::combine(const engine::PlanStep& row, double h, const Workspace& w, int segment) noexcept {
+/// A row's velocities of a segment's links and their neighbours: where they are.
+const model::Columns& FrictionSystem::combine(const engine::PlanStep& row, double h, const Workspace& w, int segment) noexcept {
     const Segment& own = w.partition[segment];
     const engine::SlotView slots{state_views_.data(), slope_views_.data()};
     model::Columns& window = segments_[at(segment)].window;
     const int stride = window.stride();
     if (own.size() == w.layout().links) {
-        engine::combine(row, h, slots, 0, w.layout().link_size() * stride, window.data());
+        const bool straight = row.keep >= 0 && std::none_of(row.states.begin(), row.states.end(), [&](const engine::Term& term) { return term.slot == row.keep; });
+        model::Columns& to = straight ? states_[at(row.keep)] : window;
+        constexpr int begin = -model::Columns::before_first;   // a cache line
+        engine::combine(row, h, slots, begin, w.layout().link_size() * stride, to.data() + begin);
+        if (straight) return to;
     } else {
         for (int component = 0; component < w.layout().link_size(); ++component) {
             const int begin = component * stride + own.first;
             engine::combine(row, h, slots, begin, begin + own.size() + 2, window.at(component, own.first));
         }
     }
-    if (row.keep < 0) return;
-    model::Columns& kept = states_[at(row.keep)];
+    if (row.keep >= 0) keep(w, window, states_[at(row.keep)], segment);
+    return window;
+}
+
+void FrictionSystem::keep(const Workspace& w, const model::Columns& window, model::Columns& slot, int segment) noexcept {
+    const Segment& own = w.partition[segment];
     for (int component = 0; component < w.layout().link_size(); ++component) {
-        std::memcpy(kept.at(component, own.first + 1), window.at(component, own.first + 1), at(own.size()) * sizeof(double));
+        std::memcpy(slot.at(component, own.first + 1), window.at(component, own.first + 1), at(own.size()) * sizeof(double));
     }
-    repeat(w, kept, segment);
+    repeat(w, slot, segment);
 }
 
 void FrictionSystem::subtract(const Workspace& w, int segment) noexcept {
@@ -135,10 +146,10 @@ void FrictionSystem::subtract(const Workspace& w, int segment) noexcept {
 }
 
 void FrictionSystem::stage(const Workspace& w, const engine::PlanStep& row, double h, double lean, double weight, int segment) noexcept {
-    combine(row, h, w, segment);
+    const model::Columns& velocity = combine(row, h, w, segment);
     model::Columns& slope = slopes_[at(row.slope)];
     const model::FrictionBase base{&base_, &base_before_, lean};
-    friction_.slopes(field_, range_of(w, row.time - 0.5, segments_[at(segment)].window, segment), &base, slope, weight, weight != 0.0 ? &impulses_ : nullptr);
+    friction_.slopes(field_, range_of(w, row.time - 0.5, velocity, segment), &base, slope, weight, weight != 0.0 ? &impulses_ : nullptr);
     repeat(w, slope, segment);
 }
 

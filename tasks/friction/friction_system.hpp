@@ -61,7 +61,8 @@ private:
     };
 
     [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::Columns& velocity, int segment) noexcept;
-    void combine(const engine::PlanStep& row, double h, const Workspace& workspace, int segment) noexcept;
+    const model::Columns& combine(const engine::PlanStep& row, double h, const Workspace& workspace, int segment) noexcept;
+    void keep(const Workspace& workspace, const model::Columns& window, model::Columns& slot, int segment) noexcept;
     void repeat(const Workspace& workspace, model::Columns& field, int segment) noexcept;
 
     model::FrictionOperator friction_;
