@@ -31,7 +31,7 @@ struct ChainRange {
 /// Contact of one link's tips with its sheaves, for transitions and faults.
 struct TipProbe {
     double depth[tips_per_link];    ///< δ [m], negative: gap
-    double slip[tips_per_link];     ///< |v_t| [m/s]
+    double slip[tips_per_link];     ///< |v_t| [m/s], 0 if not asked for
     double radius;                  ///< distance of the link's middle from its shaft's axis [m]
 };
 
@@ -48,7 +48,7 @@ class ChainModel;
 struct ChainKernels {
     void (*slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
     void (*observed_slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
-    void (*probe)(const ChainModel&, const double*, const SheaveMotion*, TipProbe&) noexcept;
+    void (*probe)(const ChainModel&, const double*, const SheaveMotion*, bool, TipProbe&) noexcept;
     void (*contact)(const ChainModel&, int, const double*, const SheaveMotion*, const Phase*, LinkContact&) noexcept;
 };
 
@@ -72,7 +72,8 @@ public:
         kernels_.observed_slopes(*this, range, slope, loads, accounts);
     }
     /// Depth of the four tips of one link, whatever their phase. `state` is the link's block.
-    void probe(const double* state, const SheaveMotion* sheaves, TipProbe& probe) const noexcept { kernels_.probe(*this, state, sheaves, probe); }
+    /// @param slip whether slip is asked for: only phases of sticking and slipping need it
+    void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept { kernels_.probe(*this, state, sheaves, slip, probe); }
     /// Forces that one link carries, with the phases of its four tips.
     void contact(int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) const noexcept {
         kernels_.contact(*this, link, state, sheaves, phases, contact);

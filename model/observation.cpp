@@ -48,7 +48,7 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
         const double* v = block + at.link_size();
         speed += std::hypot(v[at.x(End::rear, 0)], v[at.y(End::rear, 0)]);
         TipProbe probe{};
-        if (at.pulley_size != 0) variator_.chain().probe(block, scratch_.sheaves, probe);
+        if (at.pulley_size != 0) variator_.chain().probe(block, scratch_.sheaves, false, probe);
         for (int tip = 0; tip < tips_per_link; ++tip) {
             o.tip_axial[static_cast<std::size_t>(tips_per_link * link + tip)] = contact.axial[tip];
             if (phases[tips_per_link * link + tip] == Phase::free) continue;

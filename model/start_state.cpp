@@ -84,7 +84,7 @@ private:
             const double* block = state_.data() + at.link_begin(link);
             if (model_.shaft_of(block) != shaft) continue;
             TipProbe probe;
-            model_.probe(block, sheaves, probe);
+            model_.probe(block, sheaves, false, probe);
             depth = std::max({depth, probe.depth[side], probe.depth[2 + side]});
         }
         return depth;

@@ -70,16 +70,19 @@ void slopes_of(const ChainModel& model, const ChainRange& range, double* slope, 
 }
 
 template <int P>
-void probe_link(const ChainModel& model, const double* state, const SheaveMotion* sheaves, TipProbe& probe) noexcept {
+void probe_link(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool with_slip, TipProbe& probe) noexcept {
     const Coefficients& c = model.coefficients();
     const double* v = state + at<P>.link_size();
     const SheaveMotion* own = sheaves + 2 * model.shaft_of(state);
     const LinkFrame frame = link_frame<P>(state, v);
     const TipGeometry geometry = tip_geometry<P>(c, frame, state, own);
     geometry.depth.copy_to(probe.depth);
-    const TipMotion motion = tip_motion<P>(c, frame, v, own, geometry);
-    const Vector3Lanes slip = tangential(motion.material, geometry.normal);
-    TipLanes(sqrt(dot(slip, slip))).copy_to(probe.slip);
+    TipLanes(0.0).copy_to(probe.slip);
+    if (with_slip) {
+        const TipMotion motion = tip_motion<P>(c, frame, v, own, geometry);
+        const Vector3Lanes slip = tangential(motion.material, geometry.normal);
+        TipLanes(sqrt(dot(slip, slip))).copy_to(probe.slip);
+    }
     const double x = 0.5 * (state[at<P>.x(End::rear, 0)] + state[at<P>.x(End::front, 0)]) - model.shaft_of(state) * c.centre_distance;
     const double y = 0.5 * (state[at<P>.y(End::rear, 0)] + state[at<P>.y(End::front, 0)]);
     probe.radius = std::sqrt(x * x + y * y);

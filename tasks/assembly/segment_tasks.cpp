@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "engine/event/locate.hpp"
+#include "tasks/assembly/motion_check.hpp"
 #include "tasks/workspace.hpp"
 
 namespace cvtflow::tasks {
@@ -49,30 +50,8 @@ void fill_window_at_end(Workspace& w, const Segment& own, double* window) noexce
 
 /// The four tips of a link whose state is given.
 void indicate(const Workspace& w, const double* state, const model::SheaveMotion* sheaves, TipIndicator* tips, model::TipProbe& probe) noexcept {
-    w.variator.chain().probe(state, sheaves, probe);
+    w.variator.chain().probe(state, sheaves, w.parameters.detail.stick_slip, probe);
     for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};
-}
-
-void report(Verdict& verdict, FaultKind kind, double time, int pin, double value, double limit) noexcept {
-    if (!verdict.fault) verdict.fault = {kind, time, pin, value, limit};
-}
-
-[[nodiscard]] bool finite(const double* block, int size) noexcept {
-    double sum = 0.0;
-    for (int k = 0; k < size; ++k) sum += block[k] * 0.0;   // NaN as soon as one is infinite or NaN
-    return sum == 0.0;
-}
-
-/// Faster than sound in steel (5.9 km/s): no chain does that, so the integration has become unstable, long before anything is infinite.
-constexpr double fastest_pin = 1e4;   // m/s
-
-/// Whether a link's block [q | v] is finite and its motion that of a chain.
-void check_motion(const Workspace& w, int link, const double* block, Verdict& verdict) noexcept {
-    const int size = w.layout().link_block();
-    if (!finite(block, size)) return report(verdict, FaultKind::non_finite, w.time + w.h, link, 0.0, 0.0);
-    double largest = 0.0;
-    for (int k = size / 2; k < size; ++k) largest = std::max(largest, std::abs(block[k]));
-    if (largest > fastest_pin) report(verdict, FaultKind::blow_up, w.time + w.h, link, largest, fastest_pin);
 }
 
 /// Whether a link's tips are where contact can be described.
@@ -221,14 +200,18 @@ namespace {
 void make_secants(Workspace& w, const Segment& own) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int half = layout.link_size();
+    const double h = w.h;
     for (int link = own.first; link < own.last; ++link) {
-        const int q = layout.link_begin(link);
-        const int v = q + half;
+        const int begin = layout.link_begin(link);
+        const double* __restrict from = w.states[0] + begin + half;
+        const double* __restrict to = w.end_state + begin + half;
+        double* __restrict first = w.slopes[0] + begin;
+        double* __restrict last = w.end_slope + begin;
         for (int k = 0; k < half; ++k) {
-            const double mean = (w.end_state[v + k] - w.states[0][v + k]) / w.h;
-            w.slopes[0][q + k] = w.states[0][v + k];
-            w.end_slope[q + k] = w.end_state[v + k];
-            w.slopes[0][v + k] = w.end_slope[v + k] = mean;
+            const double mean = (to[k] - from[k]) / h;
+            first[k] = from[k];
+            last[k] = to[k];
+            first[half + k] = last[half + k] = mean;
         }
     }
 }

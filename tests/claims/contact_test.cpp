@@ -55,7 +55,7 @@ protected:
         model::SheaveMotion sheaves[4];
         rig.variator().pulleys().motions(rig.state() + at.pulley_begin(), sheaves);
         model::TipProbe found;
-        rig.variator().chain().probe(rig.state() + at.link_begin(link), sheaves, found);
+        rig.variator().chain().probe(rig.state() + at.link_begin(link), sheaves, true, found);
         return found;
     }
     /// Centre of the sphere of a tip at side +z relative to the axis of shaft 1, by model/EQUATIONS.md section 6 (straight pins).
@@ -184,7 +184,7 @@ TEST(Creep, ARingDrivenByItsSheavesLagsByTheShareOfTheSaturationSpeed) {
     double slip = 0.0;
     for (int link = 0; link < chain.links(); ++link) {
         model::TipProbe probe;
-        rig.variator().chain().probe(rig.state() + rig.variator().layout().link_begin(link), motion, probe);
+        rig.variator().chain().probe(rig.state() + rig.variator().layout().link_begin(link), motion, true, probe);
         for (const double tip : probe.slip) slip += tip / (4.0 * chain.links());
     }
     // Contact points lie some 0.4 mm inside the halves (R_p (1 - cos) of the links' lean), 2 % of the radius; measured 2.0 %.

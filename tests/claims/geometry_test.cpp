@@ -147,7 +147,7 @@ TEST_P(GeometricStart, TheDeepestTipJustTouchesEachSheave) {
     for (int link = 0; link < chain.links(); ++link) {
         const double* block = start.state.data() + model.layout().link_begin(link);
         model::TipProbe probe;
-        model.probe(block, sheaves, probe);
+        model.probe(block, sheaves, false, probe);
         const int shaft = model.shaft_of(block);
         for (int tip = 0; tip < model::tips_per_link; ++tip) deepest[2 * shaft + tip % 2] = std::max(deepest[2 * shaft + tip % 2], probe.depth[tip]);
     }

@@ -27,7 +27,7 @@ std::vector<double> outcome(const Parameters& p, Isa isa, const oracle::RandomSt
     for (int link = 0; link < at.links && at.pulley_size != 0; ++link) {
         const double* state = random.state.data() + at.link_begin(link);
         TipProbe probe;
-        variator.chain().probe(state, scratch.sheaves, probe);
+        variator.chain().probe(state, scratch.sheaves, true, probe);
         all.insert(all.end(), probe.depth, probe.depth + tips_per_link);
         all.insert(all.end(), probe.slip, probe.slip + tips_per_link);
         LinkContact contact;
