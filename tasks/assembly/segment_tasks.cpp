@@ -205,14 +205,11 @@ void make_secants(Workspace& w, const Segment& own) noexcept {
         const int begin = layout.link_begin(link);
         const double* __restrict from = w.states[0] + begin + half;
         const double* __restrict to = w.end_state + begin + half;
-        double* __restrict first = w.slopes[0] + begin;
-        double* __restrict last = w.end_slope + begin;
-        for (int k = 0; k < half; ++k) {
-            const double mean = (to[k] - from[k]) / h;
-            first[k] = from[k];
-            last[k] = to[k];
-            first[half + k] = last[half + k] = mean;
-        }
+        std::memcpy(w.slopes[0] + begin, from, at(half) * sizeof(double));
+        std::memcpy(w.end_slope + begin, to, at(half) * sizeof(double));
+        double* __restrict mean = w.slopes[0] + begin + half;
+        for (int k = 0; k < half; ++k) mean[k] = (to[k] - from[k]) / h;
+        std::memcpy(w.end_slope + begin + half, mean, at(half) * sizeof(double));
     }
 }
 
