@@ -102,6 +102,21 @@ template <int W>
     }
 }
 
+/// Lanes [by, by + W) of both, those of `low` first.
+template <int W, int by, int... lane>
+[[nodiscard]] inline typename NativeVector<W>::Type native_slide(typename NativeVector<W>::Type low, typename NativeVector<W>::Type high,
+                                                        std::integer_sequence<int, lane...>) noexcept {
+    return __builtin_shufflevector(low, high, (lane + by)...);
+}
+
+/// Rows a and b of a matrix of blocks of half × half lanes: the blocks beside the diagonal change places.
+template <int W, int half, int... lane>
+inline void native_exchange(typename NativeVector<W>::Type& a, typename NativeVector<W>::Type& b, std::integer_sequence<int, lane...>) noexcept {
+    const typename NativeVector<W>::Type upper = __builtin_shufflevector(a, b, (lane / half % 2 == 0 ? lane : lane - half + W)...);
+    b = __builtin_shufflevector(a, b, (lane / half % 2 == 0 ? lane + half : lane + W)...);
+    a = upper;
+}
+
 /// Both vectors consist of groups of `group` lanes; every group is folded to half its length, those of a before those of b.
 template <int W, int group, int... lane>
 [[nodiscard]] inline typename NativeVector<W>::Type native_fold(typename NativeVector<W>::Type a, typename NativeVector<W>::Type b,

@@ -8,6 +8,7 @@
 #include "tasks/tradeoff/error_measure.hpp"
 #include "tasks/tradeoff/pareto.hpp"
 #include "tools/command.hpp"
+#include "tools/detail_report.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/method_choice_text.hpp"
 #include "tools/output_folder.hpp"
@@ -27,6 +28,7 @@ struct TradeoffArguments {
     std::string reference = "rk4@12.5ns", duration = "240us", interval = "12us";
     int rounds = 3;
     OutputArguments output;
+    bool detail = false;
 };
 
 /// All rounds of one choice.
@@ -146,10 +148,17 @@ Action declare_tradeoff(CLI::App& app) {
     app.add_option("--duration", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
     app.add_option("--interval", arguments->interval, "Between outputs")->type_name("TIME")->capture_default_str();
     app.add_option("--rounds", arguments->rounds, "Times that every choice runs, in turns")->check(CLI::Range(1, 100))->capture_default_str();
+    app.add_flag("--detail", arguments->detail, "Levels of detail instead of methods, as `cvtflow detail SCENE` does");
     declare_output(app, arguments->output);
     app.footer("Errors are relative, Euclidean, over all tips (links) and outputs. front: no other is both faster and more exact.\n"
-               "What each level of detail costs and changes: cvtflow detail. Times are those of run.schedule, \"auto\" taken as serial.");
-    return [arguments] { return tradeoff(*arguments); };
+               "Times are those of run.schedule, \"auto\" taken as serial.");
+    return [arguments] {
+        if (!arguments->detail) return tradeoff(*arguments);
+        DetailArguments detail;
+        detail.scenes = {arguments->scene.scene};
+        detail.settings = arguments->scene.settings;
+        return report_details(detail, arguments->output);
+    };
 }
 
 }  // namespace cvtflow::tools
