@@ -70,7 +70,17 @@ template <int W>
 [[nodiscard]] inline bool native_all_at_most(typename NativeVector<W>::Type v, double limit) noexcept {
     if constexpr (W == 1) {
         return v <= limit;
-    } else {
+    }
+#if defined(__AVX512F__)
+    else if constexpr (W == 8) return _mm512_cmp_pd_mask(v, _mm512_set1_pd(limit), _CMP_LE_OQ) == 0xff;
+#endif
+#if defined(__AVX2__)
+    else if constexpr (W == 4) return _mm256_movemask_pd(_mm256_cmp_pd(v, _mm256_set1_pd(limit), _CMP_LE_OQ)) == 0xf;
+#endif
+#if defined(__x86_64__)
+    else if constexpr (W == 2) return _mm_movemask_pd(_mm_cmple_pd(v, _mm_set1_pd(limit))) == 0x3;
+#endif
+    else {
         const auto within = v <= limit - typename NativeVector<W>::Type{};
         bool all = true;
         for (int lane = 0; lane < W; ++lane) all = all && within[lane] != 0;

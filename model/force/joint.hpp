@@ -117,8 +117,8 @@ template <int P, int W, bool Observe, class Real, class Points>
     const V closing = -(m.nx * m.vx + m.ny * m.vy);
     const auto contact = line_contact<W>(j, weight, m.depth);
     const V normal = positive_part<W>(contact.elastic * (1.0 + j.damping * closing));
-    const V speed = sqrt(m.slip * m.slip + m.axial * m.axial);
-    const V grip = j.friction.coefficient * normal * slip_factor<W>(j.friction, speed);
+    const V square = m.slip * m.slip + m.axial * m.axial;
+    const V grip = j.friction.coefficient * normal * slip_factor_of_square<W>(j.friction, square);
     const V tangential = -grip * m.slip;
     JointTerms<P, W> terms;
     points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, -grip * m.axial, terms.data());
@@ -128,7 +128,7 @@ template <int P, int W, bool Observe, class Real, class Points>
     if constexpr (Observe) {
         account->store(Energy::joints, sum<W>(contact.energy));
         account->lose(Loss::joint_damping, sum<W>((normal - contact.elastic) * closing));
-        account->lose(Loss::joint_friction, sum<W>(grip * speed * speed));
+        account->lose(Loss::joint_friction, sum<W>(grip * square));
     }
     return terms;
 }

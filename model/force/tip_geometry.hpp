@@ -6,7 +6,10 @@
 ///
 /// (model/EQUATIONS.md section 6)
 
+#include <type_traits>
+
 #include "model/basis/lanes.hpp"
+#include "model/basis/zero.hpp"
 #include "model/coefficients.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/force/sheave_motion.hpp"
@@ -31,19 +34,16 @@ struct FourTips {
     [[nodiscard]] static Tips by_end(double rear, double front) noexcept { return join<2>(Lanes<2>(rear), Lanes<2>(front)); }
 };
 
-/// One corner of W links.
-template <int W>
+/// One corner of W links. @param side 0 is -z
+template <int W, End end, int side>
 struct OneTip {
     using Real = Lanes<W>;
     using Tips = Lanes<W>;
     static constexpr int width = W;
 
-    [[nodiscard]] double by_side(double minus, double plus) const noexcept { return side == 0 ? minus : plus; }
-    [[nodiscard]] const Tips& by_side(const Tips& minus, const Tips& plus) const noexcept { return side == 0 ? minus : plus; }
-    [[nodiscard]] const Tips& by_end(const Tips& rear, const Tips& front) const noexcept { return end == End::rear ? rear : front; }
-
-    End end;
-    int side;   ///< 0 is -z
+    [[nodiscard]] static constexpr double by_side(double minus, double plus) noexcept { return side == 0 ? minus : plus; }
+    [[nodiscard]] static const Tips& by_side(const Tips& minus, const Tips& plus) noexcept { return side == 0 ? minus : plus; }
+    [[nodiscard]] static const Tips& by_end(const Tips& rear, const Tips& front) noexcept { return end == End::rear ? rear : front; }
 };
 
 /// Coefficient m of both halves; c points at the rear half's m = 0, the front half's follow.
@@ -67,12 +67,11 @@ template <int P, class Corner>
 
 /// Σ c_m P_m'(±1) of both halves: P_m'(±1) = (±1)^(m+1) m (m+1)/2.
 template <int P, class Corner>
-[[nodiscard]] inline typename Corner::Tips end_slopes(const Corner& at_tips, const typename Corner::Real* c) noexcept {
-    using Tips = typename Corner::Tips;
+[[nodiscard]] inline auto end_slopes(const Corner& at_tips, const typename Corner::Real* c) noexcept {
     if constexpr (P == 0) {
-        return Tips(0.0);
+        return Zero{};
     } else {
-        Tips slope = coefficient<P>(at_tips, c, 1);
+        typename Corner::Tips slope = coefficient<P>(at_tips, c, 1);
         if constexpr (P >= 3) slope += 6.0 * coefficient<P>(at_tips, c, 3);
         if constexpr (P >= 2) slope += at_tips.by_side(-3.0, 3.0) * coefficient<P>(at_tips, c, 2);
         return slope;
@@ -86,13 +85,19 @@ struct Vector3 {
 template <class Tips>
 [[nodiscard]] inline Tips dot(const Vector3<Tips>& a, const Vector3<Tips>& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// Both sheaves of a pulley as the tips see them.
-template <class Tips>
+/// Both sheaves of a pulley as the tips see them. @tparam Displaced Zero where pulleys are rigid: sheaves that turn and move along z alone
+template <class Tips, class Displaced = Tips>
 struct SheaveLanes {
-    Vector3<Tips> position;   ///< O [m]
-    Tips tilt_x, tilt_y;
-    Vector3<Tips> velocity;   ///< [m/s]
-    Vector3<Tips> spin;       ///< [rad/s]
+    struct Position {
+        Tips x;
+        Displaced y;
+        Tips z;
+    } position;   ///< O [m]
+    Displaced tilt_x, tilt_y;
+    struct Velocity {
+        Displaced x, y;
+        Tips z;
+    } velocity, spin;   ///< [m/s], [rad/s]
 };
 
 /// @param s the two sheaves; their numbers, or Lanes where links side by side have different pulleys
@@ -102,15 +107,22 @@ template <class Corner, class Sheave>
     return {{of(&Sheave::x), of(&Sheave::y), of(&Sheave::z)}, of(&Sheave::tilt_x), of(&Sheave::tilt_y),
             {of(&Sheave::vx), of(&Sheave::vy), of(&Sheave::vz)}, {of(&Sheave::spin_x), of(&Sheave::spin_y), of(&Sheave::spin_z)}};
 }
+/// The same for rigid pulleys.
+template <class Corner, class Sheave>
+[[nodiscard, gnu::always_inline]] inline SheaveLanes<typename Corner::Tips, Zero> rigid_sheaves_at(const Corner& at_tips, const Sheave* s) noexcept {
+    const auto of = [&](auto number) -> typename Corner::Tips { return at_tips.by_side(s[0].*number, s[1].*number); };
+    return {{of(&Sheave::x), {}, of(&Sheave::z)}, {}, {}, {{}, {}, of(&Sheave::vz)}, {{}, {}, of(&Sheave::spin_z)}};
+}
 
-/// Positions of contact: everything that depends on the coordinates alone.
-template <class Tips>
+/// Positions of contact: everything that depends on the coordinates alone. At order 0 pins do not tilt.
+template <int P, class Tips>
 struct TipGeometry {
+    using Slope = std::conditional_t<P == 0, Zero, Tips>;
     Tips side;            ///< s = ±1
     Vector3<Tips> end;    ///< E
     Vector3<Tips> offset; ///< S - E
-    Tips slope_x, slope_y;  ///< σ_s
-    Tips lean;            ///< σ_s·o
+    Slope slope_x, slope_y;   ///< σ_s
+    Slope lean;           ///< σ_s·o
     Vector3<Tips> arm;    ///< r = S - O
     Vector3<Tips> local;  ///< ν, in the sheave's frame
     Vector3<Tips> normal; ///< G, in space
@@ -120,7 +132,7 @@ struct TipGeometry {
 /// Sphere centre of every tip, without the sheave.
 template <int P, class Corner>
 [[gnu::always_inline]] inline void place_spheres(const Coefficients& c, const Corner& at_tips, const LinkFrameOf<typename Corner::Real>& frame, const typename Corner::Real* q,
-                                                 TipGeometry<typename Corner::Tips>& g) noexcept {
+                                                 TipGeometry<P, typename Corner::Tips>& g) noexcept {
     using Tips = typename Corner::Tips;
     using Real = typename Corner::Real;
     const auto& tip = c.tip;
@@ -139,13 +151,13 @@ template <int P, class Corner>
 }
 
 /// Geometry of tips against the sheaves of their pulley.
-template <int P, class Corner>
-[[nodiscard, gnu::always_inline]] inline TipGeometry<typename Corner::Tips> tip_geometry(const Coefficients& c, const Corner& at_tips,
+template <int P, class Corner, class Sheaves>
+[[nodiscard, gnu::always_inline]] inline TipGeometry<P, typename Corner::Tips> tip_geometry(const Coefficients& c, const Corner& at_tips,
                                                                                         const LinkFrameOf<typename Corner::Real>& frame,
                                                                                         const typename Corner::Real* q,
-                                                                                        const SheaveLanes<typename Corner::Tips>& o) noexcept {
+                                                                                        const Sheaves& o) noexcept {
     using Tips = typename Corner::Tips;
-    TipGeometry<Tips> g;
+    TipGeometry<P, Tips> g;
     place_spheres<P>(c, at_tips, frame, q, g);
     g.arm = {g.end.x + g.offset.x - o.position.x, g.end.y + g.offset.y - o.position.y, g.end.z + g.offset.z - o.position.z};
     const Vector3<Tips>& r = g.arm;

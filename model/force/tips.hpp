@@ -21,11 +21,11 @@ struct TipMotion {
     Vector3<Tips> sheave_arm;   ///< r_P = P - O [m]
 };
 
-template <int P, class Corner>
+template <int P, class Corner, class Sheaves>
 [[nodiscard, gnu::always_inline]] inline TipMotion<typename Corner::Tips> tip_motion(const Coefficients& c, const Corner& at_tips,
                                                                                     const LinkFrameOf<typename Corner::Real>& frame,
-                                                                                    const typename Corner::Real* v, const SheaveLanes<typename Corner::Tips>& o,
-                                                                                    const TipGeometry<typename Corner::Tips>& g) noexcept {
+                                                                                    const typename Corner::Real* v, const Sheaves& o,
+                                                                                    const TipGeometry<P, typename Corner::Tips>& g) noexcept {
     using Tips = typename Corner::Tips;
     TipMotion<Tips> m;
     const double outward = c.tip.radius * c.tip.sine;
@@ -33,8 +33,8 @@ template <int P, class Corner>
     const auto& w = frame.turning;
     const Tips ex = end_values<P>(at_tips, v), ey = end_values<P>(at_tips, v + 2 * (P + 1));
     const Tips ez = at_tips.by_end(v[at<P>.z(End::rear)], v[at<P>.z(End::front)]) + g.side * at_tips.by_end(v[at<P>.e(End::rear)], v[at<P>.e(End::front)]);
-    const Tips slope_x = c.slope_scale * end_slopes<P>(at_tips, v), slope_y = c.slope_scale * end_slopes<P>(at_tips, v + 2 * (P + 1));
-    const Tips lean = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
+    const auto slope_x = c.slope_scale * end_slopes<P>(at_tips, v), slope_y = c.slope_scale * end_slopes<P>(at_tips, v + 2 * (P + 1));
+    const auto lean = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
     const auto& [ux, uy, uz] = o.velocity;
     const auto& [wx, wy, wz] = o.spin;
 
@@ -85,11 +85,12 @@ struct TipPhases {
     return join<2>(join<1>(touching_at(0), touching_at(1)), join<1>(touching_at(2), touching_at(3)));
 }
 
-/// g(|v|) with the branch that the phase prescribes: frozen within a step for `stick` and `slip`.
+/// g(|v|) from v², with the branch that the phase prescribes: frozen within a step for `stick` and `slip`.
 template <int W>
-[[nodiscard]] inline Lanes<W> phase_slip_factor(const FrictionCurve& curve, const Lanes<W>& speed, const TipPhases& phases) noexcept {
-    Lanes<W> factor = slip_factor<W>(curve, speed);
+[[nodiscard]] inline Lanes<W> phase_slip_factor(const FrictionCurve& curve, const Lanes<W>& square, const TipPhases& phases) noexcept {
+    Lanes<W> factor = slip_factor_of_square<W>(curve, square);
     if (!phases.by_phase) return factor;
+    const Lanes<W> speed = sqrt(square);
     for (std::size_t tip = 0; tip < phases.count; ++tip) {
         if (phases[tip] == Phase::stick) factor.set(tip, 1.0 / curve.saturation_speed);
         if (phases[tip] == Phase::slip) factor.set(tip, 1.0 / speed[tip]);
@@ -105,15 +106,15 @@ struct TipForces {
 };
 
 /// @param touching 1 or 0
-template <bool Observe, int W>
-[[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<Lanes<W>>& g, const TipMotion<Lanes<W>>& motion,
+template <bool Observe, int W, int P>
+[[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g, const TipMotion<Lanes<W>>& motion,
                                                                        const Lanes<W>& touching, const TipPhases& phases, Account* account) noexcept {
     using Tips = Lanes<W>;
     const Tips depth = touching * positive_part<W>(g.depth);
     const Tips elastic = tip.hertz * depth * sqrt(depth);
     const Tips normal = positive_part<W>(elastic * (1.0 + tip.damping * motion.closing));
     const Vector3<Tips> v = tangential(motion.material, g.normal);
-    const Tips grip = -tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, sqrt(dot(v, v)), phases);
+    const Tips grip = -tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, dot(v, v), phases);
     const Vector3<Tips> friction{grip * v.x, grip * v.y, grip * v.z};
     if constexpr (Observe) {
         account->store(Energy::tips, 0.4 * sum<W>(elastic * depth));
@@ -131,8 +132,8 @@ struct TipPush {
     Tips moment;
 };
 
-template <class Real, class Tips>
-[[nodiscard, gnu::always_inline]] inline TipPush<Tips> tip_push(const Coefficients& c, const LinkFrameOf<Real>& frame, const TipGeometry<Tips>& g, const TipMotion<Tips>& motion,
+template <int P, class Real, class Tips>
+[[nodiscard, gnu::always_inline]] inline TipPush<Tips> tip_push(const Coefficients& c, const LinkFrameOf<Real>& frame, const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
                                                                const TipForces<Tips>& t) noexcept {
     const double outward = c.tip.radius * c.tip.sine;
     const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
@@ -185,8 +186,8 @@ struct TipReaction {
     Vector3<Tips> force, moment;
 };
 
-template <class Tips>
-[[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<Tips>& g, const TipMotion<Tips>& motion, const TipForces<Tips>& t) noexcept {
+template <int P, class Tips>
+[[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion, const TipForces<Tips>& t) noexcept {
     const Vector3<Tips>& p = motion.sheave_arm;
     const Vector3<Tips>& r = g.arm;
     return {{-(t.normal * g.normal.x + t.friction.x), -(t.normal * g.normal.y + t.friction.y), -(t.normal * g.normal.z + t.friction.z)},
@@ -195,7 +196,8 @@ template <class Tips>
 }
 
 /// Reactions of the four tips of a link on the two sheaves.
-[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<TipLanes>& g, const TipMotion<TipLanes>& motion, const TipForces<TipLanes>& t) noexcept {
+template <int P>
+[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& motion, const TipForces<TipLanes>& t) noexcept {
     const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };   // rear + front, by side
     const auto [force, moment] = tip_reaction(g, motion, t);
     SheaveLoad load;

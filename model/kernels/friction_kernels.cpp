@@ -88,9 +88,10 @@ private:
         const Difference<P> rate(velocity(link), End::front, velocity(link), End::rear);
         for (int first = 0; first < c_.plates.count; first += W) {
             const AxisPoints<P, W> points(c_.plates, first);
-            const Lanes<W> tension = plate_tension<P, W>(c_, c_.kind(link).free_length, points, d, rate, first);
+            alignas(64) double tension[W];
+            plate_tension<P, W>(c_, c_.kind(link).free_length, points, d, rate, first).copy_to(tension);
             for (int j = first; j < std::min(first + W, c_.plates.count); ++j) {
-                column[field_.components.plate(j)] = c_.plate_friction.coefficient * std::max(0.0, double(tension[static_cast<std::size_t>(j - first)]));
+                column[field_.components.plate(j)] = c_.plate_friction.coefficient * std::max(0.0, tension[j - first]);
             }
         }
     }
@@ -114,7 +115,7 @@ private:
         }
     }
 
-    void tip(int link, int corner, const TipGeometry<TipLanes>& g, const TipMotion<TipLanes>& m, const TipForces<TipLanes>& forces, Phase phase, const Column& column) const noexcept {
+    void tip(int link, int corner, const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& m, const TipForces<TipLanes>& forces, Phase phase, const Column& column) const noexcept {
         const auto lane = static_cast<std::size_t>(corner);
         const int row = field_.components.tip(corner);
         const double px = m.sheave_arm.x[lane], py = m.sheave_arm.y[lane], pz = m.sheave_arm.z[lane];

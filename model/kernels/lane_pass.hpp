@@ -87,7 +87,12 @@ public:
     }
 
     void tips(int own, int count, const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
-        LaneTips<P, W>(model_, range_, range_.first + own, count).add(columns, f, moment, loads + own);
+        const int first = range_.first + own;
+        if (c_.layout.pulley_size == 4) {
+            LaneTips<P, W, true>(c_, range_, first, count).add(columns, f, moment, loads + own);
+        } else {
+            LaneTips<P, W, false>(c_, range_, first, count).add(columns, f, moment, loads + own);
+        }
     }
 
     /// Slopes of links own … from their forces, which are lost.

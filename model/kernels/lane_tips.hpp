@@ -10,17 +10,19 @@
 namespace cvtflow::model {
 namespace {
 
-template <int P, int W>
+/// @tparam Rigid whether sheaves only turn and move along z; then only those reactions are written
+template <int P, int W, bool Rigid>
 class LaneTips {
 public:
     using V = Lanes<W>;
     using Columns = LinkColumns<P, W>;
+    using Reaction = TipReaction<V>;
     static constexpr int size = at<P>.link_size();
 
     /// @param count links that the lanes stand for, from the first
-    LaneTips(const ChainModel& model, const ChainRange& range, int first, int count) noexcept
-        : model_(model), c_(model.coefficients()), range_(range), phases_(range.phases + tips_per_link * first), count_(count) {
-        for (int link = 0; link < count; ++link) any_ |= phase_word(phases_ + tips_per_link * link);
+    LaneTips(const Coefficients& c, const ChainRange& range, int first, int count) noexcept
+        : c_(c), range_(range), phases_(range.phases + tips_per_link * first), count_(std::min(count, W)) {
+        for (int link = 0; link < count_; ++link) any_ |= words_[static_cast<std::size_t>(link)] = phase_word(phases_ + tips_per_link * link);
     }
 
     /// Adds forces and moments on the links; reactions of those that touch to loads.
@@ -30,22 +32,13 @@ public:
         const V shaft = pulleys_of(columns, sheaves);
         std::array<V, size> share;
         share.fill(V(0.0));
-        std::array<TipReaction<V>, 2> reaction;   // rear + front, by side
-        std::array<V, 2> turning;
-        for (const End end : {End::rear, End::front}) {
-            std::array<TipPush<V>, 2> push;
-            for (int side = 0; side < 2; ++side) {
-                const auto k = static_cast<std::size_t>(side);
-                TipReaction<V> own;
-                push[k] = tip({end, side}, columns, sheaves.data(), own);
-                turning[k] = end == End::rear ? push[k].moment : turning[k] + push[k].moment;
-                reaction[k] = end == End::rear ? own : sum_of(reaction[k], own);
-            }
-            load_end<P>(end, push[0], push[1], share.data());
-        }
+        std::array<Reaction, 2> rear, front;   // by side
+        std::array<V, 2> turning = pair<End::rear>(columns, sheaves, rear, share);
+        const std::array<V, 2> more = pair<End::front>(columns, sheaves, front, share);
+        for (std::size_t side = 0; side < 2; ++side) turning[side] += more[side];
         for (int k = 0; k < size; ++k) f[k] += share[static_cast<std::size_t>(k)];
         moment += turning[0] + turning[1];
-        write(reaction, shaft, loads);
+        write(rear, front, shaft, loads);
     }
 
 private:
@@ -66,49 +59,83 @@ private:
         return by_shaft(0.0, 1.0);
     }
 
-    [[nodiscard]] TipPush<V> tip(const OneTip<W>& corner, const Columns& columns, const SheaveMotionLanes<W>* sheaves, TipReaction<V>& reaction) const noexcept {
-        const auto own = sheaves_at(corner, sheaves);
+    /// Both tips of a half: adds their forces to share, returns their moments.
+    template <End end>
+    [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, std::array<Reaction, 2>& reaction,
+                                        std::array<V, size>& share) const noexcept {
+        const TipPush<V> minus = tip(OneTip<W, end, 0>{}, 2 * static_cast<int>(end), columns, sheaves.data(), reaction[0]);
+        const TipPush<V> plus = tip(OneTip<W, end, 1>{}, 2 * static_cast<int>(end) + 1, columns, sheaves.data(), reaction[1]);
+        load_end<P>(end, minus, plus, share.data());
+        return {minus.moment, plus.moment};
+    }
+
+    template <class Corner>
+    [[nodiscard]] TipPush<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves, Reaction& reaction) const noexcept {
+        const auto own = [&] {
+            if constexpr (Rigid) return rigid_sheaves_at(corner, sheaves);
+            else return sheaves_at(corner, sheaves);
+        }();
         const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
         const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
         constexpr std::uint32_t stick_or_slip = 0x02020202;
-        const Phase* first = phases_ + 2 * static_cast<int>(corner.end) + corner.side;
-        const auto forces = tip_forces<false, W>(c_.tip, geometry, motion, touching(first), {first, tips_per_link, (any_ & stick_or_slip) != 0, static_cast<std::size_t>(count_)}, nullptr);
+        const TipPhases phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, static_cast<std::size_t>(count_)};
+        const auto forces = tip_forces<false, W>(c_.tip, geometry, motion, touching(number), phases, nullptr);
         reaction = tip_reaction(geometry, motion, forces);
         return tip_push(c_, columns.frame, geometry, motion, forces);
     }
 
     /// 1 where a tip touches, else 0.
-    [[nodiscard]] V touching(const Phase* first) const noexcept {
+    [[nodiscard]] V touching(int number) const noexcept {
         alignas(64) double touching[W];
-        for (int link = 0; link < W; ++link) touching[link] = link < count_ && first[tips_per_link * link] != Phase::free ? 1.0 : 0.0;
+        for (std::size_t link = 0; link < W; ++link) touching[link] = (words_[link] >> (8 * number) & 0xffu) != 0 ? 1.0 : 0.0;
         return load<W>(touching);
     }
 
-    [[nodiscard]] static TipReaction<V> sum_of(const TipReaction<V>& a, const TipReaction<V>& b) noexcept {
-        return {{a.force.x + b.force.x, a.force.y + b.force.y, a.force.z + b.force.z}, {a.moment.x + b.moment.x, a.moment.y + b.moment.y, a.moment.z + b.moment.z}};
-    }
-
-    void write(const std::array<TipReaction<V>, 2>& reaction, const V& shaft, LinkLoad* loads) const noexcept {
-        constexpr int numbers = sizeof(SheaveLoad) / sizeof(double);
-        const auto& [a, b] = reaction;
-        const std::array<V, numbers> rows{a.force.x, b.force.x, a.force.y, b.force.y, a.force.z, b.force.z,
-                                          a.moment.x, b.moment.x, a.moment.y, b.moment.y, a.moment.z, b.moment.z};
-        alignas(64) double load[W][numbers];
-        std::array<double*, W> to;
-        for (std::size_t link = 0; link < W; ++link) to[link] = load[link];
-        store_rows<W, numbers>(rows.data(), to, count_);
-        for (int link = 0; link < std::min(count_, W); ++link) {   // GCC 12 does not know that count ≤ W
-            if (phase_word(phases_ + tips_per_link * link) == 0) continue;
-            std::memcpy(&loads[link].load, load[link], sizeof load[link]);
-            loads[link].shaft = static_cast<int>(shaft[static_cast<std::size_t>(link)]);
+    void write(const std::array<Reaction, 2>& rear, const std::array<Reaction, 2>& front, const V& shaft, LinkLoad* loads) const noexcept {
+        constexpr std::size_t numbers = sizeof(SheaveLoad) / sizeof(double);
+        const auto sums = [&](auto part, auto axis) { return std::array{rear[0].*part.*axis + front[0].*part.*axis, rear[1].*part.*axis + front[1].*part.*axis}; };
+        using Axis = Vector3<V>;
+        constexpr auto force = &Reaction::force, moment = &Reaction::moment;
+        if constexpr (Rigid) {
+            const auto fz = sums(force, &Axis::z), mz = sums(moment, &Axis::z);
+            std::array<V, 4> rows{fz[0], fz[1], mz[0], mz[1]};
+            scatter(rows, shaft, loads, [](const double* row, SheaveLoad& load) {
+                std::memcpy(load.fz, row, sizeof load.fz);
+                std::memcpy(load.mz, row + 2, sizeof load.mz);
+            });
+        } else {
+            std::array<V, numbers> rows;
+            std::size_t row = 0;
+            for (const auto part : {force, moment}) {
+                for (const auto axis : {&Axis::x, &Axis::y, &Axis::z}) {
+                    const auto both = sums(part, axis);
+                    rows[row++] = both[0];
+                    rows[row++] = both[1];
+                }
+            }
+            scatter(rows, shaft, loads, [](const double* numbers_of_link, SheaveLoad& load) { std::memcpy(&load, numbers_of_link, sizeof load); });
         }
     }
 
-    const ChainModel& model_;
+    /// Gives every touching link its column of rows.
+    template <std::size_t numbers, class Take>
+    void scatter(const std::array<V, numbers>& rows, const V& shaft, LinkLoad* loads, const Take& take) const noexcept {
+        alignas(64) double column[W][numbers];
+        std::array<double*, W> to;
+        for (std::size_t link = 0; link < W; ++link) to[link] = column[link];
+        store_rows<W, static_cast<int>(numbers)>(rows.data(), to, count_);
+        for (std::size_t link = 0; link < W; ++link) {
+            if (words_[link] == 0) continue;
+            take(column[link], loads[link].load);
+            loads[link].shaft = static_cast<int>(shaft[link]);
+        }
+    }
+
     const Coefficients& c_;
     const ChainRange& range_;
-    const Phase* phases_;   ///< of the first lane's link
+    const Phase* phases_;                     ///< of the first lane's link
     int count_;
+    std::array<std::uint32_t, W> words_{};    ///< phases of each link, 0 beyond the last
     std::uint32_t any_ = 0;
 };
 

@@ -43,6 +43,11 @@ inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, i
     }
 }
 
+template <int W, std::size_t rows>
+inline void add_rows(std::array<Lanes<W>, rows>& total, const std::array<Lanes<W>, rows>& terms) noexcept {
+    for (std::size_t row = 0; row < rows; ++row) total[row] += terms[row];
+}
+
 /// Sum of terms_at(0) … terms_at(count - 1) in the tree of sums() over `width` lanes: pairs that lie width/2 apart first.
 /// @param width a power of two ≥ count, at most 16
 template <int W, std::size_t rows, class Body>
@@ -52,12 +57,16 @@ inline void pairwise_sum(int count, int width, const Body& terms_at, std::array<
     std::size_t height = 0;
     int point = 0;
     for (int leaf = 0; leaf < width; ++leaf) {
-        present[height] = point < count;
-        if (present[height]) partial[height] = terms_at(point);
-        ++height;
-        for (int ones = leaf; (ones & 1) != 0; ones >>= 1) {
-            if (!present[--height]) continue;
-            for (std::size_t row = 0; row < rows; ++row) partial[height - 1][row] += partial[height][row];
+        const bool here = point < count;
+        if ((leaf & 1) == 0) {
+            present[height] = here;
+            if (here) partial[height] = terms_at(point);
+            ++height;
+        } else {
+            if (here) add_rows<W>(partial[height - 1], terms_at(point));
+            for (int ones = leaf >> 1; (ones & 1) != 0; ones >>= 1) {
+                if (present[--height]) add_rows<W>(partial[height - 1], partial[height]);
+            }
         }
         int bit = width / 2;   // next in the order of reversed bits
         for (; (point & bit) != 0; bit /= 2) point -= bit;

@@ -28,7 +28,6 @@ struct TradeoffArguments {
     std::string reference = "rk4@12.5ns", duration = "240us", interval = "12us";
     int rounds = 3;
     OutputArguments output;
-    bool detail = false;
 };
 
 /// All rounds of one choice.
@@ -148,16 +147,16 @@ Action declare_tradeoff(CLI::App& app) {
     app.add_option("--duration", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
     app.add_option("--interval", arguments->interval, "Between outputs")->type_name("TIME")->capture_default_str();
     app.add_option("--rounds", arguments->rounds, "Times that every choice runs, in turns")->check(CLI::Range(1, 100))->capture_default_str();
-    app.add_flag("--detail", arguments->detail, "Levels of detail instead of methods, as `cvtflow detail SCENE` does");
+    CLI::Option* detail = app.get_option("--detail")->expected(0, 1);
     declare_output(app, arguments->output);
     app.footer("Errors are relative, Euclidean, over all tips (links) and outputs. front: no other is both faster and more exact.\n"
-               "Times are those of run.schedule, \"auto\" taken as serial.");
-    return [arguments] {
-        if (!arguments->detail) return tradeoff(*arguments);
-        DetailArguments detail;
-        detail.scenes = {arguments->scene.scene};
-        detail.settings = arguments->scene.settings;
-        return report_details(detail, arguments->output);
+               "SCENE --detail without a level compares levels of detail instead of methods: cvtflow detail. Times are those of run.schedule, \"auto\" taken as serial.");
+    return [arguments, detail] {
+        if (detail->count() == 0 || !arguments->scene.detail.empty()) return tradeoff(*arguments);
+        DetailArguments levels;
+        levels.scenes = {arguments->scene.scene};
+        levels.settings = arguments->scene.settings;
+        return report_details(levels, arguments->output);
     };
 }
 
