@@ -9,6 +9,18 @@
 namespace cvtflow::model {
 namespace {
 
+/// Elastic and damping tension of plates [N], as plate_terms() has it.
+template <int P, int W, class Real, class Points, class Number>
+[[nodiscard]] inline Lanes<W> plate_tension(const Coefficients& c, const Real& free_length, const Points& at_plates, const Number& stiffness,
+                                            const Number& damping, const Difference<P, Real>& d, const Difference<P, Real>& rate) noexcept {
+    using V = Lanes<W>;
+    const V dx = at_plates.along(d.x), dy = at_plates.along(d.y), dz = d.z + at_plates.xi * d.e;
+    const V vx = at_plates.along(rate.x), vy = at_plates.along(rate.y), vz = rate.z + at_plates.xi * rate.e;
+    const V length = sqrt(dx * dx + dy * dy + dz * dz);
+    const Reciprocals<W> inverse(length, regular_speed<W>(c.plate_friction, abs(vz)));
+    return stiffness * (length - free_length) + damping * ((dx * vx + dy * vy + dz * vz) * inverse.first);
+}
+
 /// What W plates of a link, or one plate of W links, add to the force on the front half, in the order of Difference.
 /// @param stiffness, damping Lanes<W> over plates, or numbers of the one plate
 template <int P, int W, bool Observe, class Real, class Points, class Number>

@@ -31,6 +31,11 @@ ContactField::ContactField(const ChainModel& chain)
 
 namespace {
 
+Coefficients without_friction(Coefficients c) {
+    c.joint.friction.coefficient = c.plate_friction.coefficient = c.tip.friction.coefficient = 0.0;
+    return c;
+}
+
 /// @param rows of the matrix, `size` modes of either end
 MirroredInverse inverse_of(const double* rows, int size) {
     const Eigen::MatrixXd inverse = Eigen::Map<const Eigen::MatrixXd>(rows, 2 * size, 2 * size).inverse();
@@ -48,7 +53,7 @@ MirroredInverse inverse_of(const double* rows, int size) {
 }  // namespace
 
 FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
-    : chain_(chain), lateral_inverse_(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral())),
+    : chain_(chain), frictionless_(without_friction(chain.coefficients())), lateral_inverse_(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral())),
       axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 2)), by_phase_(by_phase),
       kernels_(kernels_of(chain.isa()).friction(chain.layout().order)) {}
 

@@ -3,6 +3,7 @@
 /// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first.
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "model/chain_model.hpp"
@@ -40,16 +41,16 @@ public:
     Columns() = default;
     Columns(int components, int columns);
 
-    [[nodiscard]] double* at(int component, int column) noexcept { return data_ + component * stride_ + column; }
-    [[nodiscard]] const double* at(int component, int column) const noexcept { return data_ + component * stride_ + column; }
-    [[nodiscard]] int stride() const noexcept { return stride_; }
+    [[nodiscard]] double* at(std::ptrdiff_t component, std::ptrdiff_t column) noexcept { return data_ + component * stride_ + column; }
+    [[nodiscard]] const double* at(std::ptrdiff_t component, std::ptrdiff_t column) const noexcept { return data_ + component * stride_ + column; }
+    [[nodiscard]] int stride() const noexcept { return static_cast<int>(stride_); }
     [[nodiscard]] const double* data() const noexcept { return data_; }
     [[nodiscard]] double* data() noexcept { return data_; }
 
 private:
     std::vector<double> memory_;
     double* data_ = nullptr;
-    int stride_ = 0;
+    std::ptrdiff_t stride_ = 0;
 };
 
 /// Arms from a sheave's origin to the contact points of a link's tips, for reactions on the sheaves [m].
@@ -76,7 +77,7 @@ class FrictionOperator;
 struct FrictionRange {
     int first, last;          ///< links [first, last)
     const double* velocity;   ///< [link_size()][stride] of links first - 1 … last
-    int stride;               ///< of velocity
+    std::ptrdiff_t stride;    ///< of velocity
     double* scratch;          ///< FrictionOperator::scratch_size(last - first)
     const Phase* phases;      ///< [links * 4], of the whole chain
     double time;              ///< of the velocities, from the middle of the step, in steps
@@ -98,8 +99,10 @@ struct ContactDrift {
 /// Functions of one order and one instruction set.
 struct FrictionKernels {
     using Record = void (*)(const ChainModel&, const ChainRange&, const ContactDrift&, ContactField&, LinkLoad*) noexcept;
+    using Push = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, ContactField&, Columns&, LinkLoad*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionBase*, Columns&, double, Columns*) noexcept;
     Record record;
+    Push push;
     Evaluate slopes, steepest;
 };
 
@@ -121,6 +124,10 @@ public:
     void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, LinkLoad* loads) const noexcept {
         kernels_.record(chain_, range, drift, field, loads);
     }
+    /// The same, and the accelerations of the range's links by everything but friction, in one pass over them: to rows of push, column = link + 1.
+    void record_and_push(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push, LinkLoad* loads) const noexcept {
+        kernels_.push(*this, range, drift, field, push, loads);
+    }
     /// slope = base + A⁻¹ friction(velocity), rows of links first … last - 1. Adds weight times the force of every tip to impulses.
     /// @param base or nullptr: none   @param slope columns over links   @param impulses [3 tips_per_link] rows: x, y, z of each tip, or nullptr
     void slopes(const ContactField& field, const FrictionRange& range, const FrictionBase* base, Columns& slope, double weight, Columns* impulses) const noexcept {
@@ -130,6 +137,8 @@ public:
     void steepest(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept { kernels_.steepest(*this, field, range, nullptr, slope, 0.0, nullptr); }
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
+    /// Those of the chain without friction.
+    [[nodiscard]] const Coefficients& frictionless() const noexcept { return frictionless_; }
     /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
     [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }
     [[nodiscard]] const MirroredInverse& lateral_inverse() const noexcept { return lateral_inverse_; }
@@ -137,6 +146,7 @@ public:
 
 private:
     const ChainModel& chain_;
+    Coefficients frictionless_;
     MirroredInverse lateral_inverse_;   ///< of x, and of y
     MirroredInverse axial_inverse_;     ///< of z and e
     bool by_phase_;

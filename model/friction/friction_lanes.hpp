@@ -291,7 +291,7 @@ private:
     const Coefficients& c_;
     const ContactField& field_;
     const FrictionRange& range_;
-    int joint_stride_;
+    std::ptrdiff_t joint_stride_;
 };
 
 }  // namespace

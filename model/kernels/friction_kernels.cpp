@@ -5,6 +5,7 @@
 #include "model/friction/friction_lanes.hpp"
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
+#include "model/kernels/lane_pass.hpp"
 
 namespace cvtflow::model {
 
@@ -161,6 +162,15 @@ void record(const ChainModel& chain, const ChainRange& range, const ContactDrift
     for (int link = range.first; link < range.last; ++link) recorder.link(link, loads[link - range.first]);
 }
 
+template <int P>
+void push(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push, LinkLoad* loads) noexcept {
+    const ChainModel& chain = friction.chain();
+    using Contacts = ContactWriter<P, native_lanes>;
+    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), field, push);
+    LanePass<P, native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
+    contacts.repeat(chain.layout().links);
+}
+
 template <int P, bool Steepest>
 void evaluate(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FrictionBase* base, Columns& slope,
               double weight, Columns* impulses) noexcept {
@@ -178,7 +188,7 @@ void evaluate(const FrictionOperator& friction, const ContactField& field, const
 
 template <int P>
 [[nodiscard]] FrictionKernels kernels_of_order() noexcept {
-    return {record<P>, evaluate<P, false>, evaluate<P, true>};
+    return {record<P>, push<P>, evaluate<P, false>, evaluate<P, true>};
 }
 
 }  // namespace

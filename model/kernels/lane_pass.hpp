@@ -7,6 +7,7 @@
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
+#include "model/kernels/contact_writer.hpp"
 #include "model/kernels/lane_tips.hpp"
 #include "model/kernels/link_lanes.hpp"
 
@@ -14,7 +15,8 @@ namespace cvtflow::model {
 namespace {
 
 /// `own` counts links from the range's first, and the pins behind them.
-template <int P, int W>
+/// @tparam Contacts NoContacts, or ContactWriter: then accelerations go there instead of slopes
+template <int P, int W, class Contacts = NoContacts>
 class LanePass {
 public:
     using V = Lanes<W>;
@@ -24,7 +26,10 @@ public:
     static constexpr int block = at<P>.link_block();
 
     LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads) noexcept
-        : model_(model), c_(model.coefficients()), range_(range), links_(range.last - range.first), slope_(slope), loads_(loads) {}
+        : model_(model), c_(model.coefficients()), range_(range), links_(range.last - range.first), slope_(slope), loads_(loads), contacts_{} {}
+    /// With coefficients of its own.
+    LanePass(const ChainModel& model, const Coefficients& coefficients, const ChainRange& range, LinkLoad* loads, const Contacts& contacts) noexcept
+        : model_(model), c_(coefficients), range_(range), links_(range.last - range.first), slope_(nullptr), loads_(loads), contacts_(contacts) {}
 
     void run() const noexcept {
         std::array<Columns, 2> columns;   // of this group and the one before, taking turns
@@ -33,7 +38,7 @@ public:
         read(-W, columns[1]);
         for (int own = 0; own <= links_; own += W) {
             read(own, columns[now]);
-            joints[now] = joints_between(columns[now ^ 1], columns[now]);
+            joints[now] = joints_between(columns[now ^ 1], columns[now], own);
             if (own > 0) finish(own - W, columns[now ^ 1], joints[now ^ 1], joints[now]);
             now ^= 1;
         }
@@ -51,8 +56,8 @@ public:
         columns.frame = link_frame<P>(columns.q(), columns.v());
     }
 
-    /// Joints of the pins behind the links `here`.
-    [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here) const noexcept {
+    /// Joints of the pins behind the links `here`, the first of which is `own`.
+    [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, [[maybe_unused]] int own = 0) const noexcept {
         const auto& a = earlier.frame;
         const auto& b = here.frame;
         const JointFrames<V> frames({before(a.tx, b.tx), before(a.ty, b.ty), before(a.inverse_length, b.inverse_length), before(a.turning, b.turning)}, b);
@@ -64,6 +69,7 @@ public:
             const AxisPoint<P, W> at_point(points, point);
             const auto motion = joint_motion<P, W>(c_.joint, frames, at_point, gap, rate);
             worst = larger<W>(beyond_clearance<W>(c_.joint, frames, motion), worst);
+            if constexpr (Contacts::wanted) contacts_.joint(own, std::min(W, links_ - own), point, motion);
             return press<P, W, false>(c_.joint, frames, at_point, V(points.weight[static_cast<std::size_t>(point)]), motion, nullptr);
         };
         pairwise_sum<W>(points.count, points.width, pressed, total);
@@ -89,9 +95,9 @@ public:
     void tips(int own, int count, const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
         const int first = range_.first + own;
         if (c_.layout.pulley_size == 4) {
-            LaneTips<P, W, true>(c_, range_, first, count).add(columns, f, moment, loads + own);
+            LaneTips<P, W, true, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + own);
         } else {
-            LaneTips<P, W, false>(c_, range_, first, count).add(columns, f, moment, loads + own);
+            LaneTips<P, W, false, Contacts>(c_, range_, first, count, contacts_).add(columns, f, moment, loads + own);
         }
     }
 
@@ -99,6 +105,7 @@ public:
     void solve(int own, int count, V* f) const noexcept {
         multiply<2 * (P + 1), 2>(model_.inertia().lateral, f);
         multiply<4, 1>(model_.inertia().axial, f + 4 * (P + 1));
+        if constexpr (Contacts::wanted) return contacts_.accelerations(own, count, f);
         std::array<double*, W> to;
         for (int lane = 0; lane < count; ++lane) {
             double* slope = slope_ + (own + lane) * block;
@@ -114,7 +121,8 @@ public:
         std::array<V, size> f;
         f.fill(V(0.0));
         V moment = inner(own, count, columns, f.data());
-        plates(kinds(own, count), columns, f.data());
+        plates(kinds(own, count), columns, f.data(), own, count);
+        if constexpr (Contacts::wanted) contacts_.frame(own, count, columns.frame);
         rear.on_front.apply(-1.0, f.data(), End::rear);
         add_front(rear, next, f.data());
         moment += rear.after + after(rear.before, next.before);
@@ -137,13 +145,16 @@ public:
         return kinds;
     }
 
-    void plates(const KindLanes<W>& kind, const Columns& columns, V* f) const noexcept {
+    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0, [[maybe_unused]] int count = 0) const noexcept {
         const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
         Difference<P, V> pull;
         for (int first = 0; first < points.count; first += points.width) {
             const auto pulled = [&](int plate) noexcept {
                 const std::size_t j = static_cast<std::size_t>(first + plate);
+                if constexpr (Contacts::wanted) {
+                    contacts_.plate(own, count, first + plate, plate_tension<P, W>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j], points.damping[j], d, rate));
+                }
                 return plate_terms<P, W, false>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j], points.damping[j], d, rate, nullptr);
             };
             std::array<V, 2 * P + 4> total;
@@ -190,6 +201,7 @@ private:
     int links_;
     double* slope_;
     LinkLoad* loads_;
+    Contacts contacts_;
 };
 
 }  // namespace

@@ -5,13 +5,14 @@
 
 #include "model/chain_model.hpp"
 #include "model/force/tips.hpp"
+#include "model/kernels/contact_writer.hpp"
 #include "model/kernels/link_lanes.hpp"
 
 namespace cvtflow::model {
 namespace {
 
 /// @tparam Rigid whether sheaves only turn and move along z; then only those reactions are written
-template <int P, int W, bool Rigid>
+template <int P, int W, bool Rigid, class Contacts = NoContacts>
 class LaneTips {
 public:
     using V = Lanes<W>;
@@ -20,21 +21,24 @@ public:
     static constexpr int size = at<P>.link_size();
 
     /// @param count links that the lanes stand for, from the first
-    LaneTips(const Coefficients& c, const ChainRange& range, int first, int count) noexcept
-        : c_(c), range_(range), phases_(range.phases + tips_per_link * first), count_(std::min(count, W)) {
+    LaneTips(const Coefficients& c, const ChainRange& range, int first, int count, const Contacts& contacts) noexcept
+        : c_(c), range_(range), phases_(range.phases + tips_per_link * first), own_(first - range.first), count_(std::min(count, W)), contacts_(contacts) {
         for (int link = 0; link < count_; ++link) any_ |= words_[static_cast<std::size_t>(link)] = phase_word(phases_ + tips_per_link * link);
     }
 
     /// Adds forces and moments on the links; reactions of those that touch to loads.
     void add(const Columns& columns, V* f, V& moment, LinkLoad* loads) const noexcept {
-        if (any_ == 0) return;
+        if (any_ == 0) {
+            if constexpr (Contacts::wanted) contacts_.no_tips(own_, count_);
+            return;
+        }
         std::array<SheaveMotionLanes<W>, 2> sheaves;
         const V shaft = pulleys_of(columns, sheaves);
         std::array<V, size> share;
         share.fill(V(0.0));
         std::array<Reaction, 2> rear, front;   // by side
-        std::array<V, 2> turning = pair<End::rear>(columns, sheaves, rear, share);
-        const std::array<V, 2> more = pair<End::front>(columns, sheaves, front, share);
+        std::array<V, 2> turning = pair<End::rear>(columns, sheaves, shaft, rear, share);
+        const std::array<V, 2> more = pair<End::front>(columns, sheaves, shaft, front, share);
         for (std::size_t side = 0; side < 2; ++side) turning[side] += more[side];
         for (int k = 0; k < size; ++k) f[k] += share[static_cast<std::size_t>(k)];
         moment += turning[0] + turning[1];
@@ -61,16 +65,17 @@ private:
 
     /// Both tips of a half: adds their forces to share, returns their moments.
     template <End end>
-    [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, std::array<Reaction, 2>& reaction,
+    [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, const V& shaft, std::array<Reaction, 2>& reaction,
                                         std::array<V, size>& share) const noexcept {
-        const TipPush<V> minus = tip(OneTip<W, end, 0>{}, 2 * static_cast<int>(end), columns, sheaves.data(), reaction[0]);
-        const TipPush<V> plus = tip(OneTip<W, end, 1>{}, 2 * static_cast<int>(end) + 1, columns, sheaves.data(), reaction[1]);
+        const TipPush<V> minus = tip(OneTip<W, end, 0>{}, 2 * static_cast<int>(end), columns, sheaves.data(), shaft, reaction[0]);
+        const TipPush<V> plus = tip(OneTip<W, end, 1>{}, 2 * static_cast<int>(end) + 1, columns, sheaves.data(), shaft, reaction[1]);
         load_end<P>(end, minus, plus, share.data());
         return {minus.moment, plus.moment};
     }
 
     template <class Corner>
-    [[nodiscard]] TipPush<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves, Reaction& reaction) const noexcept {
+    [[nodiscard]] TipPush<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves, [[maybe_unused]] const V& shaft,
+                                  Reaction& reaction) const noexcept {
         const auto own = [&] {
             if constexpr (Rigid) return rigid_sheaves_at(corner, sheaves);
             else return sheaves_at(corner, sheaves);
@@ -80,6 +85,7 @@ private:
         constexpr std::uint32_t stick_or_slip = 0x02020202;
         const TipPhases phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, static_cast<std::size_t>(count_)};
         const auto forces = tip_forces<false, W>(c_.tip, geometry, motion, touching(number), phases, nullptr);
+        if constexpr (Contacts::wanted) contacts_.tip(own_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
         reaction = tip_reaction(geometry, motion, forces);
         return tip_push(c_, columns.frame, geometry, motion, forces);
     }
@@ -134,9 +140,11 @@ private:
     const Coefficients& c_;
     const ChainRange& range_;
     const Phase* phases_;                     ///< of the first lane's link
+    int own_;                                 ///< first lane's link, from the range's first
     int count_;
     std::array<std::uint32_t, W> words_{};    ///< phases of each link, 0 beyond the last
     std::uint32_t any_ = 0;
+    const Contacts& contacts_;
 };
 
 }  // namespace

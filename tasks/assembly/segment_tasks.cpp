@@ -17,18 +17,6 @@ using model::TipIndicator;
 
 [[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
-/// Stage state of links first-1 … last into the segment's window. Own links lie between the two neighbours.
-void fill_window(Workspace& w, const Segment& own, double* window) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    const int block = layout.link_block();
-    const auto combine = [&](int link, int links, double* out) {
-        engine::combine(w.row, w.h, w.slots(), layout.link_begin(link), layout.link_begin(link) + links * block, out);
-    };
-    combine(layout.previous(own.first), 1, window);
-    combine(own.first, own.size(), window + block);
-    combine(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
-}
-
 /// The state at the step's end, copied for an evaluation there.
 void fill_window_at_end(Workspace& w, const Segment& own, double* window) noexcept {
     const model::ChainLayout& layout = w.layout();
@@ -169,6 +157,17 @@ void change_phases(Workspace& w, int link, const TipIndicator* tips, Verdict& ve
 }
 
 }  // namespace
+
+void fill_window(Workspace& w, const Segment& own, double* window) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int block = layout.link_block();
+    const auto combine = [&](int link, int links, double* out) {
+        engine::combine(w.row, w.h, w.slots(), layout.link_begin(link), layout.link_begin(link) + links * block, out);
+    };
+    combine(layout.previous(own.first), 1, window);
+    combine(own.first, own.size(), window + block);
+    combine(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
+}
 
 void evaluate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);

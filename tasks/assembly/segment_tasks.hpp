@@ -1,7 +1,12 @@
 #pragma once
 /// What one segment does in each cycle. Bodies of tasks: context is the workspace, item the segment.
 
+#include "tasks/workspace.hpp"
+
 namespace cvtflow::tasks {
+
+/// Stage state of links first - 1 … last of a segment, as workspace.row combines it. @param window room for them
+void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
 
 /// Stage state of the segment and its halo, forces, slope of its links.
 void evaluate_segment(void* workspace, int segment) noexcept;

@@ -10,7 +10,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-enum FrictionCycle : int { record_cycle = method_cycles, subtract_cycle, stage_cycle, finish_cycle };
+enum FrictionCycle : int { push_cycle = method_cycles, stage_cycle, finish_cycle };
 
 constexpr int result_slot = kick_state_slots;   ///< velocity slot of the result
 /// The spectrum moves with the tension: it is looked at every so many steps, and taken with a margin in between.
@@ -42,11 +42,9 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
         const auto own = [&] { return LinkAccesses(w_, s); };
-        graph.add({"record" + number, record_cycle, [](void* w, int segment) noexcept { method_of(w).record(segment); }, s,
-                   own().own(Field::states_read, false).with_halo(Field::stage_state).own(Field::slope_written, false).own(Field::phase, false)
-                       .segment(Field::window, true).own(Field::contact, true).own(Field::velocity_read, true).own(Field::probe, true).own(Field::force, true).list()});
-        graph.add({"subtract" + number, subtract_cycle, [](void* w, int segment) noexcept { method_of(w).subtract(segment); }, s,
-                   own().with_halo(Field::contact).with_halo(Field::probe).own(Field::phase, false).own(Field::force, true).list()});
+        graph.add({"push" + number, push_cycle, [](void* w, int segment) noexcept { method_of(w).push(segment); }, s,
+                   own().with_halo(Field::states_read).with_halo(Field::slopes_read).own(Field::phase, false).segment(Field::window, true).own(Field::contact, true)
+                       .own(Field::velocity_read, true).own(Field::force, true).list()});
         graph.add({"friction" + number, stage_cycle, [](void* w, int segment) noexcept { method_of(w).stage(segment); }, s,
                    own().with_halo(Field::contact).with_halo(Field::velocity_read).with_halo(Field::velocity_slope_read).own(Field::force, true)
                        .own(Field::phase, false).own(Field::velocity_kept, true).own(Field::velocity_slope, true).own(Field::impulse, true).list()});
@@ -102,15 +100,18 @@ int FrictionLeapfrog::begin() {
     if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
     drift_.step = w_.h;
     for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.sheaves[k], sheaves_before_[k], rise_);
-    state_ = State::evaluating;
+    if (!at.ledger) {
+        state_ = State::pushing;
+        return push_cycle;
+    }
+    state_ = State::evaluating;   // accounts need the forces with friction
     return evaluate_cycle;
 }
 
 int FrictionLeapfrog::next() {
     switch (state_) {
-        case State::evaluating: state_ = State::recording; return record_cycle;
-        case State::recording: state_ = State::subtracting; return subtract_cycle;
-        case State::subtracting: return start_kick();
+        case State::evaluating: state_ = State::pushing; return push_cycle;
+        case State::pushing: return start_kick();
         case State::finishing: return end_step();
         case State::stages: break;
     }
@@ -178,13 +179,10 @@ void FrictionLeapfrog::load(std::span<const double> memory) {
     system_.load(memory.subspan(size));
 }
 
-void FrictionLeapfrog::record(int segment) noexcept {
-    system_.record(w_, drift_, segment);
-    system_.load(w_, w_.slopes[2], segment);
+void FrictionLeapfrog::push(int segment) noexcept {
+    system_.push(w_, drift_, segment);
     system_.begin_from(w_, w_.states[0], segment);
 }
-
-void FrictionLeapfrog::subtract(int segment) noexcept { system_.subtract(w_, segment); }
 
 void FrictionLeapfrog::stage(int segment) noexcept { system_.stage(w_, row_, w_.h, lean_, weight_, segment); }
 

@@ -35,13 +35,12 @@ public:
     [[nodiscard]] Fault fault() const noexcept override { return fault_; }
 
     // Bodies of tasks.
-    void record(int segment) noexcept;
-    void subtract(int segment) noexcept;
+    void push(int segment) noexcept;
     void stage(int segment) noexcept;
     void finish(int segment) noexcept;
 
 private:
-    enum class State { evaluating, recording, subtracting, stages, finishing };
+    enum class State { evaluating, pushing, stages, finishing };
 
     void extrapolate();
     void turn_over();

@@ -5,25 +5,13 @@
 #include <cstdint>
 #include <cstring>
 
+#include "tasks/assembly/segment_tasks.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
 
 [[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
-
-/// Stage states of links first - 1 … last of a segment, wherever the assembly at work has left them.
-[[nodiscard]] const double* stage_window(Workspace& w, int segment) noexcept {
-    double* window = w.windows[at(segment)].data();
-    if (!w.staged_states) return window;
-    const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
-    const std::size_t block = at(layout.link_block());
-    const auto copy = [&](int link, int links, double* to) { std::memcpy(to, w.stage_state + layout.link_begin(link), at(links) * block * sizeof(double)); };
-    copy(layout.previous(own.first), 1, window);
-    copy(own.first, own.size(), window + block);
-    copy(layout.next(own.last - 1), 1, window + at(own.size() + 1) * block);
-    return window;
-}
 
 }  // namespace
 
@@ -35,7 +23,7 @@ FrictionSystem::FrictionSystem(const Workspace& w, int states, int slopes)
     for (int slot = 0; slot < slopes; ++slot) slopes_.emplace_back(rows, columns);
     for (const model::Columns& slot : states_) state_views_.push_back(slot.data());
     for (const model::Columns& slot : slopes_) slope_views_.push_back(slot.data());
-    for (model::Columns* field : {&base_, &base_before_, &probe_, &mode_, &image_}) *field = model::Columns(rows, columns);
+    for (model::Columns* field : {&base_, &base_before_, &mode_, &image_}) *field = model::Columns(rows, columns);
     impulses_ = model::Columns(3 * model::tips_per_link, columns);
     restart();
     normal_loads_.resize(at(w.layout().links));
@@ -73,9 +61,11 @@ void FrictionSystem::repeat(const Workspace& w, model::Columns& field, int segme
     }
 }
 
-void FrictionSystem::record(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
+void FrictionSystem::push(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
     const Segment& own = w.partition[segment];
-    friction_.record({own.first, own.last, stage_window(w, segment), w.sheaves, w.phases.data()}, drift, field_, normal_loads_.data() + own.first);
+    double* window = w.windows[at(segment)].data();
+    fill_window(w, own, window);
+    friction_.record_and_push({own.first, own.last, window, w.sheaves, w.phases.data()}, drift, field_, base_, normal_loads_.data() + own.first);
 }
 
 void FrictionSystem::begin_from(const Workspace& w, const double* state, int segment) noexcept {
@@ -88,20 +78,6 @@ void FrictionSystem::begin_from(const Workspace& w, const double* state, int seg
     repeat(w, states_[0], segment);
     const Segment& own = w.partition[segment];
     for (int row = 0; row < 3 * model::tips_per_link; ++row) std::fill_n(impulses_.at(row, own.first + 1), own.size(), 0.0);
-}
-
-void FrictionSystem::load(const Workspace& w, const double* whole_slope, int segment) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
-    const int size = layout.link_size();
-    for (int link = own.first; link < own.last; ++link) {
-        const double* slope = whole_slope + layout.link_begin(link);
-        for (int row = 0; row < size; ++row) {
-            *probe_.at(row, link + 1) = slope[row];
-            *base_.at(row, link + 1) = slope[size + row];
-        }
-    }
-    repeat(w, probe_, segment);
 }
 
 /// A row's velocities of a segment's links and their neighbours: where they are.
@@ -132,17 +108,6 @@ void FrictionSystem::keep(const Workspace& w, const model::Columns& window, mode
         std::memcpy(slot.at(component, own.first + 1), window.at(component, own.first + 1), at(own.size()) * sizeof(double));
     }
     repeat(w, slot, segment);
-}
-
-void FrictionSystem::subtract(const Workspace& w, int segment) noexcept {
-    const Segment& own = w.partition[segment];
-    // F(v̂) = base' + A⁻¹f(v̂) with base' = 0 here; base ← base - F.
-    friction_.slopes(field_, range_of(w, 0.0, probe_, segment), nullptr, image_, 0.0, nullptr);
-    for (int row = 0; row < w.layout().link_size(); ++row) {
-        double* base = base_.at(row, own.first + 1);
-        const double* friction = image_.at(row, own.first + 1);
-        for (int k = 0; k < own.size(); ++k) base[k] -= friction[k];
-    }
 }
 
 void FrictionSystem::stage(const Workspace& w, const engine::PlanStep& row, double h, double lean, double weight, int segment) noexcept {

@@ -28,12 +28,8 @@ public:
 
     // Bodies of tasks: each touches the columns of one segment only, and reads those of its two neighbours.
 
-    /// Notes the contacts of a segment's links at the stage state that the last evaluation combined.
-    void record(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
-    /// Takes velocities and accelerations of an evaluation into probe and base.
-    void load(const Workspace& workspace, const double* slope, int segment) noexcept;
-    /// Takes friction at the probe's velocities out of base: what is left is all other forces.
-    void subtract(const Workspace& workspace, int segment) noexcept;
+    /// Notes the contacts of a segment's links at the stage state of workspace.row, and all other forces there.
+    void push(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
     /// One row of a table: combines the velocities, keeps them if the row says so, evaluates with lean times the difference between base and
     /// that of the step before added to base; adds weight times the tips' forces to impulses.
     void stage(const Workspace& workspace, const engine::PlanStep& row, double h, double lean, double weight, int segment) noexcept;
@@ -68,7 +64,7 @@ private:
     model::FrictionOperator friction_;
     model::ContactField field_;
     std::vector<model::Columns> states_, slopes_;
-    model::Columns base_, base_before_, probe_, impulses_, mode_, image_;
+    model::Columns base_, base_before_, impulses_, mode_, image_;
     std::vector<model::LinkLoad> normal_loads_;   ///< [links]
     std::vector<const double*> state_views_, slope_views_;
     std::vector<SegmentMemory> segments_;

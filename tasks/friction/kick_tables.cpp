@@ -9,7 +9,7 @@ namespace cvtflow::tasks {
 namespace {
 
 // How much damping pays was tried on the baseline: less leaves friction forces behind, more costs stages.
-constexpr double chebyshev_damping = 3.0, rkc_damping = 10.0;
+constexpr double chebyshev_damping = 1.5, rkc_damping = 10.0;
 
 KickTable table(Kick kind, int stages) {
     const bool first_order = kind == Kick::chebyshev;
