@@ -48,7 +48,7 @@ struct Case {
         variator().pulleys().motions(simulation.state() + at.pulley_begin(), scratch.sheaves);
         for (int link = 0; link < at.links; ++link) {
             model::TipProbe probe;
-            variator().chain().probe(simulation.state() + at.link_begin(link), scratch.sheaves, probe);
+            variator().chain().probe(simulation.state() + at.link_begin(link), scratch.sheaves, false, probe);
             for (int tip = 0; tip < model::tips_per_link; ++tip) {
                 phases[static_cast<std::size_t>(model::tips_per_link * link + tip)] = probe.depth[tip] > 0.0 ? model::Phase::touching : model::Phase::free;
             }
@@ -168,7 +168,7 @@ void transitions(benchmark::State& run) {
     std::vector<model::TipProbe> probes(static_cast<std::size_t>(c.layout().links));
     for (auto _ : run) {
         for (int link = 0; link < c.layout().links; ++link) {
-            c.variator().chain().probe(c.simulation.state() + c.layout().link_begin(link), c.scratch.sheaves, probes[static_cast<std::size_t>(link)]);
+            c.variator().chain().probe(c.simulation.state() + c.layout().link_begin(link), c.scratch.sheaves, c.parameters.detail.stick_slip, probes[static_cast<std::size_t>(link)]);
         }
         benchmark::DoNotOptimize(probes.data());
     }

@@ -49,6 +49,7 @@ struct ChainKernels {
     void (*slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
     void (*observed_slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
     void (*probe)(const ChainModel&, const double*, const SheaveMotion*, bool, TipProbe&) noexcept;
+    void (*probe_links)(const ChainModel&, const double*, int, const SheaveMotion*, bool, TipProbe*) noexcept;
     void (*contact)(const ChainModel&, int, const double*, const SheaveMotion*, const Phase*, LinkContact&) noexcept;
 };
 
@@ -74,6 +75,10 @@ public:
     /// Depth of the four tips of one link, whatever their phase. `state` is the link's block.
     /// @param slip whether slip is asked for: only phases of sticking and slipping need it
     void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept { kernels_.probe(*this, state, sheaves, slip, probe); }
+    /// The same, bit by bit, for `links` neighbouring links. @param states their blocks   @param probes [links]
+    void probe_links(const double* states, int links, const SheaveMotion* sheaves, bool slip, TipProbe* probes) const noexcept {
+        kernels_.probe_links(*this, states, links, sheaves, slip, probes);
+    }
     /// Forces that one link carries, with the phases of its four tips.
     void contact(int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) const noexcept {
         kernels_.contact(*this, link, state, sheaves, phases, contact);

@@ -43,6 +43,7 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     phases.assign(model::tips_per_link * links, model::Phase::free);
     before.assign(phases.size(), {});
     after.assign(phases.size(), {});
+    probes.assign(phases.size() / model::tips_per_link, {});
     changed.assign(phases.size(), -1e300);
     repartition(std::move(parts));
     tail.resize(static_cast<std::size_t>(tail_size()));
@@ -69,7 +70,7 @@ std::size_t Workspace::bytes() const noexcept {
     const auto of = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
     std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + tail.size();
     for (const auto& window : windows) doubles += window.size();
-    return doubles * sizeof(double) + of(loads) + of(accounts) + of(phases) + of(before) + of(after) + of(changed) + of(verdicts) + sizeof(*this);
+    return doubles * sizeof(double) + of(loads) + of(accounts) + of(phases) + of(before) + of(after) + of(probes) + of(changed) + of(verdicts) + sizeof(*this);
 }
 
 void Workspace::list_touching() noexcept {

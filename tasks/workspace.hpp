@@ -77,6 +77,7 @@ public:
     std::vector<model::Phase> phases;          ///< [4 links]
     std::vector<model::TipIndicator> before;   ///< [4 links] at the step's start
     std::vector<model::TipIndicator> after;    ///< [4 links] at its end
+    std::vector<model::TipProbe> probes;       ///< [links] the same with the links' radii
     std::vector<double> changed;               ///< [4 links] time of the last change of phase [s]
 
     // Staged assembly only; empty otherwise.

@@ -3,6 +3,7 @@
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
 #include "model/kernels/lane_pass.hpp"
+#include "model/kernels/lane_probe.hpp"
 
 namespace cvtflow::model {
 
@@ -91,6 +92,11 @@ void probe_link(const ChainModel& model, const double* state, const SheaveMotion
     probe.radius = std::sqrt(x * x + y * y);
 }
 
+template <int P>
+void probe_links(const ChainModel& model, const double* states, int links, const SheaveMotion* sheaves, bool with_slip, TipProbe* probes) noexcept {
+    LaneProbe<P, native_lanes>(model.coefficients(), sheaves, with_slip).run(states, links, probes);
+}
+
 /// Sum of the plates' elastic tensions.
 template <int P>
 [[nodiscard]] double elastic_tension(const Coefficients& c, const LinkKind& kind, const double* q) noexcept {
@@ -140,7 +146,7 @@ void slopes(const ChainModel& model, const ChainRange& range, double* slope, Lin
 
 template <int P>
 [[nodiscard]] ChainKernels kernels_of_order() noexcept {
-    return {slopes<P>, slopes_of<P, true>, probe_link<P>, contact_of_link<P>};
+    return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>, contact_of_link<P>};
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ public:
             return;
         }
         std::array<SheaveMotionLanes<W>, 2> sheaves;
-        const V shaft = pulleys_of(columns, sheaves);
+        const V shaft = pulleys_of<P>(c_, range_.sheaves, columns, sheaves);
         std::array<V, size> share;
         share.fill(V(0.0));
         std::array<Reaction, 2> rear, front;   // by side
@@ -46,23 +46,6 @@ public:
     }
 
 private:
-    /// The two sheaves of every link's pulley; returns the shafts' numbers.
-    [[nodiscard]] V pulleys_of(const Columns& columns, std::array<SheaveMotionLanes<W>, 2>& sheaves) const noexcept {
-        const V middle = columns.state[static_cast<std::size_t>(at<P>.x(End::rear, 0))] + columns.state[static_cast<std::size_t>(at<P>.x(End::front, 0))];
-        const auto by_shaft = [&](double first, double second) { return select_greater<W>(V(c_.centre_distance), middle, V(first), V(second)); };
-        constexpr std::size_t numbers = sizeof(SheaveMotion) / sizeof(double);
-        for (std::size_t side = 0; side < 2; ++side) {
-            std::array<double, numbers> first, second;
-            std::memcpy(first.data(), &range_.sheaves[side], sizeof first);
-            std::memcpy(second.data(), &range_.sheaves[2 + side], sizeof second);
-            std::array<V, numbers> rows;
-            static_assert(sizeof rows == sizeof sheaves[side]);
-            for (std::size_t k = 0; k < numbers; ++k) rows[k] = by_shaft(first[k], second[k]);
-            std::memcpy(static_cast<void*>(&sheaves[side]), rows.data(), sizeof rows);
-        }
-        return by_shaft(0.0, 1.0);
-    }
-
     /// Both tips of a half: adds their forces to share, returns their moments.
     template <End end>
     [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, const V& shaft, std::array<Reaction, 2>& reaction,

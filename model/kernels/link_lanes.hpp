@@ -102,6 +102,26 @@ struct SheaveMotionLanes {
     Lanes<W> x, y, z, tilt_x, tilt_y, vx, vy, vz, spin_x, spin_y, spin_z;
 };
 
+/// The two sheaves of every link's pulley; returns the shafts' numbers. @param motions of all four
+template <int P, int W>
+[[nodiscard]] inline Lanes<W> pulleys_of(const Coefficients& c, const SheaveMotion* motions, const LinkColumns<P, W>& columns,
+                                         std::array<SheaveMotionLanes<W>, 2>& sheaves) noexcept {
+    using V = Lanes<W>;
+    const V middle = columns.state[static_cast<std::size_t>(at<P>.x(End::rear, 0))] + columns.state[static_cast<std::size_t>(at<P>.x(End::front, 0))];
+    const auto by_shaft = [&](double first, double second) { return select_greater<W>(V(c.centre_distance), middle, V(first), V(second)); };
+    constexpr std::size_t numbers = sizeof(SheaveMotion) / sizeof(double);
+    for (std::size_t side = 0; side < 2; ++side) {
+        std::array<double, numbers> first, second;
+        std::memcpy(first.data(), &motions[side], sizeof first);
+        std::memcpy(second.data(), &motions[2 + side], sizeof second);
+        std::array<V, numbers> rows;
+        static_assert(sizeof rows == sizeof sheaves[side]);
+        for (std::size_t k = 0; k < numbers; ++k) rows[k] = by_shaft(first[k], second[k]);
+        std::memcpy(static_cast<void*>(&sheaves[side]), rows.data(), sizeof rows);
+    }
+    return by_shaft(0.0, 1.0);
+}
+
 /// Product of the inverse with `blocks` vectors of N numbers, N apart, in place; sums in the order of the columns.
 template <int N, int blocks, int W>
 inline void multiply(const SmallInverse& inverse, Lanes<W>* f) noexcept {

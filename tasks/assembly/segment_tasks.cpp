@@ -36,10 +36,14 @@ void fill_window_at_end(Workspace& w, const Segment& own, double* window) noexce
     return sheaves;
 }
 
+void show(const model::TipProbe& probe, TipIndicator* tips) noexcept {
+    for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};
+}
+
 /// The four tips of a link whose state is given.
 void indicate(const Workspace& w, const double* state, const model::SheaveMotion* sheaves, TipIndicator* tips, model::TipProbe& probe) noexcept {
     w.variator.chain().probe(state, sheaves, w.parameters.detail.stick_slip, probe);
-    for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};
+    show(probe, tips);
 }
 
 /// Whether a link's tips are where contact can be described.
@@ -235,12 +239,14 @@ void detect_segment(void* workspace, int segment) noexcept {
                     w.end_state + layout.link_begin(own.first));
     if (w.secant) make_secants(w, own);
     if (w.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
+    if (layout.pulley_size != 0) {
+        w.variator.chain().probe_links(w.end_state + layout.link_begin(own.first), own.size(), w.end_sheaves, w.parameters.detail.stick_slip, w.probes.data() + own.first);
+    }
     for (int link = own.first; link < own.last; ++link) {
-        const double* state = w.end_state + layout.link_begin(link);
-        check_motion(w, link, state, verdict);
+        check_motion(w, link, w.end_state + layout.link_begin(link), verdict);
         if (layout.pulley_size == 0 || verdict.fault) continue;
-        model::TipProbe probe;
-        indicate(w, state, w.end_sheaves, w.after.data() + model::tips_per_link * link, probe);
+        const model::TipProbe& probe = w.probes[at(link)];
+        show(probe, w.after.data() + model::tips_per_link * link);
         check_contact(w, link, probe, verdict);
         find_due(w, link, verdict);
         if (near_contact(w, link)) check_middle(w, link, verdict);
