@@ -200,9 +200,12 @@ FolderLock::FolderLock(const std::string& folder) {
     struct flock whole {};
     whole.l_type = F_WRLCK;
     whole.l_whence = SEEK_SET;
-    if (fcntl(descriptor_, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES)) {
-        close(descriptor_);
-        throw RecordError(folder + ": another sweep is writing into it");
+    for (int attempt = 0; fcntl(descriptor_, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES); ++attempt) {
+        if (attempt == 100) {   // a sweep that was killed is gone before that
+            close(descriptor_);
+            throw RecordError(folder + ": another sweep is writing into it");
+        }
+        usleep(10'000);
     }
 }
 
