@@ -21,12 +21,6 @@ constexpr std::size_t waiting_rows = 64;
 constexpr double sync_seconds = 5.0;
 const engine::Cancellation never;
 
-std::map<std::string, long> count_statuses(const engine::CaseTable& table) {
-    std::map<std::string, long> counts;
-    for (std::size_t row = 0; row < table.size(); ++row) ++counts[table.layout.text(table.row(row), table.layout.column("status"))];
-    return counts;
-}
-
 /// Takes rows of cases that are to run again out of the table, and all but the first row of a case.
 void keep_done(engine::CaseTable& table, const std::vector<std::string>& retry, std::vector<char>& done) {
     const std::size_t number = table.layout.column("case"), status = table.layout.column("status");
@@ -56,6 +50,7 @@ public:
         progress_.before = static_cast<long>(table.size());
         {
             engine::CaseWriter writer(file_, table);
+            table.rows = {};   // they are in the file
             work(writer, table.layout);
         }
         return report();
@@ -158,28 +153,28 @@ private:
     }
 
     /// Some continued cases from their own start, one after the other. Empty if it was stopped.
-    std::string check_continuation(const engine::CaseTable& table) {
+    std::string check_continuation(OrderedRows& rows) {
         ContinuationError error(sweep_);
         std::unique_ptr<CaseEngine> engine;
-        for (const long number : cases_to_check(sweep_, cases_, table)) {
+        for (const long number : cases_to_check(sweep_, cases_, rows)) {
             if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
             const CaseResult& again = engine->run_from_own_start(number);
             if (again.status == CaseStatus::stopped) return {};
-            if (again.status == CaseStatus::ok) error.add(table, again);
+            if (again.status == CaseStatus::ok) error.add(rows, again);
         }
         return error.text();
     }
 
     /// A finished table is written once more in the order of cases.
     BatchReport report() {
-        engine::CaseTable table = engine::read_cases(file_);
-        BatchReport result{folder_, progress_, count_statuses(table), table.size() == cases_.size(), results_hash(table), threads_, table.attribute("continuation_error")};
-        if (result.finished && (progress_.done > 0 || result.continuation_error.empty())) result.continuation_error = check_continuation(table);
-        table.set({"continuation_error", result.continuation_error});
-        sort_rows(table);
-        table.set({"status", result.finished ? "finished" : "interrupted"});
-        table.set({"results_hash", result.results_hash});
-        engine::write_cases(file_, table);
+        OrderedRows rows(file_);
+        engine::CaseTable head = rows.head();
+        BatchReport result{folder_, progress_, rows.statuses(), rows.size() == cases_.size(), rows.hash(), threads_, head.attribute("continuation_error")};
+        if (result.finished && (progress_.done > 0 || result.continuation_error.empty())) result.continuation_error = check_continuation(rows);
+        head.set({"continuation_error", result.continuation_error});
+        head.set({"status", result.finished ? "finished" : "interrupted"});
+        head.set({"results_hash", result.results_hash});
+        engine::write_cases(file_, head, rows.size(), [&rows](std::size_t first, std::span<std::byte> some) { rows.fill(first, some); });
         std::error_code not_empty;
         fs::remove(places().checkpoints, not_empty);
         if (result.finished) fs::remove_all(places().continuation, not_empty);
