@@ -1,5 +1,6 @@
 /// Jitter of advance_to() in a host's control loop: how long a call for 100 µs of the scene takes, over and over, with the host idle and with
-/// k busy host threads, for each way of running. A plain program, since what counts is the distribution and not the best.
+/// k busy host threads, for each way of running. Then how long the first step of a new simulation takes, and how long after cancel() from
+/// another thread a call returns. A plain program, since what counts is the distribution and not the best.
 ///
 ///     bench_embedding [--scene NAME] [--calls N] [--busy N,N,…] [--threads N]
 
@@ -61,6 +62,46 @@ std::vector<double> measure(cvtflow::Simulation& simulation, int calls) {
     return times;
 }
 
+[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count(); }
+
+/// Wall times from nothing to the end of the first step [s], ascending.
+std::vector<double> first_steps(const cvtflow::Scene& scene, cvtflow::Threads threads, int rounds) {
+    std::vector<double> times;
+    for (int k = 0; k < rounds; ++k) {
+        const auto begun = std::chrono::steady_clock::now();
+        cvtflow::Simulation simulation(scene, threads);
+        simulation.step();
+        times.push_back(seconds_since(begun));
+    }
+    std::sort(times.begin(), times.end());
+    return times;
+}
+
+/// Wall times from cancel() to the return of the call that it ends [s], ascending.
+std::vector<double> cancellations(const cvtflow::Scene& scene, cvtflow::Threads threads, const cvtflow::State& start, int rounds) {
+    std::vector<double> times;
+    cvtflow::Simulation simulation(scene, threads);
+    for (int k = 0; k < rounds; ++k) {
+        simulation.set_state(start);
+        std::chrono::steady_clock::time_point returned;
+        std::jthread stepper([&] {
+            try {
+                simulation.advance_to(simulation.time() + 1e3);
+            } catch (const cvtflow::Error& end) {
+                returned = std::chrono::steady_clock::now();
+                if (end.code() != cvtflow::ErrorCode::cancelled) fmt::print(stderr, "bench_embedding: {}\n", end.what());
+            }
+        });
+        std::this_thread::sleep_for(std::chrono::milliseconds(3));
+        const auto asked = std::chrono::steady_clock::now();
+        simulation.cancel();
+        stepper.join();
+        times.push_back(std::chrono::duration<double>(returned - asked).count());
+    }
+    std::sort(times.begin(), times.end());
+    return times;
+}
+
 double share(const std::vector<double>& sorted, double part) { return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(part * static_cast<double>(sorted.size())))]; }
 
 Arguments read(int argc, char** argv) {
@@ -101,6 +142,12 @@ int main(int argc, char** argv) try {
             fmt::print("{:>5} {:<12} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f}  {:016x}\n", busy, name, 1e3 * times.front(), 1e3 * share(times, 0.5),
                        1e3 * share(times, 0.9), 1e3 * share(times, 0.99), 1e3 * times.back(), share(times, 0.99) / share(times, 0.5), simulation.hash());
         }
+    }
+    fmt::print("\nfirst step of a new simulation, and from cancel() to the call's return; wall time in ms, {} rounds each, host idle\n", arguments.calls);
+    fmt::print("{:<12} {:>12} {:>12} {:>14} {:>14}\n", "way", "first, median", "99 %", "cancel, median", "99 %");
+    for (const auto& [name, threads] : ways) {
+        const std::vector<double> first = first_steps(scene, threads, arguments.calls), cancelled = cancellations(scene, threads, start, arguments.calls);
+        fmt::print("{:<12} {:>12.3f} {:>12.3f} {:>14.3f} {:>14.3f}\n", name, 1e3 * share(first, 0.5), 1e3 * share(first, 0.99), 1e3 * share(cancelled, 0.5), 1e3 * share(cancelled, 0.99));
     }
     return 0;
 } catch (const cvtflow::Error& error) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace cvtflow::model {
 
@@ -62,13 +63,16 @@ double PitchPath::side_at(double s) const noexcept {
 }
 
 double PitchPath::advance(double s, double chord) const noexcept {
+    constexpr int most = 60;
     const Point from = at(s);
-    double to = s + chord;
-    for (int iteration = 0; iteration < 60; ++iteration) {   // the chord grows almost as fast as the arc: a contraction
+    double to = s + chord, before = s;
+    for (int iteration = 1; iteration <= most; ++iteration) {   // the chord grows almost as fast as the arc: a contraction
         const Point reached = at(to);
         const double error = chord - std::hypot(reached.x - from.x, reached.y - from.y);
-        to += error;
-        if (std::abs(error) < 1e-17) break;
+        const double next = to + error;
+        if (std::abs(error) < 1e-17 || next == to) return next;
+        if (next == before) return (most - iteration) % 2 == 0 ? next : to;   // to and fro between two neighbouring numbers until the last iteration
+        before = std::exchange(to, next);
     }
     return to;
 }

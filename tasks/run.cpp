@@ -109,9 +109,6 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
 RunReport run_scene(const Scene& scene, const RunOptions& options) {
     Simulation simulation(scene);
     if (options.from != nullptr) require_same(options.checkpoint, *options.from, scene, simulation.variator());
-    if (!options.checkpoint.empty() && !simulation.resumes()) {
-        throw SimulationError(fmt::format("run.method: '{}' keeps Jacobians from step to step that a checkpoint does not hold: no checkpoints with it", scene.run.method));
-    }
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
     report.method = scene.run.method;

@@ -29,6 +29,14 @@ constexpr double tolerable = 1.02;
     return cuts;
 }
 
+[[nodiscard]] bool is_cut_at(const Partition& partition, const std::vector<int>& cuts) noexcept {
+    if (cuts.size() != static_cast<std::size_t>(partition.size()) + 1) return false;
+    for (int s = 0; s < partition.size(); ++s) {
+        if (partition[s] != Segment{cuts[static_cast<std::size_t>(s)], cuts[static_cast<std::size_t>(s) + 1]}) return false;
+    }
+    return true;
+}
+
 [[nodiscard]] std::string times(long count, const char* what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
 }  // namespace
@@ -72,7 +80,7 @@ void ScheduleRunner::take_up() {
         slot.cuts = cuts_;
         stale = true;
     }
-    w_.repartition(Partition::at(slot.cuts));
+    if (stale || !is_cut_at(w_.partition, slot.cuts)) w_.repartition(Partition::at(slot.cuts));
     w_.staged_states = slot.schedule.assembly.kind == Assembly::staged;
     if (stale) slot.graph = step_graph(w_, slot.schedule.assembly);
 }

@@ -82,8 +82,6 @@ public:
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     /// Of the last settle() or run(), if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
-    /// Whether a checkpoint holds all that its step method remembers.
-    [[nodiscard]] bool resumes() const noexcept { return method_->resumes(); }
     /// What its step method has to say of its work; empty: nothing.
     [[nodiscard]] std::string method_report() const { return method_->report(); }
     /// Step in use in the last run [s].

@@ -52,7 +52,6 @@ public:
 
     /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after restart()
     /// goes on bit for bit where save() was called. Nothing for methods without memory.
-    [[nodiscard]] virtual bool resumes() const noexcept { return true; }   ///< whether save() holds all of it
     virtual void save(std::vector<double>& memory) const { memory.clear(); }
     virtual void load(std::span<const double> memory) { (void)memory; }
     /// Why a step failed.

@@ -8,6 +8,8 @@
 #include <filesystem>
 
 #include "tasks/batch/results.hpp"
+#include "tasks/schedule.hpp"
+#include "tools/guard.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/ready_scenes.hpp"
 #include "tools/text.hpp"
@@ -71,23 +73,46 @@ std::string statuses_text(const std::map<std::string, long>& statuses) {
     return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
 }
 
-ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet) {
+namespace {
+
+void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const std::string& folder) {
+    const tasks::BatchProgress& p = report.progress;
+    fmt::print("{}: {}\n", sweep.name, report.finished ? "finished" : fmt::format("stopped with {} of {} cases; to go on: cvtflow resume {}", p.before + p.done, p.cases, folder));
+    fmt::print("{}", field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall, plural(report.threads, "thread"),
+                                                static_cast<double>(p.done) / std::max(p.wall, 1e-9), p.before > 0 ? fmt::format("; {} before", p.before) : "")));
+    fmt::print("{}{}{}", field("statuses", statuses_text(report.statuses)), field("results hash", report.results_hash), field("table", report.folder + "/cases.h5"));
+    if (!report.continuation_error.empty()) fmt::print("{}", field("continuation error", report.continuation_error));
+}
+
+/// In the child.
+ExitStatus run_part(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet) {
     tasks::BatchReport report;
+    const engine::Cancellation& interrupted = catch_interrupts();
     {
         BatchDisplay display(quiet);
-        options.cancel = &catch_interrupts();
+        options.cancel = &interrupted;
         options.progress = [&display](const tasks::BatchProgress& progress) { display.show(progress); };
+        if (options.part.only >= 0) options.threads = 1;
         report = tasks::run_batch(sweep, options);
     }
-    const tasks::BatchProgress& p = report.progress;
-    if (!quiet) {
-        fmt::print("{}: {}\n", sweep.name, report.finished ? "finished" : fmt::format("stopped with {} of {} cases; to go on: cvtflow resume {}", p.before + p.done, p.cases, options.folder));
-        fmt::print("{}", field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall, plural(report.threads, "thread"),
-                                                    static_cast<double>(p.done) / std::max(p.wall, 1e-9), p.before > 0 ? fmt::format("; {} before", p.before) : "")));
-        fmt::print("{}{}{}", field("statuses", statuses_text(report.statuses)), field("results hash", report.results_hash), field("table", report.folder + "/cases.h5"));
-    }
+    if (options.part.only >= 0 && !interrupted.requested()) return ExitStatus::finished;
+    if (!quiet) print_end(sweep, report, options.folder);
     if (!report.finished) return ExitStatus::cancelled;
     return report.statuses.size() == 1 && report.statuses.contains("ok") ? ExitStatus::finished : ExitStatus::incomplete;
+}
+
+}  // namespace
+
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet) {
+    if (options.threads <= 0) options.threads = tasks::usable_threads();
+    engine::SharedSlots journal(options.threads);
+    options.journal = &journal;
+    const auto work = [&](const tasks::SweepPart& part) {
+        tasks::BatchOptions here = options;
+        here.part = part;
+        return guarded([&] { return static_cast<int>(run_part(sweep, here, quiet)); });
+    };
+    return static_cast<ExitStatus>(tasks::supervise(journal, work, print_error));
 }
 
 }  // namespace cvtflow::tools

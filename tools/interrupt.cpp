@@ -1,6 +1,7 @@
 #include "tools/interrupt.hpp"
 
 #include <csignal>
+#include <ctime>
 
 namespace cvtflow::tools {
 
@@ -8,9 +9,19 @@ namespace {
 
 // A signal handler can reach nothing but a global.
 engine::Cancellation interrupted;
+double asked = 0.0;   // [s]
+
+constexpr double insisting = 0.5;   ///< one wish may come several times: to the process, to its group, from its parent [s]
 
 extern "C" void on_interrupt(int signal) {
-    if (!interrupted.requested()) return interrupted.request();
+    timespec time{};
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    const double now = static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    if (!interrupted.requested()) {
+        asked = now;
+        return interrupted.request();
+    }
+    if (now < asked + insisting) return;
     std::signal(signal, SIG_DFL);
     std::raise(signal);  // delivered when the handler returns
 }
@@ -21,6 +32,7 @@ const engine::Cancellation& catch_interrupts() {
     struct sigaction action {};
     action.sa_handler = on_interrupt;
     sigemptyset(&action.sa_mask);
+    for (const int signal : {SIGINT, SIGTERM}) sigaddset(&action.sa_mask, signal);
     action.sa_flags = SA_RESTART;
     for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
     return interrupted;

@@ -5,7 +5,8 @@
 
 namespace cvtflow::tools {
 
-/// From now on SIGINT and SIGTERM set the returned flag; a second one ends the program at once, as they do by default.
+/// From now on SIGINT and SIGTERM set the returned flag; one that comes half a second or more later ends the
+/// program at once, as they do by default.
 [[nodiscard]] const engine::Cancellation& catch_interrupts();
 
 }  // namespace cvtflow::tools

@@ -3,30 +3,21 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "engine/base/provenance.hpp"
 #include "model/kernels/isa.hpp"
-#include "tasks/run.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 
 namespace cvtflow::tools {
 namespace {
-
-void print_error(std::string_view message) {
-    for (std::size_t begin = 0; begin <= message.size();) {
-        const std::size_t end = std::min(message.find('\n', begin), message.size());
-        const bool continued = message.substr(begin).starts_with("  ");
-        fmt::print(stderr, "{}{}\n", continued ? "" : "cvtflow: ", message.substr(begin, end - begin));
-        begin = end + 1;
-    }
-}
 
 std::string version_text() {
     const engine::Provenance here = engine::current_provenance();
@@ -96,13 +87,5 @@ int execute(int argc, char** argv) {
 }  // namespace cvtflow::tools
 
 int main(int argc, char** argv) {
-    try {
-        return cvtflow::tools::execute(argc, argv);
-    } catch (const cvtflow::tasks::SettlingFault& end) {
-        cvtflow::tools::print_error(end.what());
-        return static_cast<int>(cvtflow::tools::exit_status(end.fault.kind));
-    } catch (const std::exception& error) {
-        cvtflow::tools::print_error(error.what());
-        return static_cast<int>(cvtflow::tools::ExitStatus::error);
-    }
+    return cvtflow::tools::guarded([&] { return cvtflow::tools::execute(argc, argv); });
 }

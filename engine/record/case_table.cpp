@@ -21,6 +21,7 @@ namespace {
 constexpr const char* cases_format = "cvtflow cases";
 constexpr std::int64_t cases_version = 1;
 constexpr std::size_t rows_per_chunk = 64;
+constexpr std::size_t rows_per_write = 16 * rows_per_chunk;
 constexpr std::size_t spare_bytes = 65536;   ///< kept free beyond every write, for HDF5's own tables
 
 hdf5::Handle text_of_width(int width) {
@@ -54,7 +55,9 @@ void append_rows(hid_t dataset, hid_t type, std::size_t before, std::size_t coun
     hdf5::check(H5Dwrite(dataset, type, memory.id(), file_rows.id(), H5P_DEFAULT, rows), "cannot write");
 }
 
-void create_table(const std::string& path, const CaseTable& table) {
+using FillRows = std::function<void(std::size_t first, std::span<std::byte> rows)>;
+
+void create_table(const std::string& path, const CaseTable& table, std::size_t rows, const FillRows& fill) {
     const hdf5::Handle created(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, hdf5::file_access().id()), H5Fclose, "cannot create");
     for (const Attribute& attribute : table.attributes) hdf5::write_attribute(created.id(), attribute);
     hdf5::write_attribute(created.id(), {"format", cases_format});
@@ -70,7 +73,13 @@ void create_table(const std::string& path, const CaseTable& table) {
     hdf5::write_texts(dataset.id(), "columns", names);
     hdf5::write_texts(dataset.id(), "units", units);
     hdf5::write_texts(dataset.id(), "descriptions", descriptions);
-    if (table.size() > 0) append_rows(dataset.id(), type.id(), 0, table.size(), table.rows.data());
+    std::vector<std::byte> some;
+    for (std::size_t first = 0; first < rows; first += rows_per_write) {
+        const std::size_t count = std::min(rows_per_write, rows - first);
+        some.resize(count * table.layout.bytes());
+        fill(first, some);
+        append_rows(dataset.id(), type.id(), first, count, some.data());
+    }
     hdf5::check(H5Fflush(created.id(), H5F_SCOPE_GLOBAL), "cannot write");
 }
 
@@ -92,48 +101,68 @@ RowLayout read_layout(hid_t dataset) {
     return RowLayout(std::move(columns));
 }
 
-void require_sound(const CaseTable& table) {
-    for (std::size_t i = 0; i < table.size(); ++i) {
-        if (!table.layout.sound(table.row(i))) throw hdf5::Failure("row " + std::to_string(i) + " is damaged: it does not have the check that it was written with");
-    }
-}
-
 }  // namespace
 
-CaseTable read_cases(const std::string& path) {
-    const hdf5::Handle file = hdf5::open_for_reading(path, cases_format, cases_version);
-    return hdf5::guarded(path, [&] {
-        CaseTable table;
-        table.attributes = hdf5::read_attributes(file.id());
-        std::erase_if(table.attributes, [](const Attribute& each) { return each.name == "format" || each.name == "format_version"; });
-        const hdf5::Handle dataset = hdf5::open_series(file.id(), "/cases");
-        table.layout = read_layout(dataset.id());
-        const std::size_t rows = hdf5::extent(dataset.id()).at(0);
-        table.rows.resize(rows * table.layout.bytes());
-        hdf5::read_rows(dataset.id(), row_type(table.layout).id(), 0, rows, table.rows.data());
-        require_sound(table);
-        return table;
+struct CaseReader::Impl {
+    hdf5::Handle file, dataset, type;
+};
+
+CaseReader::CaseReader(std::string path) : path_(std::move(path)), impl_(std::make_unique<Impl>()) {
+    impl_->file = hdf5::open_for_reading(path_, cases_format, cases_version);
+    hdf5::guarded(path_, [&] {
+        head_.attributes = hdf5::read_attributes(impl_->file.id());
+        std::erase_if(head_.attributes, [](const Attribute& each) { return each.name == "format" || each.name == "format_version"; });
+        impl_->dataset = hdf5::open_series(impl_->file.id(), "/cases");
+        head_.layout = read_layout(impl_->dataset.id());
+        impl_->type = row_type(head_.layout);
+        size_ = hdf5::extent(impl_->dataset.id()).at(0);
     });
+}
+
+CaseReader::~CaseReader() = default;
+
+void CaseReader::read(std::size_t first, std::span<std::byte> rows) const {
+    const std::size_t bytes = head_.layout.bytes();
+    hdf5::guarded(path_, [&] {
+        hdf5::read_rows(impl_->dataset.id(), impl_->type.id(), first, rows.size() / bytes, rows.data());
+        for (std::size_t at = 0; at < rows.size(); at += bytes) {
+            if (!head_.layout.sound(rows.subspan(at, bytes))) throw hdf5::Failure("row " + std::to_string(first + at / bytes) + " is damaged: it does not have the check that it was written with");
+        }
+    });
+}
+
+CaseTable read_cases(const std::string& path) {
+    const CaseReader reader(path);
+    CaseTable table = reader.head();
+    table.rows.resize(reader.size() * table.layout.bytes());
+    reader.read(0, table.rows);
+    return table;
 }
 
 namespace {
 
 /// The table in `<path>.part`, checked to have room; not yet under its name.
-void write_part(PartFile& part, const CaseTable& table) {
-    if (const int reason = part.reserve(table.rows.size() + spare_bytes); reason != 0) {
+void write_part(PartFile& part, const CaseTable& table, std::size_t rows, const FillRows& fill) {
+    if (const int reason = part.reserve(rows * table.layout.bytes() + spare_bytes); reason != 0) {
         part.discard();
         throw RecordError(part.final_path() + ": cannot write: " + std::strerror(reason));
     }
-    hdf5::guarded(part.final_path(), [&] { create_table(part.path(), table); });
+    hdf5::guarded(part.final_path(), [&] { create_table(part.path(), table, rows, fill); });
+}
+
+FillRows rows_of(const CaseTable& table) {
+    return [&table](std::size_t first, std::span<std::byte> rows) { std::copy_n(table.row(first).data(), rows.size(), rows.data()); };
 }
 
 }  // namespace
 
-void write_cases(const std::string& path, const CaseTable& table) {
+void write_cases(const std::string& path, const CaseTable& head, std::size_t rows, const FillRows& fill) {
     PartFile part(path, true);
-    write_part(part, table);
+    write_part(part, head, rows, fill);
     part.publish();
 }
+
+void write_cases(const std::string& path, const CaseTable& table) { write_cases(path, table, table.size(), rows_of(table)); }
 
 struct CaseWriter::Impl {
     std::string path;
@@ -144,7 +173,7 @@ struct CaseWriter::Impl {
     std::string damage;
 
     Impl(std::string where, const CaseTable& begin) : path(std::move(where)), part(path, true), rows(begin.size()), row_bytes(begin.layout.bytes()) {
-        write_part(part, begin);
+        write_part(part, begin, begin.size(), rows_of(begin));
         part.publish();   // `part` keeps its descriptor: the same file under its new name
         hdf5::guarded(path, [&] {
             type = row_type(begin.layout);
@@ -200,9 +229,12 @@ FolderLock::FolderLock(const std::string& folder) {
     struct flock whole {};
     whole.l_type = F_WRLCK;
     whole.l_whence = SEEK_SET;
-    if (fcntl(descriptor_, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES)) {
-        close(descriptor_);
-        throw RecordError(folder + ": another sweep is writing into it");
+    for (int attempt = 0; fcntl(descriptor_, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES); ++attempt) {
+        if (attempt == 100) {   // a sweep that was killed is gone before that
+            close(descriptor_);
+            throw RecordError(folder + ": another sweep is writing into it");
+        }
+        usleep(10'000);
     }
 }
 

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -79,12 +80,36 @@ struct CaseTable {
     void set(Attribute attribute);
 };
 
-/// Reads a table: finished, being written, or left by a killed process.
+/// A table on disk: finished, being written, or left by a killed process. The file that it has opened stays the one it reads.
 /// Errors (RecordError): as RunReader's; "row 12 is damaged: it does not have the check that it was written with".
+class CaseReader {
+public:
+    explicit CaseReader(std::string path);
+    ~CaseReader();
+    CaseReader(const CaseReader&) = delete;
+    CaseReader& operator=(const CaseReader&) = delete;
+
+    /// Columns and attributes, no rows.
+    [[nodiscard]] const CaseTable& head() const noexcept { return head_; }
+    [[nodiscard]] std::size_t size() const noexcept { return size_; }
+    /// Rows from `first` on, as many as there is room for.
+    void read(std::size_t first, std::span<std::byte> rows) const;
+
+private:
+    struct Impl;
+    std::string path_;
+    std::unique_ptr<Impl> impl_;
+    CaseTable head_;
+    std::size_t size_ = 0;
+};
+
+/// All of a table. Errors as above.
 [[nodiscard]] CaseTable read_cases(const std::string& path);
 
 /// Writes a finished table at once: whoever looks sees the former file or the new one. Errors (RecordError).
 void write_cases(const std::string& path, const CaseTable& table);
+/// The same with rows that come a few at a time. @param fill writes rows from `first` on, as many as there is room for
+void write_cases(const std::string& path, const CaseTable& head, std::size_t rows, const std::function<void(std::size_t first, std::span<std::byte> rows)>& fill);
 
 /// A table that grows.
 class CaseWriter {

@@ -3,6 +3,7 @@
 /// the sheaves of its pulley. The pulleys' block counts the control integral I, where there is one, as its last unknown: a velocity without a
 /// coordinate, whose "acceleration" is I'.
 
+#include <span>
 #include <vector>
 
 #include "model/chain_layout.hpp"
@@ -25,19 +26,22 @@ public:
     [[nodiscard]] int border() const noexcept { return border_; }
 
     /// ∂(acceleration of a link)/∂(coordinates or velocities of it or a neighbour): [size × size], row-major [1/s²] or [1/s].
-    [[nodiscard]] double* link(int link, Near near, With with) noexcept { return link_.data() + link_at(link, near, with); }
-    [[nodiscard]] const double* link(int link, Near near, With with) const noexcept { return link_.data() + link_at(link, near, with); }
+    [[nodiscard]] double* link(int link, Near near, With with) noexcept { return numbers_.data() + link_at(link, near, with); }
+    [[nodiscard]] const double* link(int link, Near near, With with) const noexcept { return numbers_.data() + link_at(link, near, with); }
     /// ∂(acceleration of a link)/∂(pulleys): [size × border]. Zero for links that do not touch.
-    [[nodiscard]] double* columns(int link, With with) noexcept { return columns_.data() + border_at(link, with); }
-    [[nodiscard]] const double* columns(int link, With with) const noexcept { return columns_.data() + border_at(link, with); }
+    [[nodiscard]] double* columns(int link, With with) noexcept { return numbers_.data() + columns_begin_ + border_at(link, with); }
+    [[nodiscard]] const double* columns(int link, With with) const noexcept { return numbers_.data() + columns_begin_ + border_at(link, with); }
     /// ∂(acceleration of the pulleys)/∂(a link): [border × size].
-    [[nodiscard]] double* rows(int link, With with) noexcept { return rows_.data() + border_at(link, with); }
-    [[nodiscard]] const double* rows(int link, With with) const noexcept { return rows_.data() + border_at(link, with); }
+    [[nodiscard]] double* rows(int link, With with) noexcept { return numbers_.data() + rows_begin_ + border_at(link, with); }
+    [[nodiscard]] const double* rows(int link, With with) const noexcept { return numbers_.data() + rows_begin_ + border_at(link, with); }
     /// ∂(acceleration of the pulleys)/∂(pulleys): [border × border].
-    [[nodiscard]] double* corner(With with) noexcept { return corner_.data() + static_cast<int>(with) * border_ * border_; }
-    [[nodiscard]] const double* corner(With with) const noexcept { return corner_.data() + static_cast<int>(with) * border_ * border_; }
+    [[nodiscard]] double* corner(With with) noexcept { return numbers_.data() + corner_begin_ + static_cast<int>(with) * border_ * border_; }
+    [[nodiscard]] const double* corner(With with) const noexcept { return numbers_.data() + corner_begin_ + static_cast<int>(with) * border_ * border_; }
 
-    [[nodiscard]] std::size_t bytes() const noexcept { return (link_.size() + columns_.size() + rows_.size() + corner_.size()) * sizeof(double); }
+    /// All of them, one block after the other.
+    [[nodiscard]] std::span<double> numbers() noexcept { return numbers_; }
+    [[nodiscard]] std::span<const double> numbers() const noexcept { return numbers_; }
+    [[nodiscard]] std::size_t bytes() const noexcept { return numbers_.size() * sizeof(double); }
 
 private:
     [[nodiscard]] int link_at(int link, Near near, With with) const noexcept {
@@ -46,7 +50,8 @@ private:
     [[nodiscard]] int border_at(int link, With with) const noexcept { return (2 * link + static_cast<int>(with)) * size_ * border_; }
 
     int links_, size_, border_;
-    std::vector<double> link_, columns_, rows_, corner_;
+    int columns_begin_, rows_begin_, corner_begin_;
+    std::vector<double> numbers_;   ///< links, columns, rows, corner
 };
 
 }  // namespace cvtflow::model

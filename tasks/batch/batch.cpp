@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "engine/executor/job_pool.hpp"
-#include "tasks/batch/case_engine.hpp"
+#include "tasks/batch/continuation_error.hpp"
 #include "tasks/batch/results.hpp"
 #include "tasks/schedule.hpp"
 
@@ -20,12 +20,6 @@ namespace {
 constexpr std::size_t waiting_rows = 64;
 constexpr double sync_seconds = 5.0;
 const engine::Cancellation never;
-
-std::map<std::string, long> count_statuses(const engine::CaseTable& table) {
-    std::map<std::string, long> counts;
-    for (std::size_t row = 0; row < table.size(); ++row) ++counts[table.layout.text(table.row(row), table.layout.column("status"))];
-    return counts;
-}
 
 /// Takes rows of cases that are to run again out of the table, and all but the first row of a case.
 void keep_done(engine::CaseTable& table, const std::vector<std::string>& retry, std::vector<char>& done) {
@@ -56,6 +50,7 @@ public:
         progress_.before = static_cast<long>(table.size());
         {
             engine::CaseWriter writer(file_, table);
+            table.rows = {};   // they are in the file
             work(writer, table.layout);
         }
         return report();
@@ -78,7 +73,7 @@ private:
         engine::CaseTable table = engine::read_cases(file_);
         require_same_sweep(file_, table, begin);
         if (table.attribute("shard") != begin.attribute("shard")) throw SimulationError(fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
-        keep_done(table, options_.retry, done_);
+        keep_done(table, options_.part.attempt == 0 ? options_.retry : std::vector<std::string>{}, done_);
         table.set({"status", "running"});
         return table;
     }
@@ -101,12 +96,13 @@ private:
             auto& engine = engines[static_cast<std::size_t>(worker)];
             if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
             for (long number = first; number < first + sweep_.strand() && !stopping(); ++number) {
-                if (done_[static_cast<std::size_t>(number)] != 0) continue;
-                const CaseResult& result = engine->run(number);
+                if (!open(number)) continue;
+                const CaseResult& result = run_noted(*engine, worker, number);
                 if (result.status == CaseStatus::stopped) return;
                 auto& row = buffers[static_cast<std::size_t>(worker)];
                 fill_row(layout, sweep_, result, row);
                 rows.post(row);
+                engine->forget_checkpoint();
                 ended(result);
             }
         });
@@ -116,21 +112,32 @@ private:
 
     [[nodiscard]] bool stopping() const noexcept { return cancel_.requested(); }
 
+    /// Whether a case is to be run now.
+    [[nodiscard]] bool open(long number) const noexcept {
+        return done_[static_cast<std::size_t>(number)] == 0 && (options_.part.only < 0 || options_.part.only == number);
+    }
+
+    const CaseResult& run_noted(CaseEngine& engine, int worker, long number) {
+        if (!options_.part.crashed.empty()) return engine.book_crash(number, options_.part.crashed);
+        if (options_.journal != nullptr) options_.journal->set(worker, number);
+        const CaseResult& result = engine.run(number);
+        if (options_.journal != nullptr) options_.journal->set(worker, engine::SharedSlots::none);
+        return result;
+    }
+
     long next() {
         while (!stopping() && position_ < cases_.size()) {
             const long number = cases_[position_];
             position_ += static_cast<std::size_t>(sweep_.strand());
-            bool open = false;
-            for (long k = number; k < number + sweep_.strand(); ++k) open = open || done_[static_cast<std::size_t>(k)] == 0;
-            if (open) return number;
+            for (long k = number; k < number + sweep_.strand(); ++k) {
+                if (open(k)) return number;
+            }
         }
         control_.idle();
         return -1;
     }
 
     void ended(const CaseResult& result) {
-        std::error_code none;
-        fs::remove(places().checkpoints / fmt::format("case-{:06}.h5", result.number), none);
         gate_.through([&] {
             ++progress_.done;
             progress_.failed += result.status != CaseStatus::ok;
@@ -145,14 +152,29 @@ private:
         return {folder / "checkpoints", folder / "records", folder / "continuation", options_.checkpoint_every};
     }
 
+    /// Some continued cases from their own start, one after the other. Empty if it was stopped.
+    std::string check_continuation(OrderedRows& rows) {
+        ContinuationError error(sweep_);
+        std::unique_ptr<CaseEngine> engine;
+        for (const long number : cases_to_check(sweep_, cases_, rows)) {
+            if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
+            const CaseResult& again = engine->run_from_own_start(number);
+            if (again.status == CaseStatus::stopped) return {};
+            if (again.status == CaseStatus::ok) error.add(rows, again);
+        }
+        return error.text();
+    }
+
     /// A finished table is written once more in the order of cases.
     BatchReport report() {
-        engine::CaseTable table = engine::read_cases(file_);
-        BatchReport result{folder_, progress_, count_statuses(table), table.size() == cases_.size(), results_hash(table), threads_};
-        sort_rows(table);
-        table.set({"status", result.finished ? "finished" : "interrupted"});
-        table.set({"results_hash", result.results_hash});
-        engine::write_cases(file_, table);
+        OrderedRows rows(file_);
+        engine::CaseTable head = rows.head();
+        BatchReport result{folder_, progress_, rows.statuses(), rows.size() == cases_.size(), rows.hash(), threads_, head.attribute("continuation_error")};
+        if (result.finished && (progress_.done > 0 || result.continuation_error.empty())) result.continuation_error = check_continuation(rows);
+        head.set({"continuation_error", result.continuation_error});
+        head.set({"status", result.finished ? "finished" : "interrupted"});
+        head.set({"results_hash", result.results_hash});
+        engine::write_cases(file_, head, rows.size(), [&rows](std::size_t first, std::span<std::byte> some) { rows.fill(first, some); });
         std::error_code not_empty;
         fs::remove(places().checkpoints, not_empty);
         if (result.finished) fs::remove_all(places().continuation, not_empty);

@@ -7,7 +7,8 @@
 ///     DIR/records/case-N.h5        records, if the sweep asks for them
 ///     DIR/shard-I-of-N/            the same for a share of the sweep; merge() makes DIR/cases.h5 of them
 ///
-/// Results do not depend on threads, shards, kills or order.
+/// Results do not depend on threads, shards, kills or order. run_batch() itself dies with a case that takes its process down; supervise() starts it
+/// again (supervisor.hpp), as the program does.
 
 #include <functional>
 #include <map>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "engine/executor/cancellation.hpp"
+#include "tasks/batch/supervisor.hpp"
 #include "tasks/batch/sweep.hpp"
 
 namespace cvtflow::tasks {
@@ -39,6 +41,8 @@ struct BatchOptions {
     double checkpoint_every = 60.0;   ///< of every running case, wall time [s]
     Shard shard;
     std::vector<std::string> retry;   ///< statuses whose cases run again
+    SweepPart part;                   ///< all, or a single case after a crash
+    engine::SharedSlots* journal = nullptr;   ///< for as many workers as threads; is told which case each of them runs
     const engine::Cancellation* cancel = nullptr;
     std::function<void(const BatchProgress&)> progress;   ///< after each case, by one thread at a time
 };
@@ -50,6 +54,7 @@ struct BatchReport {
     bool finished = false;
     std::string results_hash;
     int threads = 0;
+    std::string continuation_error;           ///< see ContinuationError::text(); empty: nothing was continued, or not checked yet
 };
 
 /// Runs all cases of the shard that are not in its table yet.

@@ -45,7 +45,7 @@ long bare_loop(const Sweep& sweep, StartStates& starts, double& wall, double& cp
     long evaluations = 0;
     for (long number = 0; number < sweep.cases(); ++number) {
         sweep.apply_case(number, scene);
-        const StartStates::State start = starts.of_case(scene, never);
+        const StartStates::State start = starts.of_case(number, scene, never);
         Scene geometric = scene;
         geometric.state_file.clear();
         if (simulation == nullptr || !simulation->fits(scene)) simulation = std::make_unique<Simulation>(geometric, Schedule{});

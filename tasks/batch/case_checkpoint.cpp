@@ -3,13 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/checkpoint/checkpoint.hpp"
 
 namespace cvtflow::tasks {
 
-std::string CaseEngine::checkpoint_file() const { return (places_.checkpoints / fmt::format("case-{:06}.h5", result_.number)).string(); }
+std::string CaseEngine::checkpoint_file() const { return (places_.checkpoints / fmt::format("{}-{:06}.h5", own_start_ ? "check" : "case", result_.number)).string(); }
 
 void CaseEngine::save() {
     last_save_ = std::chrono::steady_clock::now();
@@ -25,12 +26,19 @@ void CaseEngine::save() {
     sign(checkpoint, scene_, simulation_->variator());
     std::filesystem::create_directories(places_.checkpoints);
     write_checkpoint(checkpoint_file(), checkpoint);
+    on_disk_ = true;
+}
+
+void CaseEngine::forget_checkpoint() {
+    std::error_code gone;
+    if (std::exchange(on_disk_, false)) std::filesystem::remove(checkpoint_file(), gone);
 }
 
 /// Puts the case to where its checkpoint was taken, if it has one. A checkpoint that does not fit any more is passed over: the case begins anew.
 bool CaseEngine::restore() {
     std::error_code missing;
-    if (!std::filesystem::exists(checkpoint_file(), missing)) return false;
+    on_disk_ = resumable_ && std::filesystem::exists(checkpoint_file(), missing);
+    if (!on_disk_) return false;
     const Checkpoint checkpoint = read_checkpoint(checkpoint_file());
     if (checkpoint.recorder.size() < 2 * reducers_.size()) return false;
     record_options_.from = &checkpoint;
@@ -55,7 +63,7 @@ StartStates::State CaseEngine::start() {
     const long first = result_.number - result_.number % sweep_.strand();
     StartStates::State latest;
     double newest = -1.0;
-    for (int parity = 0; parity < 2 && sweep_.strand() > 1 && result_.number > first; ++parity) {
+    for (int parity = 0; parity < 2 && sweep_.strand() > 1 && result_.number > first && !own_start_; ++parity) {
         const std::string file = (places_.continuation / fmt::format("strand-{:06}-{}.h5", first / sweep_.strand(), parity)).string();
         std::error_code missing;
         if (!std::filesystem::exists(file, missing)) continue;
@@ -66,12 +74,12 @@ StartStates::State CaseEngine::start() {
         latest = std::move(state);
     }
     if (latest) result_.start = "continued";
-    return latest ? latest : starts_.of_case(scene_, control_.stop());
+    return latest ? latest : starts_.of_case(result_.number, scene_, control_.stop());
 }
 
 /// The end as a start: shaft 1 is turned back by the angle that the governor's reference has gone.
 void CaseEngine::keep_for_neighbour() {
-    if (sweep_.strand() == 1) return;
+    if (sweep_.strand() == 1 || own_start_) return;
     engine::SavedState saved = simulation_->saved_state();
     const model::Variator& variator = simulation_->variator();
     const model::ChainLayout& at = variator.layout();

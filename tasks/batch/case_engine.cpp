@@ -51,6 +51,8 @@ double step_cost(const Scene& scene) { return static_cast<double>(std::max(1, ev
 CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
     : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene), reducers_(sweep.scalars.size()) {
     result_.scalars.resize(sweep.scalars.size());
+    std::error_code missing;
+    resumable_ = std::filesystem::exists(places_.checkpoints, missing);
 }
 
 CaseEngine::~CaseEngine() = default;
@@ -82,12 +84,32 @@ const CaseResult& CaseEngine::run(long number) {
     return result_;
 }
 
+const CaseResult& CaseEngine::run_from_own_start(long number) {
+    own_start_ = true;
+    const CaseResult& result = run(number);
+    if (result.status != CaseStatus::stopped) forget_checkpoint();
+    own_start_ = false;
+    return result;
+}
+
+const CaseResult& CaseEngine::book_crash(long number, const std::string& why) {
+    prepare();
+    result_.number = number;
+    on_disk_ = resumable_;
+    result_.start = {};
+    result_.status = CaseStatus::crashed;
+    result_.error = why;
+    result_.wall = 0.0;
+    std::fill(result_.scalars.begin(), result_.scalars.end(), std::numeric_limits<double>::quiet_NaN());
+    return result_;
+}
+
 void CaseEngine::prepare() {
     started_ = last_save_ = window_begin_ = std::chrono::steady_clock::now();
     wall_before_ = serial_rate_ = 0.0;
     window_steps_ = 0;
     refused_threads_ = 0;
-    pause_ = false;
+    pause_ = on_disk_ = false;
     why_ = Pause::none;
     recorder_.reset();
     std::fill(reducers_.begin(), reducers_.end(), Reducer{});
@@ -110,7 +132,7 @@ void CaseEngine::begin(const StartStates::State& saved) {
     simulation_ = serial_.get();
     eye_ = serial_eye_.get();
     simulation_->pause_on(&pause_);
-    if (!sweep_.records) return;
+    if (!sweep_.records || own_start_) return;
     record_options_.file = (places_.records / fmt::format("case-{:06}.h5", result_.number)).string();
     recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
 }

@@ -66,6 +66,12 @@ public:
     /// Runs a case, or goes on with it from its checkpoint. Never throws for what is wrong with the case; engine::RecordError if something
     /// cannot be written. A case that was stopped has left a checkpoint.
     [[nodiscard]] const CaseResult& run(long number);
+    /// The same from the start that the case has without continuation, with neither a record nor an end for its neighbour.
+    [[nodiscard]] const CaseResult& run_from_own_start(long number);
+    /// After run(), once its row is safe.
+    void forget_checkpoint();
+    /// The result of a case that took its process down.
+    [[nodiscard]] const CaseResult& book_crash(long number, const std::string& why);
 
     void output(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord& record) override;
@@ -98,6 +104,9 @@ private:
     std::vector<double> values_;                    ///< of one channel
     std::unique_ptr<Simulation> serial_, parallel_;
     std::unique_ptr<model::Observer> serial_eye_, parallel_eye_;
+    bool own_start_ = false;
+    bool resumable_ = false;                        ///< there were checkpoints when the sweep began
+    bool on_disk_ = false;                          ///< the case has one
     Simulation* simulation_ = nullptr;              ///< the one at work
     model::Observer* eye_ = nullptr;
     std::unique_ptr<RunRecorder> recorder_;

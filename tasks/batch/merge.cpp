@@ -52,6 +52,7 @@ private:
             table_->rows.clear();
         }
         require_same_sweep(file, part, *table_);
+        if (const std::string error = part.attribute("continuation_error"); !error.empty()) errors_.push_back(error);
         const std::size_t number = part.layout.column("case"), status = part.layout.column("status");
         for (std::size_t i = 0; i < part.size(); ++i) {
             const auto row = part.row(i);
@@ -73,6 +74,7 @@ private:
         sort_rows(*table_);
         report_.results_hash = results_hash(*table_);
         table_->set({"shard", "1/1"});
+        table_->set({"continuation_error", fmt::format("{}", fmt::join(errors_, "; "))});
         table_->set({"status", whole ? "finished" : "incomplete"});
         table_->set({"missing_cases", fmt::format("{}", fmt::join(report_.missing_cases, " "))});
         table_->set({"results_hash", report_.results_hash});
@@ -83,6 +85,7 @@ private:
     MergeReport report_;
     std::optional<engine::CaseTable> table_;
     std::set<std::int64_t> seen_;
+    std::vector<std::string> errors_;
 };
 
 }  // namespace

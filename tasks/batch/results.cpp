@@ -183,15 +183,17 @@ void sort_rows(engine::CaseTable& table) {
     }
 }
 
+void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row) {
+    for (std::size_t c = 0; c < layout.columns().size(); ++c) {
+        const CaseColumn& column = layout.columns()[c];
+        if (std::find(std::begin(unsteady), std::end(unsteady), column.name) != std::end(unsteady)) continue;
+        hash.add(row.subspan(layout.offset(c), static_cast<std::size_t>(column.width)));
+    }
+}
+
 std::string results_hash(const engine::CaseTable& table) {
     engine::Hash hash;
-    for (const std::size_t row : case_order(table)) {
-        for (std::size_t c = 0; c < table.layout.columns().size(); ++c) {
-            const CaseColumn& column = table.layout.columns()[c];
-            if (std::find(std::begin(unsteady), std::end(unsteady), column.name) != std::end(unsteady)) continue;
-            hash.add(table.row(row).subspan(table.layout.offset(c), static_cast<std::size_t>(column.width)));
-        }
-    }
+    for (const std::size_t row : case_order(table)) add_result(hash, table.layout, table.row(row));
     return hash.hex();
 }
 

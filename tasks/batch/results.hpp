@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/base/hash.hpp"
 #include "engine/record/case_table.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/batch/sweep.hpp"
@@ -27,6 +28,9 @@ void require_same_sweep(const std::string& path, const engine::CaseTable& there,
 
 /// Rows in the order of their cases.
 void sort_rows(engine::CaseTable& table);
+
+/// Everything of a row but wall time and threads.
+void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row);
 
 /// Hash over everything in the rows, in the order of cases, but what differs from run to run: wall time and threads. Equal for every number of threads, shards,
 /// kills and resumptions.

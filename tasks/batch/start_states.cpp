@@ -33,8 +33,25 @@ bool matters_for_settling(std::string_view key) noexcept {
 }
 
 StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder) : sweep_(sweep), folder_(std::move(folder)) {
-    const auto all_matter = [](const Axis& axis) { return std::any_of(axis.keys.begin(), axis.keys.end(), [](const Parameter* key) { return matters_for_settling(key->key); }); };
-    shareable_ = sweep.start == StartMode::shared || (sweep.start == StartMode::settle && !std::all_of(sweep.axes.begin(), sweep.axes.end(), all_matter));
+    shareable_ = sweep.start == StartMode::shared || (sweep.start == StartMode::settle && !std::all_of(sweep.axes.begin(), sweep.axes.end(), [this](const Axis& axis) { return matters(axis); }));
+}
+
+/// Whether cases in different rows of an axis settle differently.
+bool StartStates::matters(const Axis& axis) const noexcept {
+    const auto matters = [this](const Parameter* key) {
+        if (sweep_.start != StartMode::shared) return matters_for_settling(key->key);
+        return key->key == "run.method" || std::find(std::begin(machine), std::end(machine), key->section()) != std::end(machine);
+    };
+    return std::any_of(axis.keys.begin(), axis.keys.end(), matters);
+}
+
+/// The first of all cases that settle like this one.
+long StartStates::settling_case(long number) const noexcept {
+    long first = 0;
+    for (std::size_t axis = 0; axis < sweep_.axes.size(); ++axis) {
+        first = first * static_cast<long>(sweep_.axes[axis].rows()) + (matters(sweep_.axes[axis]) ? static_cast<long>(sweep_.row(number, axis)) : 0);
+    }
+    return first;
 }
 
 std::string_view StartStates::kind(const Scene& scene) const noexcept {
@@ -42,9 +59,21 @@ std::string_view StartStates::kind(const Scene& scene) const noexcept {
     return sweep_.start == StartMode::shared ? "shared" : "settled";
 }
 
-StartStates::State StartStates::of_case(const Scene& scene, const engine::Cancellation& cancel) {
+StartStates::State StartStates::of_case(long number, const Scene& scene, const engine::Cancellation& cancel) {
     if (sweep_.start == StartMode::scene) return scene.state_file.empty() ? nullptr : from_file(scene.state_file);
-    return shareable_ ? settled(settling_scene(scene), cancel) : nullptr;
+    if (!shareable_) return nullptr;
+    const long first = settling_case(number);
+    const State known = gate_.through([&] {
+        const auto found = of_settling_.find(first);
+        return found == of_settling_.end() ? State() : found->second;
+    });
+    if (known) return known;
+    State made = settled(settling_scene(scene), cancel);
+    gate_.through([&] {
+        if (of_settling_.size() >= most_kept) of_settling_.erase(of_settling_.begin());
+        of_settling_[first] = made;
+    });
+    return made;
 }
 
 /// What is settled for a case: itself, or its machine operated as the sweep's base scene is.

@@ -27,9 +27,9 @@ public:
     /// @param folder  where settled states are kept, by the hash of all that they depend on; made when it is needed
     StartStates(const Sweep& sweep, std::filesystem::path folder);
 
-    /// The state that a case begins with; nullptr: it settles by itself. Any thread.
+    /// The state that a case begins with; nullptr: it settles by itself. Any thread. Allocates nothing for a state that is kept.
     /// @param scene of the case   @throws StartFault, engine::RecordError
-    [[nodiscard]] State of_case(const Scene& scene, const engine::Cancellation& cancel);
+    [[nodiscard]] State of_case(long number, const Scene& scene, const engine::Cancellation& cancel);
     /// "scene", "geometric", "settled" or "shared"
     [[nodiscard]] std::string_view kind(const Scene& scene) const noexcept;
 
@@ -39,13 +39,16 @@ private:
     [[nodiscard]] State kept(const std::string& key);
     void keep(const std::string& key, State state);
     [[nodiscard]] Scene settling_scene(const Scene& scene) const;
+    [[nodiscard]] bool matters(const Axis& axis) const noexcept;
+    [[nodiscard]] long settling_case(long number) const noexcept;
 
     const Sweep& sweep_;
     std::filesystem::path folder_;
     bool shareable_ = false;   ///< whether several cases of the sweep settle alike
     engine::Gate gate_;
     engine::OnceEach once_;
-    std::map<std::string, State> kept_;   ///< the latest few
+    std::map<std::string, State> kept_;   ///< the latest few, by file
+    std::map<long, State> of_settling_;   ///< the same, by the first case that settles alike
 };
 
 /// Whether the course of settling depends on a key.

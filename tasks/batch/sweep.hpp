@@ -27,6 +27,7 @@
 ///     [start]
 ///     mode = "scene"                     # the scene's own start | "settle": every case settles | "shared": settled once for all cases of one machine
 ///     continuation = "clamping.driven"   # key of the last axis: a case starts where its neighbour ended
+///     check = 2                          # so many continued cases also run from their own start; the summary tells the difference. Default 1
 
 #include <filesystem>
 #include <functional>
@@ -53,6 +54,7 @@ struct Sweep {
     bool records = false;
     StartMode start = StartMode::scene;
     std::string continuation;        ///< key; empty: none
+    int checked = 1;                 ///< continued cases that also run from their own start
 
     [[nodiscard]] long cases() const noexcept;
     /// Number of cases that follow each other by continuation; 1 without it. Cases [k strand, (k + 1) strand) are one strand.

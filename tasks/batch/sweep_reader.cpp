@@ -139,8 +139,9 @@ private:
     void start(const Entry& section) {
         const Node::Table* rows = table(section);
         if (rows == nullptr) return;
-        const TableView view("start", *rows, section.position, {"mode", "continuation"}, problems_);
+        const TableView view("start", *rows, section.position, {"mode", "continuation", "check"}, problems_);
         sweep_.start = static_cast<StartMode>(view.choice("mode", {"scene", "settle", "shared"}).value_or(0));
+        if (const auto checked = view.integer("check", 0, 1'000'000)) sweep_.checked = static_cast<int>(*checked);
         const auto key = view.text("continuation");
         if (!key) return;
         sweep_.continuation = *key;

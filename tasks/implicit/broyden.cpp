@@ -35,4 +35,17 @@ void Broyden::add(const double* s, const double* w) noexcept {
     ++count_;
 }
 
+void Broyden::save(std::vector<double>& memory) const {
+    memory.push_back(count_);
+    for (const std::vector<double>* part : {&steps_, &updates_}) memory.insert(memory.end(), part->begin(), part->begin() + count_ * unknowns_);
+}
+
+std::span<const double> Broyden::load(std::span<const double> memory) noexcept {
+    count_ = static_cast<int>(memory.front());
+    const auto size = static_cast<std::size_t>(count_ * unknowns_);
+    std::copy_n(memory.begin() + 1, size, steps_.begin());
+    std::copy_n(memory.begin() + 1 + static_cast<std::ptrdiff_t>(size), size, updates_.begin());
+    return memory.subspan(1 + 2 * size);
+}
+
 }  // namespace cvtflow::tasks

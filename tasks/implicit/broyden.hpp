@@ -2,6 +2,7 @@
 /// Broyden's update of an inverse in product form: B⁻¹ = (I + u_k s_kᵀ) … (I + u_0 s_0ᵀ) B_0⁻¹, of which B_0⁻¹ is somebody else's.
 /// (C. G. Broyden 1965; product form as in Kelley, Iterative Methods, 1995.) Sums run from the first unknown to the last.
 
+#include <span>
 #include <vector>
 
 namespace cvtflow::tasks {
@@ -19,6 +20,10 @@ public:
     void apply(double* x, int from = 0) const noexcept;
     /// After a step s = λ d that turned the residual r into r⁺:  u = (s - w)/(s·w), w = B⁻¹ (r⁺ - r). Ignored if s·w vanishes or no room is left.
     void add(const double* s, const double* w) noexcept;
+
+    /// The updates, appended to `memory` / taken back from its front. @return what is left
+    void save(std::vector<double>& memory) const;
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory) noexcept;
 
 private:
     int unknowns_, most_, count_ = 0;

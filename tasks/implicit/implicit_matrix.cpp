@@ -59,10 +59,10 @@ void ImplicitMatrix::find_seen(const model::Variator& variator) {
 }
 
 /// Border unknowns that the inner links of a chunk see.
-int ImplicitMatrix::list_border(int chunk, const ContactMap& contacts, int* list) const noexcept {
+int ImplicitMatrix::list_border(int chunk, const int* shafts, int* list) const noexcept {
     std::array<bool, 2> touched{};
     for (int link = range(chunk).first; link + 1 < range(chunk).last; ++link) {
-        if (const int shaft = contacts.shaft(link); shaft >= 0) touched[static_cast<std::size_t>(shaft)] = true;
+        if (const int shaft = shafts[link]; shaft >= 0) touched[static_cast<std::size_t>(shaft)] = true;
     }
     int count = 0;
     for (std::size_t shaft = 0; shaft < 2; ++shaft) {
@@ -90,9 +90,9 @@ void ImplicitMatrix::enter(int link, double theta, const AccelerationJacobian& j
     }
 }
 
-void ImplicitMatrix::eliminate(int chunk, double theta, const AccelerationJacobian& j, const ContactMap& contacts) noexcept {
+void ImplicitMatrix::eliminate(int chunk, double theta, const AccelerationJacobian& j, const int* shafts) noexcept {
     int* list = lists_.data() + chunk * border_;
-    const int count = list_border(chunk, contacts, list);
+    const int count = list_border(chunk, shafts, list);
     system_.clear(chunk, {list, static_cast<std::size_t>(count)});
     const auto& own = range(chunk);
     const auto enter_upper = [&](int link) {
@@ -101,7 +101,7 @@ void ImplicitMatrix::eliminate(int chunk, double theta, const AccelerationJacobi
     };
     enter_upper(own.first == 0 ? links_ - 1 : own.first - 1);   // of the separator before
     for (int link = own.first; link < own.last; ++link) {
-        enter(link, theta, j, contacts.shaft(link) >= 0);
+        enter(link, theta, j, shafts[link] >= 0);
         if (link + 1 < own.last) enter_upper(link);
     }
     sound_[static_cast<std::size_t>(chunk)] = system_.eliminate(chunk);

@@ -31,8 +31,8 @@ public:
     /// Pulley coordinates that the chain sees of a shaft.
     [[nodiscard]] const std::vector<int>& seen(int shaft) const noexcept { return seen_[static_cast<std::size_t>(shaft)]; }
 
-    /// Enters G for the links of a chunk and eliminates its inner ones. @param theta θ [s]
-    void eliminate(int chunk, double theta, const model::AccelerationJacobian& jacobian, const ContactMap& contacts) noexcept;
+    /// Enters G for the links of a chunk and eliminates its inner ones. @param theta θ [s]   @param shafts [links] ContactMap::shaft()
+    void eliminate(int chunk, double theta, const model::AccelerationJacobian& jacobian, const int* shafts) noexcept;
     /// After all chunks: pulleys and separators.
     void join(double theta, const model::AccelerationJacobian& jacobian) noexcept;
     /// Whether the last factorisation met no vanishing pivot.
@@ -44,7 +44,7 @@ public:
 
 private:
     void find_seen(const model::Variator& variator);
-    [[nodiscard]] int list_border(int chunk, const ContactMap& contacts, int* list) const noexcept;
+    [[nodiscard]] int list_border(int chunk, const int* shafts, int* list) const noexcept;
     void enter(int link, double theta, const model::AccelerationJacobian& jacobian, bool touching) noexcept;
 
     int links_, size_, border_;

@@ -37,7 +37,7 @@ enum ImplicitField { jacobian_field = 1000, chunk_field, joint_field, right_side
 
 ImplicitMethod::ImplicitMethod(Workspace& workspace)
     : w_(workspace), size_(w_.layout().link_size()), half_(w_.layout().pulley_size), border_size_(half_ + (w_.layout().control ? 1 : 0)),
-      q_tail_(w_.layout().pulley_begin()), jacobian_(w_.layout()), matrix_(w_.variator), right_side_(static_cast<std::size_t>(matrix_.unknowns())),
+      q_tail_(w_.layout().pulley_begin()), jacobian_(w_.layout()), matrix_(w_.variator), shafts_(static_cast<std::size_t>(w_.layout().links), -1), right_side_(static_cast<std::size_t>(matrix_.unknowns())),
       solution_(right_side_), differences_(w_.variator, most_batches), derivatives_(w_.variator) {}
 
 void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
@@ -71,7 +71,7 @@ void ImplicitMethod::jacobian_corner() noexcept {
     if (exact_) derivatives_.corner(base_.time, base_.state, base_.phases, jacobian_);
 }
 
-void ImplicitMethod::eliminate(int chunk) noexcept { matrix_.eliminate(chunk, theta_, jacobian_, {w_.phases.data(), w_.loads.data()}); }
+void ImplicitMethod::eliminate(int chunk) noexcept { matrix_.eliminate(chunk, theta_, jacobian_, shafts_.data()); }
 
 void ImplicitMethod::join() noexcept { matrix_.join(theta_, jacobian_); }
 
@@ -116,8 +116,31 @@ int ImplicitMethod::take_jacobian(double c, int state_slot, int slope_slot) noex
 
 int ImplicitMethod::factorise(double theta) noexcept {
     theta_ = theta;
+    const ContactMap contacts{w_.phases.data(), w_.loads.data()};
+    for (int link = 0; link < w_.layout().links; ++link) shafts_[static_cast<std::size_t>(link)] = contacts.shaft(link);
     ++factorisations_;
     return factor_cycle;
+}
+
+void ImplicitMethod::save_factors(std::vector<double>& memory) const {
+    const std::span<const double> numbers = jacobian_.numbers();
+    memory.push_back(theta_);
+    memory.insert(memory.end(), shafts_.begin(), shafts_.end());
+    memory.insert(memory.end(), numbers.begin(), numbers.end());
+}
+
+std::span<const double> ImplicitMethod::load_factors(std::span<const double> memory) noexcept {
+    theta_ = memory.front();
+    memory = memory.subspan(1);
+    for (int& shaft : shafts_) {
+        shaft = static_cast<int>(memory.front());
+        memory = memory.subspan(1);
+    }
+    const std::span<double> numbers = jacobian_.numbers();
+    std::copy_n(memory.begin(), numbers.size(), numbers.begin());
+    for (int chunk = 0; chunk < matrix_.chunks(); ++chunk) eliminate(chunk);
+    join();
+    return memory.subspan(numbers.size());
 }
 
 }  // namespace cvtflow::tasks

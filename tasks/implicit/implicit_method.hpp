@@ -9,6 +9,7 @@
 ///
 /// Chunks belong to the matrix and batches to the Jacobian, not to segments or threads: results do not depend on either.
 
+#include <span>
 #include <vector>
 
 #include "model/jacobian/exact_jacobian.hpp"
@@ -52,6 +53,10 @@ protected:
     [[nodiscard]] int take_jacobian(double c, int state_slot, int slope_slot) noexcept;
     /// Factor cycle for I - θ D - θ² K.
     [[nodiscard]] int factorise(double theta) noexcept;
+    /// Jacobian, θ and contacts of the last factorisation: appended to `memory`.
+    void save_factors(std::vector<double>& memory) const;
+    /// Takes them back from the front of `memory` and factorises again: the same bits. @return what is left
+    [[nodiscard]] std::span<const double> load_factors(std::span<const double> memory) noexcept;
 
     [[nodiscard]] double* state(int slot) const noexcept { return w_.states[static_cast<std::size_t>(slot)]; }
     [[nodiscard]] double* slope(int slot) const noexcept { return w_.slopes[static_cast<std::size_t>(slot)]; }
@@ -66,6 +71,7 @@ protected:
     const int q_tail_;                      ///< first pulley coordinate in the state
     model::AccelerationJacobian jacobian_;
     ImplicitMatrix matrix_;
+    std::vector<int> shafts_;                     ///< [links] ContactMap::shaft() at the last factorisation
     std::vector<double> right_side_, solution_;   ///< [matrix_.unknowns()]
     long jacobians_ = 0, factorisations_ = 0, solves_ = 0;
     double theta_ = 0.0;                    ///< of the matrix [s]

@@ -29,7 +29,33 @@ TrapezoidalMethod::TrapezoidalMethod(Workspace& workspace, const NewtonOptions& 
     finish_in_tasks_ = options.matrix != NewtonMatrix::broyden;
 }
 
-void TrapezoidalMethod::restart() noexcept { start_slope_ = end_slope_ = false; }
+void TrapezoidalMethod::restart() noexcept {
+    start_slope_ = end_slope_ = has_jacobian_ = false;
+    since_jacobian_ = 0;
+    broyden_.clear();
+}
+
+void TrapezoidalMethod::save(std::vector<double>& memory) const {
+    const bool keeps = keeps_over_steps() && has_jacobian_;
+    memory = {end_slope_ ? 1.0 : 0.0, keeps ? 1.0 : 0.0, static_cast<double>(since_jacobian_)};
+    if (end_slope_) memory.insert(memory.end(), slope(trial_slope), slope(trial_slope) + w_.layout().size());
+    if (!keeps) return;
+    broyden_.save(memory);
+    save_factors(memory);
+}
+
+void TrapezoidalMethod::load(std::span<const double> memory) {
+    if (memory.empty()) return;   // nothing has begun
+    end_slope_ = memory[0] != 0.0;
+    has_jacobian_ = memory[1] != 0.0;
+    since_jacobian_ = static_cast<int>(memory[2]);
+    memory = memory.subspan(3);
+    if (end_slope_) {
+        std::copy_n(memory.begin(), w_.layout().size(), slope(trial_slope));
+        memory = memory.subspan(static_cast<std::size_t>(w_.layout().size()));
+    }
+    if (has_jacobian_) static_cast<void>(load_factors(broyden_.load(memory)));
+}
 
 int TrapezoidalMethod::begin() {
     ++statistics_.steps;

@@ -23,7 +23,10 @@ public:
     [[nodiscard]] int begin() override;
     [[nodiscard]] int next() override;
     void restart() noexcept override;
-    [[nodiscard]] bool resumes() const noexcept override { return false; }   // its Jacobians outlast steps
+    void transition() noexcept override { start_slope_ = end_slope_ = false; }   // a kept Jacobian may still serve
+    /// Slope at the end of the last step; with a matrix that is kept over steps, its Jacobian and updates.
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
 
     void prepare(int first, int last) noexcept override;
     void finish(int first, int last) noexcept override;

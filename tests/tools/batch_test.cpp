@@ -1,5 +1,7 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <random>
@@ -72,6 +74,43 @@ TEST_F(Batch, ThatIsToldToStopLeavesCheckpointsAndGoesOnBitForBit) {
     const Outcome rest = run({"resume", "out"});
     EXPECT_EQ(rest.status, 0) << rest.err;
     EXPECT_EQ(hash_in(rest.out), hash_in(run({"batch", "sweep.toml", "-o", "whole"}).out));
+}
+
+/// Process of the sweep proper: the only child of the one that was started. 0: there is none now.
+pid_t worker_of(const Child& child) {
+    std::ifstream file("/proc/" + std::to_string(child.id()) + "/task/" + std::to_string(child.id()) + "/children");
+    pid_t worker = 0;
+    file >> worker;
+    return worker;
+}
+
+/// The process of the sweep dies by SIGSEGV in its fourth case, and again when that runs alone.
+TEST_F(Batch, CrashedCaseIsARowAndTheOthersHaveTheirResults) {
+    write_sweep("\"6 N*m\", \"12 N*m\"", "0.4 ms");
+    const Outcome undisturbed = run({"batch", "sweep.toml", "-o", "whole"});
+    ASSERT_EQ(undisturbed.status, 0) << undisturbed.err;
+    Child child({"batch", "sweep.toml", "-o", "out", "--threads", "1"}, folder_);
+    const auto rows = [&] { return exists("out/cases.h5") ? table().size() : 0; };
+    ASSERT_TRUE(eventually([&] { return rows() == 3; }));
+    const pid_t first = worker_of(child);
+    ASSERT_EQ(kill(first, SIGSEGV), 0);
+    ASSERT_TRUE(eventually([&] { return worker_of(child) != 0 && worker_of(child) != first && exists("out/lock"); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    ASSERT_EQ(kill(worker_of(child), SIGSEGV), 0);
+    const Outcome outcome = child.wait();
+    EXPECT_EQ(outcome.status, 5);
+    EXPECT_THAT(outcome.err, HasSubstr("cvtflow: the sweep's process was ended by SIGSEGV (Segmentation fault); what was running goes on alone: case 3\n"
+                                       "cvtflow: case 3 has crashed: SIGSEGV (Segmentation fault)\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("1 crashed, 7 ok"));
+    EXPECT_EQ(column("error").at(3), "its process was ended by SIGSEGV (Segmentation fault), also when it ran alone");
+    EXPECT_EQ(column("slip_mean").at(3), "nan");
+    auto hashes = column("hash"), expected = column("hash", "whole");
+    hashes.erase(3);
+    expected.erase(3);
+    EXPECT_EQ(hashes, expected);
+    const Outcome again = batch({"--retry", "crashed"});
+    EXPECT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(hash_in(again.out), hash_in(undisturbed.out));
 }
 
 TEST_F(Batch, FailingCasesAreRowsWithAStatus) {
@@ -165,7 +204,20 @@ TEST_F(Batch, MergeNamesWhatIsMissing) {
     EXPECT_EQ(table("cut").attribute("missing_cases"), "1 4 7 10");
 }
 
-TEST_F(Batch, SharesASettledStateAndContinuesFromNeighbours) {
+/// The differences that the table tells are those to a sweep without continuation.
+class ContinuedBatch : public Batch {
+protected:
+    void expect_error_of_continuation() {
+        const std::string told = table().attribute("continuation_error");
+        write_sweep("\"6 N*m\", \"12 N*m\"", "40 us");
+        ASSERT_EQ(run({"batch", "sweep.toml", "-o", "own"}).status, 0);
+        const double own = std::stod(column("slip_mean", "own").at(7)), continued = std::stod(column("slip_mean").at(7));
+        ASSERT_NE(own, continued);
+        EXPECT_THAT(told, StartsWith(fmt::format("1 case, at most: slip mean {:.2g} ({:.2g} %), tight_tension max ", std::abs(continued - own), 100.0 * std::abs((continued - own) / own))));
+    }
+};
+
+TEST_F(ContinuedBatch, SharesASettledStateAndContinuesFromNeighbours) {
     write_sweep("\"6 N*m\", \"12 N*m\"", "40 us", "continuation = \"clamping.driven\"\n");
     ASSERT_EQ(batch({"--threads", "1"}).status, 0);
     const auto start = column("start");
@@ -181,6 +233,7 @@ TEST_F(Batch, SharesASettledStateAndContinuesFromNeighbours) {
     ASSERT_EQ(run({"batch", "sweep.toml", "-o", "shared"}).status, 0);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "shared/states"), {}), 1);
     EXPECT_EQ(column("start", "shared").at(3), "shared");
+    expect_error_of_continuation();
 }
 
 TEST_F(Batch, RecordsCasesIfAsked) {

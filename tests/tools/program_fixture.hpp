@@ -28,6 +28,7 @@ public:
     Child& operator=(const Child&) = delete;
 
     void send(int signal) const;
+    [[nodiscard]] pid_t id() const noexcept { return process_; }
     [[nodiscard]] Outcome wait();
 
 private:

@@ -76,6 +76,7 @@ ExitStatus show(const TableArguments& arguments) {
     }
     fmt::print("{}\n", table_text(table, chosen_columns(table.layout, arguments.columns)));
     fmt::print("{}: {} of {} cases, {}, results hash {}\n", table.attribute("sweep"), table.size(), table.attribute("cases"), table.attribute("status"), hash);
+    if (const std::string error = table.attribute("continuation_error"); !error.empty()) fmt::print("continuation changes, in {}\n", error);
     return ExitStatus::finished;
 }
 

@@ -18,7 +18,9 @@ TEST(ImplicitMatrix, SolvesForTheWholeStateInVelocitiesAlone) {
     ImplicitMatrix matrix(settled.variator());
     const double theta = 1e-6;
     const ContactMap contacts{settled.base().phases, settled.base().loads};
-    for (int chunk = 0; chunk < matrix.chunks(); ++chunk) matrix.eliminate(chunk, theta, jacobian, contacts);
+    std::vector<int> shafts;
+    for (int link = 0; link < at.links; ++link) shafts.push_back(contacts.shaft(link));
+    for (int chunk = 0; chunk < matrix.chunks(); ++chunk) matrix.eliminate(chunk, theta, jacobian, shafts.data());
     matrix.join(theta, jacobian);
     ASSERT_TRUE(matrix.sound());
 

@@ -1,0 +1,65 @@
+#include "tasks/batch/case_engine.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "tests/engine/allocation_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+class CaseOfAWorker : public testing::Test {
+protected:
+    CaseOfAWorker() : folder_(std::filesystem::temp_directory_path() / ("cvtflow_case_" + std::to_string(getpid()))) { std::filesystem::create_directory(folder_); }
+    ~CaseOfAWorker() override { std::filesystem::remove_all(folder_); }
+
+    /// Eight cases of tiny.
+    [[nodiscard]] Sweep sweep(const std::string& mode, const std::string& more = "") const {
+        std::ofstream(folder_ / "s.toml") << "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"20 us\"\nstart.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n"
+                                             "[[axes]]\nkey = \"load.torque\"\nvalues = [\"6 N*m\", \"12 N*m\"]\n[[axes]]\nkey = \"clamping.driven\"\nfrom = \"5 kN\"\n"
+                                             "to = \"6 kN\"\ncount = 4\n[outputs]\nscalars = [\"slip mean\", \"tight_tension max\"]\n[start]\nmode = \"" << mode << "\"\n" << more;
+        return read_sweep(folder_ / "s.toml", [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
+    }
+    /// Allocations of each case, one after the other on one engine.
+    [[nodiscard]] std::vector<long> allocations(const Sweep& sweep) const {
+        StartStates starts(sweep, folder_ / "states");
+        const engine::Cancellation never;
+        BatchControl control(1, 1.0, never);
+        CaseEngine engine(sweep, starts, control, {folder_ / "checkpoints", folder_ / "records", folder_ / "continuation"});
+        std::vector<long> counts;
+        for (long number = 0; number < sweep.cases(); ++number) {
+            const long before = engine::test::allocation_count();
+            EXPECT_EQ(engine.run(number).status, CaseStatus::ok);
+            counts.push_back(engine::test::allocation_count() - before);
+        }
+        return counts;
+    }
+
+    std::filesystem::path folder_;
+};
+
+/// States, slots, graph, executor, table row: all that grows with chain, method or steps is there after the first case. What is left are the model's constants
+/// (65 small ones), the controller's, and the placement of a chain that begins geometrically.
+TEST_F(CaseOfAWorker, AllocatesAFewConstantsAfterTheFirst) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    const std::vector<long> shared = allocations(sweep("shared")), placed = allocations(sweep("settle"));
+    EXPECT_GT(shared[0], 1000);
+    EXPECT_LE(shared[1], 70);
+    EXPECT_LE(placed[1], 4000);
+    for (const auto& counts : {shared, placed}) {
+        for (std::size_t number = 2; number < counts.size(); ++number) EXPECT_EQ(counts[number], counts[1]) << number;
+    }
+}
+
+TEST_F(CaseOfAWorker, AllocatesNoMoreForALongerCase) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    Sweep longer = sweep("shared");
+    const long brief = allocations(longer)[1];
+    longer.scene.run.until *= 3.0;
+    EXPECT_EQ(allocations(longer)[1], brief);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

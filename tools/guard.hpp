@@ -1,0 +1,17 @@
+#pragma once
+/// The last line of defence of a process.
+
+#include <functional>
+#include <string_view>
+
+#include "tools/exit_status.hpp"
+
+namespace cvtflow::tools {
+
+/// On stderr, "cvtflow: " before each line that does not go on the one before.
+void print_error(std::string_view message);
+
+/// Exit status of `work`; what it throws is printed.
+[[nodiscard]] int guarded(const std::function<int()>& work) noexcept;
+
+}  // namespace cvtflow::tools
