@@ -1,9 +1,10 @@
 #pragma once
-/// Elimination of the inner joints of a chain by Cholesky, block by block.
+/// Elimination of the inner joints of a chain, block by block (Gauss and Jordan: matrices are symmetric with eigenvalues ≥ 1, no pivot is
+/// sought). Lanes over the columns of a row.
 
 #include <algorithm>
-#include <cmath>
 
+#include "model/basis/lanes.hpp"
 #include "model/friction/slip_space.hpp"
 
 namespace cvtflow::model {
@@ -13,22 +14,37 @@ namespace {
 template <int Size>
 class SlipElimination {
 public:
-    explicit SlipElimination(SlipChain& chain) noexcept : c_(chain) {}
+    using V = Lanes<slip_lanes>;
+
+    explicit SlipElimination(SlipChain& chain) noexcept : c_(chain) {
+        alignas(64) double mask[slip_lanes] = {};
+        mask[size() % slip_lanes] = 1.0;
+        right_side_ = load<slip_lanes>(mask);
+    }
 
     void condense() noexcept {
         const int count = elements();
-        std::copy_n(element(0).row(0), size() * width(), c_.condensed.row(0));
-        if (count == 1) {
-            std::copy_n(element(0).row(size()), size() * width(), c_.condensed.row(size()));
-            return;
+        for (int row = 0; row < size(); ++row) {
+            for (int k = 0; k < parts(); ++k) {
+                left_[row][k] = part(element(0).row(row), k);
+                next_[row][k] = part(element(0).row(size() + row), k);
+            }
         }
-        double next[most * most_width];   // rows of the joint that is next: [on left | on itself | right-hand side]
-        begin(next);
         for (int joint = 1; joint < count; ++joint) {
-            pivot(joint, next);
-            reduce(joint, next);
+            enter(joint);
+            jordan(panel(joint));
+            reduce(joint);
         }
-        end(next);
+        for (int row = 0; row < size(); ++row) {
+            for (int k = 0; k < parts(); ++k) {
+                left_[row][k].copy_to(c_.condensed.row(row) + k * slip_lanes);
+                next_[row][k].copy_to(c_.condensed.row(size() + row) + k * slip_lanes);
+            }
+        }
+        if (count == 1) return;
+        for (int row = 0; row < size(); ++row) {   // by symmetry
+            for (int k = 0; k < size(); ++k) c_.condensed.row(k)[block() + row] = c_.condensed.row(size() + row)[k];
+        }
     }
 
     /// Inner joints from those at the ends.
@@ -36,129 +52,124 @@ public:
         const double* left = solution(0);
         for (int joint = elements() - 1; joint >= 1; --joint) {
             double* x = solution(joint);
-            const double* next = solution(joint + 1);
+            const double *next = solution(joint + 1), *p = panel(joint);
             for (int row = 0; row < size(); ++row) {
-                const double* p = panel(joint) + row * width();
-                x[row] = p[2 * size()];
-                for (int k = 0; k < size(); ++k) x[row] = x[row] - p[k] * left[k] - p[size() + k] * next[k];
+                const double* own = p + row * width();
+                V total = part(own, 0) * part(left, 0) + part(own, half()) * part(next, 0);
+                for (int k = 1; k < half(); ++k) total += part(own, k) * part(left, k) + part(own, half() + k) * part(next, k);
+                x[row] = own[size()] - sum<slip_lanes>(total);
             }
-            backward(factor(joint), x);
         }
     }
 
     /// Both ends are one joint: solves for it, and all others.
     void close() noexcept {
         condense();
-        double matrix[most * most];
-        double* x = solution(0);
+        double* rows = panel(0);
         for (int row = 0; row < size(); ++row) {
             const double *left = c_.condensed.row(row), *right = c_.condensed.row(size() + row);
-            for (int k = 0; k < size(); ++k) matrix[row * size() + k] = (row == k ? 1.0 : 0.0) + (left[k] + left[size() + k]) + (right[k] + right[size() + k]);
-            x[row] = left[2 * size()] + right[2 * size()];
+            double* own = rows + row * width();
+            for (int k = 0; k < half(); ++k) {
+                const V all = (part(left, k) + part(left, half() + k)) + (part(right, k) + part(right, half() + k));
+                matrix_[row][k] = all;
+                all.copy_to(own + k * slip_lanes);
+                V(0.0).copy_to(own + (half() + k) * slip_lanes);
+            }
         }
-        factorise(matrix);
-        for (int row = 0; row < size(); ++row) {
-            for (int k = 0; k < row; ++k) x[row] -= matrix[row * size() + k] * x[k];
-            x[row] *= matrix[row * size() + row];
-        }
-        backward(matrix, x);
-        std::copy_n(x, size(), solution(elements()));
+        add_identity();
+        jordan(rows);
+        for (int row = 0; row < size(); ++row) solution(0)[row] = solution(elements())[row] = rows[row * width() + size()];
         substitute();
     }
 
 private:
     static constexpr int most = Size > 0 ? Size : 2 * most_joint_lanes;
-    static constexpr int most_width = (2 * most + 8) / 8 * 8;
+    static constexpr int most_parts = SlipElement::block(most) / slip_lanes;
 
     [[nodiscard]] int size() const noexcept { return Size > 0 ? Size : c_.size; }
-    [[nodiscard]] int width() const noexcept { return Size > 0 ? most_width : c_.condensed.width; }
+    [[nodiscard]] int block() const noexcept { return SlipElement::block(size()); }
+    [[nodiscard]] int width() const noexcept { return 2 * block(); }
+    /// Vectors of a block, of a row.
+    [[nodiscard]] int half() const noexcept { return block() / slip_lanes; }
+    [[nodiscard]] int parts() const noexcept { return 2 * half(); }
     [[nodiscard]] int elements() const noexcept { return static_cast<int>(c_.elements.size()); }
     [[nodiscard]] const SlipElement& element(int number) const noexcept { return c_.elements[static_cast<std::size_t>(number)]; }
-    [[nodiscard]] double* factor(int joint) noexcept { return c_.factors.data() + joint * size() * size(); }
     [[nodiscard]] double* panel(int joint) noexcept { return c_.panels.data() + joint * size() * width(); }
-    [[nodiscard]] double* solution(int joint) noexcept { return c_.solution.data() + joint * size(); }
+    [[nodiscard]] double* solution(int joint) noexcept { return c_.solution.data() + joint * block(); }
+    [[nodiscard]] static V part(const double* row, int k) noexcept { return load<slip_lanes>(row + k * slip_lanes); }
+    /// A vector of a row's first block with nothing but the right-hand side.
+    [[nodiscard]] V right_side(const V& vector, int k) const noexcept { return k == size() / slip_lanes ? right_side_ * vector : V(0.0); }
 
-    /// Rows of joint 1, as element 0 leaves them.
-    void begin(double* next) const noexcept {
-        for (int row = 0; row < size(); ++row) std::copy_n(element(0).row(size() + row), width(), next + row * width());
+    void add_identity() noexcept {
+        for (int row = 0; row < size(); ++row) {
+            const int k = row / slip_lanes, lane = row % slip_lanes;
+            alignas(64) double unit[slip_lanes] = {};
+            unit[lane] = 1.0;
+            matrix_[row][k] += load<slip_lanes>(unit);
+        }
     }
 
-    /// Factor of a joint's diagonal block, and its rows on left, next and right-hand side through it.
-    void pivot(int joint, const double* rows) noexcept {
-        double* diagonal = factor(joint);
+    /// Matrix of a joint, and its rows on left (with the right-hand side) and next.
+    void enter(int joint) noexcept {
         double* p = panel(joint);
         for (int row = 0; row < size(); ++row) {
-            const double *before = rows + row * width(), *after = element(joint).row(row);
-            double *own = p + row * width(), *d = diagonal + row * size();
-            for (int k = 0; k < size(); ++k) {
-                d[k] = (row == k ? 1.0 : 0.0) + (before[size() + k] + after[k]);
-                own[k] = before[k];
-                own[size() + k] = after[size() + k];
-            }
-            own[2 * size()] = before[2 * size()] + after[2 * size()];
-            for (int k = 2 * size() + 1; k < width(); ++k) own[k] = 0.0;
-        }
-        factorise(diagonal);
-        for (int row = 0; row < size(); ++row) {
+            const double* after = element(joint).row(row);
             double* own = p + row * width();
-            for (int k = 0; k < row; ++k) subtract(diagonal[row * size() + k], p + k * width(), own);
-            const double scale = diagonal[row * size() + row];
-            for (int k = 0; k < width(); ++k) own[k] *= scale;
+            for (int k = 0; k < half(); ++k) {
+                matrix_[row][k] = next_[row][half() + k] + part(after, k);
+                (next_[row][k] + right_side(part(after, k), k)).copy_to(own + k * slip_lanes);
+                part(after, half() + k).copy_to(own + (half() + k) * slip_lanes);
+            }
+        }
+        add_identity();
+        std::copy_n(p, size() * width(), before_);
+    }
+
+    /// Rows ← matrix⁻¹ rows.
+    void jordan(double* rows) noexcept {
+        V r[most][2 * most_parts];
+        for (int row = 0; row < size(); ++row) {
+            for (int k = 0; k < parts(); ++k) r[row][k] = part(rows + row * width(), k);
+        }
+        for (int pivot = 0; pivot < size(); ++pivot) {
+            const int own = pivot / slip_lanes;
+            const auto lane = static_cast<std::size_t>(pivot % slip_lanes);
+            const V inverse(1.0 / matrix_[pivot][own][lane]);
+            for (int k = own; k < half(); ++k) matrix_[pivot][k] = matrix_[pivot][k] * inverse;
+            for (int k = 0; k < parts(); ++k) r[pivot][k] = r[pivot][k] * inverse;
+            for (int row = 0; row < size(); ++row) {
+                if (row == pivot) continue;
+                const V factor(matrix_[row][own][lane]);
+                for (int k = own; k < half(); ++k) matrix_[row][k] = matrix_[row][k] - factor * matrix_[pivot][k];
+                for (int k = 0; k < parts(); ++k) r[row][k] = r[row][k] - factor * r[pivot][k];
+            }
+        }
+        for (int row = 0; row < size(); ++row) {
+            for (int k = 0; k < parts(); ++k) r[row][k].copy_to(rows + row * width() + k * slip_lanes);
         }
     }
 
     /// What the joint leaves on the left end and on the next joint.
-    void reduce(int joint, double* next) noexcept {
+    void reduce(int joint) noexcept {
         const double* p = panel(joint);
         for (int row = 0; row < size(); ++row) {
-            double left[most_width] = {};
-            double* own = next + row * width();
-            std::copy_n(element(joint).row(size() + row), width(), own);
-            std::fill_n(own, size(), 0.0);   // the element's rows on the joint itself have gone into the panel
-            for (int k = 0; k < size(); ++k) {
-                subtract(p[k * width() + row], p + k * width(), left);
-                subtract(p[k * width() + size() + row], p + k * width(), own);
+            const double* element_row = element(joint).row(size() + row);
+            for (int k = 0; k < half(); ++k) {
+                next_[row][k] = right_side(part(element_row, k), k);   // the element's rows on the joint itself have gone
+                next_[row][half() + k] = part(element_row, half() + k);
             }
-            double* at_left = c_.condensed.row(row);
-            for (int k = 0; k < size(); ++k) at_left[k] += left[k];
-            at_left[2 * size()] += left[2 * size()];
-        }
-    }
-
-    /// Rows of the right end, and the left one's columns on it.
-    void end(const double* next) noexcept {
-        for (int row = 0; row < size(); ++row) {
-            std::copy_n(next + row * width(), width(), c_.condensed.row(size() + row));
-            for (int k = 0; k < size(); ++k) c_.condensed.row(k)[size() + row] = next[row * width() + k];
-        }
-    }
-
-    void subtract(double factor_of, const double* from, double* own) const noexcept {
-        for (int k = 0; k < width(); ++k) own[k] -= factor_of * from[k];
-    }
-
-    /// Cholesky in place, lower triangle; the diagonal holds inverses.
-    void factorise(double* a) const noexcept {
-        for (int row = 0; row < size(); ++row) {
-            for (int column = 0; column < row; ++column) {
-                double value = a[row * size() + column];
-                for (int k = 0; k < column; ++k) value -= a[row * size() + k] * a[column * size() + k];
-                a[row * size() + column] = value * a[column * size() + column];
+            for (int inner = 0; inner < size(); ++inner) {
+                const V on_left(before_[inner * width() + row]), on_next(before_[inner * width() + block() + row]);
+                for (int k = 0; k < half(); ++k) left_[row][k] = left_[row][k] - on_left * part(p + inner * width(), k);
+                for (int k = 0; k < parts(); ++k) next_[row][k] = next_[row][k] - on_next * part(p + inner * width(), k);
             }
-            double value = a[row * size() + row];
-            for (int k = 0; k < row; ++k) value -= a[row * size() + k] * a[row * size() + k];
-            a[row * size() + row] = 1.0 / std::sqrt(value);
-        }
-    }
-
-    void backward(const double* l, double* x) const noexcept {
-        for (int row = size() - 1; row >= 0; --row) {
-            for (int k = row + 1; k < size(); ++k) x[row] -= l[k * size() + row] * x[k];
-            x[row] *= l[row * size() + row];
         }
     }
 
     SlipChain& c_;
+    V right_side_;
+    V left_[most][2 * most_parts], next_[most][2 * most_parts], matrix_[most][most_parts];
+    alignas(64) double before_[most * 2 * most_parts * slip_lanes];
 };
 
 }  // namespace

@@ -145,16 +145,18 @@ private:
         }
     }
 
-    /// Columns L⁻¹ Rᵀ g W of the joints' slips.
+    /// L⁻¹ Rᵀ g W of the joints' slips, all columns side by side.
     void panels() noexcept {
         const int joints_slips = 4 * this->points();
-        for (int column = 0; column < joints_slips; ++column) {
-            V x[local_end];
-            for (int contact = 0; contact < locals(); ++contact) {
-                for (int i = 0; i < 2; ++i) x[2 * contact + i] = rooted(contact, i, local_end + column);
+        for (int row = 0; row < local(); ++row) {
+            V x[most_joint_slips];
+            for (int column = 0; column < joints_slips; ++column) x[column] = rooted(row / 2, row % 2, local_end + column);
+            for (int k = 0; k < row; ++k) {
+                const V factor = get(this->g_.factor, triangle(row, k));
+                for (int column = 0; column < joints_slips; ++column) x[column] = x[column] - factor * get(this->g_.panel, k * joints_slips + column);
             }
-            forward(x);
-            for (int row = 0; row < local(); ++row) put(this->g_.panel, row * joints_slips + column, x[row]);
+            const V scale = get(this->g_.factor, triangle(row, row));
+            for (int column = 0; column < joints_slips; ++column) put(this->g_.panel, row * joints_slips + column, x[column] * scale);
         }
     }
 
@@ -177,20 +179,23 @@ private:
         const int joints_slips = 4 * this->points();
         const auto panel = [&](int k, int column) { return get(this->g_.panel, k * joints_slips + column); };
         for (int row = 0; row < joints_slips; ++row) {
-            for (int column = 0; column <= row; ++column) {
-                V value = coupling(local_end + row, local_end + column);
-                for (int k = 0; k < local(); ++k) value = value - panel(k, row) * panel(k, column);
-                put(this->g_.joint_coupling, triangle(row, column), value);
-            }
+            V value[most_joint_slips];
+            for (int column = 0; column <= row; ++column) value[column] = coupling(local_end + row, local_end + column);
             V rest = get(this->g_.predicted, local_end + row);
-            for (int k = 0; k < local(); ++k) rest = rest - coupling(local_end + row, k) * get(this->g_.intercept, k) - panel(k, row) * get(this->g_.rest, k);
+            for (int k = 0; k < local(); ++k) {
+                const V factor = panel(k, row);
+                for (int column = 0; column <= row; ++column) value[column] = value[column] - factor * panel(k, column);
+                rest = rest - coupling(local_end + row, k) * get(this->g_.intercept, k) - factor * get(this->g_.rest, k);
+            }
+            for (int column = 0; column <= row; ++column) put(this->g_.joint_coupling, triangle(row, column), value[column]);
             put(this->g_.joint_rest, row, rest);
         }
     }
 
     /// Rᵀ g W' R and Rᵀ (ŵ' - g W' c), link by link into the chain's elements.
     void enter() noexcept {
-        const int contacts = 2 * this->points(), joints_slips = 2 * contacts, first = SlipContacts::first_joint;
+        const int contacts = 2 * this->points(), joints_slips = 2 * contacts, size = contacts, first = SlipContacts::first_joint;
+        const auto column = [&](int slip) { return slip < size ? slip : SlipElement::block(size) + slip - size; };
         for (int a = 0; a < contacts; ++a) {
             V t[2];
             for (int k = 0; k < 2; ++k) {
@@ -198,15 +203,15 @@ private:
                 for (int l = 0; l < joints_slips; ++l) t[k] = t[k] - symmetric(this->g_.joint_coupling, 2 * a + k, l) * get(this->g_.intercept, local_end + l);
             }
             for (int i = 0; i < 2; ++i) {
-                scatter(2 * a + i, joints_slips, root(first + a, 0, i) * t[0] + root(first + a, 1, i) * t[1]);
+                scatter(2 * a + i, size, root(first + a, 0, i) * t[0] + root(first + a, 1, i) * t[1]);
                 for (int b = 0; b <= a; ++b) {
                     V left[2];
                     for (int l = 0; l < 2; ++l)
                         left[l] = root(first + a, 0, i) * symmetric(this->g_.joint_coupling, 2 * a, 2 * b + l) + root(first + a, 1, i) * symmetric(this->g_.joint_coupling, 2 * a + 1, 2 * b + l);
                     for (int j = 0; j < 2; ++j) {
                         const V value = left[0] * root(first + b, 0, j) + left[1] * root(first + b, 1, j);
-                        scatter(2 * a + i, 2 * b + j, value);
-                        if (b < a) scatter(2 * b + j, 2 * a + i, value);
+                        scatter(2 * a + i, column(2 * b + j), value);
+                        if (b < a) scatter(2 * b + j, column(2 * a + i), value);
                     }
                 }
             }

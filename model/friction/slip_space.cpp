@@ -8,8 +8,7 @@ namespace cvtflow::model {
 
 SlipChain::SlipChain(int most_elements, int joint_size)
     : size(joint_size), elements(static_cast<std::size_t>(most_elements), SlipElement(joint_size)), condensed(joint_size),
-      factors(static_cast<std::size_t>(most_elements * size * size)), panels(static_cast<std::size_t>(most_elements * size * condensed.width)),
-      solution(static_cast<std::size_t>((most_elements + 1) * size)) {}
+      panels(static_cast<std::size_t>(most_elements * size * condensed.width)), solution(static_cast<std::size_t>((most_elements + 1) * SlipElement::block(size))) {}
 
 SlipGroup::SlipGroup(const ChainModel& model, int first_link, int last_link)
     : first(first_link), last(last_link), chain(last_link - first_link, 2 * model.coefficients().joint_points.count) {

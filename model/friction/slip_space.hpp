@@ -54,9 +54,13 @@ struct SlipContacts {
 /// Entry (row, column ≤ row) of a lower triangle stored row by row.
 [[nodiscard]] constexpr int triangle(int row, int column) noexcept { return row * (row + 1) / 2 + column; }
 
-/// What two neighbouring joints have of each other: [size + size] rows of [size + size] columns and a right-hand side, rows `width` apart.
+/// What two neighbouring joints have of each other: rows of the first joint, then of the second, each [on first | on second] with the
+/// right-hand side behind the first block.
 struct SlipElement {
-    explicit SlipElement(int size) : width((2 * size + 8) / 8 * 8), entries(static_cast<std::size_t>(2 * size * width), 0.0) {}
+    /// Numbers from the beginning of a block to the next: whole vectors, with room for the right-hand side.
+    [[nodiscard]] static constexpr int block(int size) noexcept { return (size + slip_lanes) / slip_lanes * slip_lanes; }
+    explicit SlipElement(int size) : width(2 * block(size)), entries(static_cast<std::size_t>(2 * size * width), 0.0) {}
+
     int width;
     std::vector<double> entries;
     [[nodiscard]] double* row(int number) noexcept { return entries.data() + number * width; }
@@ -66,11 +70,14 @@ struct SlipElement {
 /// Joints in a row between two others, to which they are condensed. Element k joins joints k and k + 1; joints 1 … elements - 1 are eliminated.
 struct SlipChain {
     SlipChain(int most_elements, int size);
-    int size;                               ///< unknowns of a joint
+    int size;                        ///< unknowns of a joint
     std::vector<SlipElement> elements;
-    SlipElement condensed;                  ///< left end, right end
-    std::vector<double> factors, panels;    ///< [joint][size × size], [joint][size × width]: C⁻¹ [on left | on next | right-hand side]
-    std::vector<double> solution;           ///< [joint][size]
+    SlipElement condensed;           ///< first end, second end
+    std::vector<double> panels;      ///< [joint][size][width]: matrix⁻¹ [on first end, right-hand side | on next]
+    std::vector<double> solution;    ///< [joint][block], zeros behind the joint's unknowns
+
+    [[nodiscard]] double* unknowns(int joint) noexcept { return solution.data() + joint * SlipElement::block(size); }
+    [[nodiscard]] const double* unknowns(int joint) const noexcept { return solution.data() + joint * SlipElement::block(size); }
 };
 
 /// Contacts and unknowns of a group of links.

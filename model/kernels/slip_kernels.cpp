@@ -38,7 +38,7 @@ void eliminate(const SlipSpace& space, SlipGroup& group) noexcept {
 void spread(SlipGroup& group) noexcept {
     const int size = group.chain.size;
     for (int lane = 0; lane < group.last - group.first; ++lane) {
-        for (int k = 0; k < 2 * size; ++k) group.unknowns.at(k)[lane] = group.chain.solution[static_cast<std::size_t>(lane * size + k)];
+        for (int k = 0; k < 2 * size; ++k) group.unknowns.at(k)[lane] = group.chain.unknowns(k < size ? lane : lane + 1)[k < size ? k : k - size];
     }
 }
 

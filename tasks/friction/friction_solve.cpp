@@ -117,9 +117,8 @@ void FrictionSolve::eliminate(int number) noexcept {
 
 void FrictionSolve::substitute(int number) noexcept {
     model::SlipGroup& g = group(number);
-    const auto size = static_cast<std::size_t>(ring_.size);
-    std::copy_n(ring_.solution.begin() + number * ring_.size, size, g.chain.solution.begin());
-    std::copy_n(ring_.solution.begin() + (number + 1) * ring_.size, size, g.chain.solution.end() - ring_.size);
+    std::copy_n(ring_.unknowns(number), ring_.size, g.chain.unknowns(0));
+    std::copy_n(ring_.unknowns(number + 1), ring_.size, g.chain.unknowns(g.last - g.first));
     space_.substitute(g);
 }
 
