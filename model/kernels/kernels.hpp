@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "model/friction/contact_field.hpp"
+#include "model/friction/slip_space.hpp"
 #include "model/kernels/isa.hpp"
 #include "model/staged_chain.hpp"
 
@@ -39,11 +40,22 @@ FrictionKernels friction_kernels<Isa::avx2>(int order) noexcept;
 template <>
 FrictionKernels friction_kernels<Isa::avx512>(int order) noexcept;
 
+/// Defined in slip_kernels.cpp, likewise. @param points of a joint
+template <Isa isa>
+SlipKernels slip_kernels(int order, int points) noexcept;
+template <>
+SlipKernels slip_kernels<Isa::baseline>(int order, int points) noexcept;
+template <>
+SlipKernels slip_kernels<Isa::avx2>(int order, int points) noexcept;
+template <>
+SlipKernels slip_kernels<Isa::avx512>(int order, int points) noexcept;
+
 struct CompiledKernels {
     Isa isa;
     ChainKernels (*chain)(int order) noexcept;
     StagedFunctions (*staged)(int order, bool observe) noexcept;
     FrictionKernels (*friction)(int order) noexcept;
+    SlipKernels (*slip)(int order, int points) noexcept;
 };
 /// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).
 [[nodiscard]] std::vector<CompiledKernels> compiled_kernels();

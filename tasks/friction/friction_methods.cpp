@@ -1,6 +1,8 @@
 #include "tasks/friction/friction_methods.hpp"
 
+#include "tasks/friction/additive_method.hpp"
 #include "tasks/friction/friction_leapfrog.hpp"
+#include "tasks/friction/implicit_leapfrog.hpp"
 
 namespace cvtflow::tasks {
 
@@ -11,15 +13,38 @@ std::unique_ptr<StepMethod> make(Workspace& workspace) {
     return std::make_unique<FrictionLeapfrog>(workspace, kick);
 }
 
+template <DirkTable (*table)()>
+std::unique_ptr<StepMethod> make_implicit(Workspace& workspace) {
+    return std::make_unique<ImplicitLeapfrog>(workspace, table());
+}
+
+template <AdditiveTable (*table)()>
+std::unique_ptr<StepMethod> make_additive(Workspace& workspace) {
+    return std::make_unique<AdditiveMethod>(workspace, table());
+}
+
+template <AdditiveTable (*table)()>
+MethodProgram additive(const char* description) {
+    const AdditiveTable t = table();
+    return {t.name, description, t.source, t.order, t.stages(), AdditiveMethod::state_slots, AdditiveMethod::slope_slots(t), make_additive<table>};
+}
+
 }  // namespace
 
 std::vector<MethodProgram> friction_methods() {
     constexpr int states = FrictionLeapfrog::state_slots, slopes = FrictionLeapfrog::slope_slots;
+    constexpr int own_states = ImplicitLeapfrog::state_slots, own_slopes = ImplicitLeapfrog::slope_slots;
     return {
         {"leapfrog-rkc", "leapfrog, friction inside the step by damped RKC stages on velocities alone", "this project (tasks/friction)", 2, 1, states, slopes,
          make<Kick::rkc>},
         {"leapfrog-chebyshev", "the same with fewer, first-order stages that leave nothing stiff behind", "this project (tasks/friction)", 1, 1, states, slopes,
          make<Kick::chebyshev>},
+        {"leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone", "this project (tasks/friction)", 1, 1, own_states, own_slopes,
+         make_implicit<backward_euler>},
+        {"leapfrog-sdirk2", "the same with two stages of order 2 (SDIRK2)", "this project (tasks/friction); R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006-1021", 2, 1,
+         own_states, own_slopes, make_implicit<sdirk2>},
+        additive<ark436>("ARK4(3)6L[2]SA, additive Runge-Kutta: friction implicit, all else explicit"),
+        additive<ars343>("ARS(3,4,3), additive Runge-Kutta: friction implicit, all else explicit"),
     };
 }
 

@@ -33,7 +33,7 @@ struct NewtonOptions {
 struct NewtonStatistics {
     long steps = 0;          ///< solved for, retaken ones included
     long iterations = 0;
-    long most = 0;           ///< iterations of the worst converged step
+    long most = 0;           ///< iterations of the worst step, converged or not
     long jacobians = 0;
     long factorisations = 0;
     long solves = 0;

@@ -280,7 +280,7 @@ int TrapezoidalMethod::finish_step() noexcept {
     for (int k = ledger; k < w_.layout().size(); ++k) state(iterate_)[k] = state(0)[k] + theta() * (slope(start_slope)[k] + slope(trial_slope)[k]);
     statistics_.iterations += iterations_;
     statistics_.refreshed += refreshed_ ? 1 : 0;
-    if (norm_ <= options_.tolerance) statistics_.most = std::max<long>(statistics_.most, iterations_);
+    statistics_.most = std::max<long>(statistics_.most, iterations_);
     terms_[0] = {iterate_, 1.0};
     w_.row = {{terms_, 1}, {}, -1, -1, 1.0};
     return done;

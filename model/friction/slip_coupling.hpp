@@ -1,0 +1,94 @@
+#pragma once
+/// g W = g T A⁻¹ Tᵀ of a link's contacts. All of them act along few constant directions, so products with A⁻¹ are known beforehand.
+
+#include <array>
+
+#include "model/friction/slip_geometry.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+template <int P, int Points>
+class SlipCoupling : public SlipGeometry<P, Points> {
+public:
+    using Base = SlipGeometry<P, Points>;
+    using typename Base::Point;
+    using typename Base::Tip;
+    using V = SlipV;
+    using Base::Base;
+
+    void couple(double g) noexcept {
+        list();
+        for (int row = 0; row < count_; ++row) {
+            for (int column = 0; column <= row; ++column) {
+                V value(0.0);
+                const Row &a = rows_[static_cast<std::size_t>(row)], &b = rows_[static_cast<std::size_t>(column)];
+                if (a.lateral >= 0 && b.lateral >= 0) value = lateral(a, b);
+                if (a.axial >= 0 && b.axial >= 0) value += this->space_.axial(a.axial, b.axial) * (a.along * b.along);
+                put(this->g_.coupling, triangle(a.number, b.number), g * value);
+            }
+        }
+    }
+
+private:
+    /// One slip as a combination of directions: (ax, ay) on `lateral`, lever on the turning, along on `axial`; < 0: none.
+    struct Row {
+        int number = 0, lateral = -1, axial = -1;
+        V ax, ay, turned, lever, along;   ///< turned: (ax, ay) × t
+    };
+    static constexpr std::size_t most = static_cast<std::size_t>(SlipContacts{Points > 0 ? Points : most_joint_lanes}.slips());
+
+    [[nodiscard]] V lateral(const Row& a, const Row& b) const noexcept {
+        const SlipSpace& s = this->space_;
+        const int turn = 4 + 2 * this->points();
+        return s.lateral(a.lateral, b.lateral) * (a.ax * b.ax + a.ay * b.ay) + s.lateral(a.lateral, turn) * (a.turned * b.lever) +
+               s.lateral(turn, b.lateral) * (a.lever * b.turned) + s.lateral(turn, turn) * (a.lever * b.lever);
+    }
+
+    Row& add(int number) noexcept {
+        Row& row = rows_[static_cast<std::size_t>(count_++)];
+        row = Row{};
+        row.number = number;
+        row.along = V(1.0);
+        return row;
+    }
+
+    void act(Row& row, int direction, const V& ax, const V& ay, const V& lever) const noexcept {
+        row.lateral = direction;
+        row.ax = ax;
+        row.ay = ay;
+        row.turned = get(this->g_.frame, 0) * ay - get(this->g_.frame, 1) * ax;
+        row.lever = lever;
+    }
+
+    void list() noexcept {
+        const int points = this->points();
+        const SlipContacts contacts = this->contacts();
+        count_ = 0;
+        add(0).axial = 4 + 2 * points;
+        add(1).axial = 5 + 2 * points;
+        for (int corner = 0; corner < (this->g_.touching ? tips_per_link : 0); ++corner) {
+            for (int k = 0; k < 2; ++k) {
+                const auto tangent = [&](int axis) { return this->tip_value(corner, Tip::tangent + 3 * k + axis); };
+                Row& row = add(2 * (SlipContacts::first_tip + corner) + k);
+                act(row, corner, tangent(0), tangent(1), this->tip_value(corner, Tip::lever + k));
+                row.axial = corner;
+                row.along = tangent(2);
+            }
+        }
+        for (const End end : {End::rear, End::front}) {
+            const double sign = end == End::rear ? -1.0 : 1.0;
+            for (int number = 0; number < points; ++number) {
+                const int slip = 2 * contacts.joint(end, number), direction = 4 + (end == End::rear ? 0 : points) + number;
+                act(add(slip), direction, -sign * this->point(end, number, Point::normal_y), sign * this->point(end, number, Point::normal_x), this->point(end, number, Point::lever));
+                add(slip + 1).axial = direction;
+            }
+        }
+    }
+
+    std::array<Row, most> rows_;
+    int count_ = 0;
+};
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,88 @@
+#pragma once
+/// The friction law at a contact with two slips: force, its derivative as a product of roots, lanes over links. (model/EQUATIONS.md section 7)
+
+#include "model/friction/friction.hpp"
+#include "model/friction/slip_coupling.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// φ(w) and R with φ'(w) = R Rᵀ, row by row.
+struct SlipLaw {
+    SlipV force[2];
+    SlipV root[4];
+};
+
+template <int P, int Points>
+class SlipLaws : public SlipCoupling<P, Points> {
+public:
+    using Base = SlipCoupling<P, Points>;
+    using typename Base::Point;
+    using typename Base::Tip;
+    using V = SlipV;
+    using Base::Base;
+
+    /// @param w the contact's two slips
+    [[nodiscard]] SlipLaw law(int contact, const V* w) const noexcept {
+        if (contact == SlipContacts::plates) return of_plates(w);
+        if (contact < SlipContacts::first_joint) return of_tip(contact - SlipContacts::first_tip, w);
+        const int number = contact - SlipContacts::first_joint;
+        const V grip = number < this->points() ? this->point(End::rear, number, Point::grip) : this->point(End::front, number - this->points(), Point::grip);
+        return isotropic(this->c_.joint.friction, grip, w, V(0.0));
+    }
+
+private:
+    /// Secant and tangent of s(v/v0) over speed.
+    struct Slopes {
+        V secant, tangent;
+    };
+    [[nodiscard]] static Slopes slopes(const FrictionCurve& curve, const V& speed) noexcept {
+        const V beyond = larger<slip_lanes>(speed - curve.proportional_speed, V(0.0));
+        const V rising = curve.inverse_saturation_speed - 2.0 * curve.curvature * beyond;
+        return {slip_factor<slip_lanes>(curve, speed), select_greater<slip_lanes>(speed, V(curve.full_speed), V(0.0), rising)};
+    }
+
+    /// Along the slip the tangent counts, across it the secant.
+    [[nodiscard]] static SlipLaw isotropic(const FrictionCurve& curve, const V& grip, const V* w, const V& sticks) noexcept {
+        const V speed = sqrt(w[0] * w[0] + w[1] * w[1]), half(0.5), least(1e-30);
+        const V inverse = 1.0 / larger<slip_lanes>(speed, least);
+        const V x = select_greater<slip_lanes>(speed, least, inverse * w[0], V(1.0)), y = select_greater<slip_lanes>(speed, least, inverse * w[1], V(0.0));
+        Slopes s = slopes(curve, speed);
+        s.secant = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.secant);
+        s.tangent = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.tangent);
+        const V held = grip * s.secant, along = sqrt(grip * s.tangent), across = sqrt(held);
+        return {{held * w[0], held * w[1]}, {along * x, -(across * y), along * y, across * x}};
+    }
+
+    [[nodiscard]] SlipLaw of_tip(int corner, const V* w) const noexcept {
+        return isotropic(this->space_.tip_curve(), this->tip_value(corner, Tip::grip), w, this->tip_value(corner, Tip::sticks));
+    }
+
+    /// Plates slide by w_0 + ξ w_1 each.
+    [[nodiscard]] SlipLaw of_plates(const V* w) const noexcept {
+        const FrictionCurve& curve = this->c_.plate_friction;
+        SlipLaw all{{V(0.0), V(0.0)}, {V(0.0), V(0.0), V(0.0), V(0.0)}};
+        V k00(0.0), k10(0.0), k11(0.0);
+        for (int plate = 0; plate < this->c_.plates.count; ++plate) {
+            const double xi = this->c_.plates.position[static_cast<std::size_t>(plate)];
+            const V sliding = w[0] + xi * w[1];
+            const V grip = get(this->g_.plates, plate);
+            const Slopes s = slopes(curve, abs(sliding));
+            const V force = grip * s.secant * sliding, tangent = grip * s.tangent;
+            all.force[0] += force;
+            all.force[1] += xi * force;
+            k00 += tangent;
+            k10 += xi * tangent;
+            k11 += xi * (xi * tangent);
+        }
+        const V top = sqrt(k00);
+        const V below = k10 / larger<slip_lanes>(top, V(1e-30));
+        all.root[0] = top;
+        all.root[2] = below;
+        all.root[3] = sqrt(larger<slip_lanes>(k11 - below * below, V(0.0)));
+        return all;
+    }
+};
+
+}  // namespace
+}  // namespace cvtflow::model

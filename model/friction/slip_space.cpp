@@ -1,0 +1,85 @@
+#include "model/friction/slip_space.hpp"
+
+#include <Eigen/Core>
+
+#include "model/kernels/kernels.hpp"
+
+namespace cvtflow::model {
+
+SlipChain::SlipChain(int most_elements, int joint_size)
+    : size(joint_size), elements(static_cast<std::size_t>(most_elements), SlipElement(joint_size)), condensed(joint_size),
+      panels(static_cast<std::size_t>(most_elements * size * condensed.width)), solution(static_cast<std::size_t>((most_elements + 1) * SlipElement::block(size))) {}
+
+SlipGroup::SlipGroup(const ChainModel& model, int first_link, int last_link)
+    : first(first_link), last(last_link), chain(last_link - first_link, 2 * model.coefficients().joint_points.count) {
+    const SlipContacts contacts{model.coefficients().joint_points.count};
+    const int slips = contacts.slips(), joints_slips = 2 * contacts.joint_slips(), local = SlipContacts::local_slips;
+    frame = LaneRows(2);
+    tips = LaneRows(tips_per_link * Tip::count);
+    joints = LaneRows(2 * contacts.points * Point::count);
+    plates = LaneRows(model.coefficients().plates.count);
+    coupling = LaneRows(triangle(slips, 0));
+    for (LaneRows* rows : {&velocity, &acceleration}) *rows = LaneRows(model.layout().link_size());
+    for (LaneRows* rows : {&predicted, &own, &slip, &force, &law_force, &next_slip, &next_force, &intercept}) *rows = LaneRows(slips);
+    root = LaneRows(4 * contacts.count());
+    factor = LaneRows(triangle(local, 0));
+    rest = LaneRows(local);
+    panel = LaneRows(local * joints_slips);
+    joint_coupling = LaneRows(triangle(joints_slips, 0));
+    for (LaneRows* rows : {&joint_rest, &unknowns}) *rows = LaneRows(joints_slips);
+}
+
+namespace {
+
+/// The law of a tip: where its branch is that of its phase, nothing is smoothed.
+FrictionCurve curve_of_tips(const Coefficients& c, bool by_phase) {
+    FrictionCurve curve = c.tip.friction;
+    if (!by_phase) return curve;
+    curve.smoothing = curve.curvature = 0.0;
+    curve.proportional_speed = curve.full_speed = curve.saturation_speed;
+    return curve;
+}
+
+/// dᵀ A⁻¹ d' of all pairs of directions (columns).
+std::vector<double> gram(const Eigen::MatrixXd& directions, const std::vector<double>& inverse) {
+    const Eigen::Index size = directions.rows();
+    const Eigen::MatrixXd a = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(inverse.data(), size, size);
+    const Eigen::MatrixXd product = directions.transpose() * a * directions;
+    return {product.data(), product.data() + product.size()};
+}
+
+Eigen::MatrixXd lateral_directions(const Coefficients& c, const SlipContacts& contacts) {
+    const int n = c.layout.lateral(), points = contacts.points;
+    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(2 * n, 5 + 2 * points);
+    for (int m = 0; m < n; ++m) {
+        for (int corner = 0; corner < tips_per_link; ++corner) d(corner / 2 * n + m, corner) = corner % 2 == 0 && m % 2 == 1 ? -1.0 : 1.0;
+        for (int g = 0; g < points; ++g) d(m, 4 + g) = d(n + m, 4 + points + g) = c.joint_points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(g)];
+    }
+    d(0, 4 + 2 * points) = -1.0;
+    d(n, 4 + 2 * points) = 1.0;
+    return d;
+}
+
+Eigen::MatrixXd axial_directions(const Coefficients& c, const SlipContacts& contacts) {
+    const int points = contacts.points;
+    Eigen::MatrixXd d = Eigen::MatrixXd::Zero(4, 6 + 2 * points);
+    for (int corner = 0; corner < tips_per_link; ++corner) d.col(corner).segment<2>(corner / 2 * 2) << 1.0, (corner % 2 == 0 ? -1.0 : 1.0);
+    for (int g = 0; g < points; ++g) {
+        const double xi = c.joint_points.position[static_cast<std::size_t>(g)];
+        d.col(4 + g) << -1.0, -xi, 0.0, 0.0;
+        d.col(4 + points + g) << 0.0, 0.0, 1.0, xi;
+    }
+    d.col(4 + 2 * points) << -1.0, 0.0, 1.0, 0.0;
+    d.col(5 + 2 * points) << 0.0, -1.0, 0.0, 1.0;
+    return d;
+}
+
+}  // namespace
+
+SlipSpace::SlipSpace(const ChainModel& chain, bool by_phase)
+    : friction_(chain, by_phase), contacts_{chain.coefficients().joint_points.count}, tip_curve_(curve_of_tips(chain.coefficients(), by_phase)),
+      lateral_gram_(gram(lateral_directions(chain.coefficients(), contacts_), friction_.lateral_inverse())),
+      axial_gram_(gram(axial_directions(chain.coefficients(), contacts_), friction_.axial_inverse())),
+      kernels_(kernels_of(chain.isa()).slip(chain.layout().order, contacts_.points)) {}
+
+}  // namespace cvtflow::model

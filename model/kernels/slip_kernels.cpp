@@ -1,0 +1,89 @@
+#include "model/friction/slip_chain.hpp"
+#include "model/friction/slip_newton.hpp"
+#include "model/kernels/kernels.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+template <int P, int Points>
+void gather(const SlipSpace& space, const ContactField& field, const Phase* phases, double g, SlipGroup& group) noexcept {
+    SlipCoupling<P, Points> links(space, group);
+    links.gather(field, phases);
+    links.couple(g);
+}
+
+template <int P, int Points>
+void slips(const SlipSpace& space, double time, SlipGroup& group, LaneRows& own) noexcept {
+    SlipGeometry<P, Points>(space, group).slips(time, own);
+}
+
+template <int P, int Points>
+void forces(const SlipSpace& space, SlipGroup& group) noexcept {
+    SlipNewton<P, Points>(space, group).forces();
+}
+
+template <int P, int Points>
+void accelerate(const SlipSpace& space, SlipGroup& group) noexcept {
+    SlipGeometry<P, Points>(space, group).accelerate();
+}
+
+template <int P, int Points>
+void eliminate(const SlipSpace& space, SlipGroup& group) noexcept {
+    SlipNewton<P, Points>(space, group).eliminate();
+    SlipElimination<2 * Points>(group.chain).condense();
+}
+
+/// The solution of the group's chain, joint by joint, as rows of unknowns.
+void spread(SlipGroup& group) noexcept {
+    const int size = group.chain.size;
+    for (int lane = 0; lane < group.last - group.first; ++lane) {
+        for (int k = 0; k < 2 * size; ++k) group.unknowns.at(k)[lane] = group.chain.unknowns(k < size ? lane : lane + 1)[k < size ? k : k - size];
+    }
+}
+
+template <int P, int Points>
+void substitute(const SlipSpace& space, SlipGroup& group) noexcept {
+    SlipElimination<2 * Points>(group.chain).substitute();
+    spread(group);
+    SlipNewton<P, Points>(space, group).substitute();
+}
+
+template <int P, int Points>
+void look(const SlipSpace& space, double share, SlipGroup& group) noexcept {
+    SlipNewton<P, Points>(space, group).look(share);
+}
+
+template <int Points>
+void ring(SlipChain& chain) noexcept {
+    SlipElimination<2 * Points>(chain).close();
+}
+
+template <int P, int Points>
+[[nodiscard]] SlipKernels kernels() noexcept {
+    return {gather<P, Points>, slips<P, Points>, forces<P, Points>, accelerate<P, Points>, eliminate<P, Points>, substitute<P, Points>, look<P, Points>, ring<Points>};
+}
+
+template <int Points>
+[[nodiscard]] SlipKernels kernels_of_order(int order) noexcept {
+    switch (order) {
+        case 0: return kernels<0, Points>();
+        case 1: return kernels<1, Points>();
+        case 2: return kernels<2, Points>();
+        default: return kernels<3, Points>();
+    }
+}
+
+}  // namespace
+
+/// One and three points are what ready levels of detail have; any other number works as well, slower.
+template <>
+SlipKernels slip_kernels<compiled_isa>(int order, int points) noexcept {
+    switch (points) {
+        case 1: return kernels_of_order<1>(order);
+        case 3: return kernels_of_order<3>(order);
+        default: return kernels_of_order<0>(order);
+    }
+}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,163 @@
+#include "tasks/friction/additive_method.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tasks/friction/stage_window.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
+
+constexpr engine::Term start{0, 1.0}, kept{1, 1.0};
+
+}  // namespace
+
+AdditiveMethod::AdditiveMethod(Workspace& workspace, AdditiveTable table) : FrictionImplicit(workspace), table_(std::move(table)) {
+    for (int stage = 0; stage < table_.stages(); ++stage) {
+        const double weight = table_.weights[at(stage)];
+        if (weight != 0.0) weights_.push_back({stage + 1, weight});
+        if (!table_.embedded.empty() && weight != table_.embedded[at(stage)]) error_.push_back({stage + 1, weight - table_.embedded[at(stage)]});
+    }
+    const int size = w_.layout().link_size();
+    for (int group = 0; group < solve_.groups(); ++group) {
+        stages_.push_back({model::LaneRows(size), {}});
+        for (int stage = 0; stage < table_.stages(); ++stage) stages_.back().friction.emplace_back(size);
+    }
+}
+
+std::optional<engine::PlanStep> AdditiveMethod::error_row() const noexcept {
+    if (error_.empty()) return {};
+    return engine::PlanStep{{}, error_, -1, -1, 0.0};
+}
+
+int AdditiveMethod::begin() {
+    stage_ = 0;
+    std::copy(w_.states[0] + w_.layout().pulley_begin(), w_.states[0] + w_.layout().size(), w_.tail.data());
+    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    return evaluate({&start, 1});
+}
+
+/// The right-hand side of the stage at hand; the tail is at its state already.
+int AdditiveMethod::evaluate(std::span<const engine::Term> states) noexcept {
+    at_ = At::evaluate;
+    w_.evaluate_end = false;
+    w_.row = {states, {}, -1, stage_ + 1, table_.times[at(stage_)]};
+    w_.slope_out = slope(stage_);
+    return evaluate_cycle;
+}
+
+int AdditiveMethod::next() {
+    switch (at_) {
+        case At::evaluate: return after_evaluation();
+        case At::stage: at_ = At::record; return record_cycle;
+        case At::record: at_ = At::gather; return gather_cycle;
+        case At::gather: return after_gathering();
+        case At::solve: return after_solve(solve_.next());
+        case At::finish: return evaluate({&kept, 1});
+    }
+    return failed;
+}
+
+int AdditiveMethod::after_evaluation() {
+    close_evaluation(w_, w_.time + table_.times[at(stage_)] * w_.h, w_.tail.data(), slope(stage_));
+    if (stage_ == 0) {   // friction of the first stage is not solved for
+        at_ = At::record;
+        return record_cycle;
+    }
+    if (stage_ + 1 < table_.stages()) return start_stage();
+    w_.row = {{&start, 1}, weights_, -1, -1, 1.0};
+    return done;
+}
+
+int AdditiveMethod::after_gathering() {
+    if (stage_ == 0) return start_stage();
+    at_ = At::solve;
+    return solve_.begin();
+}
+
+int AdditiveMethod::after_solve(int cycle) {
+    if (cycle != done) return cycle;
+    at_ = At::finish;
+    return finish_cycle;
+}
+
+int AdditiveMethod::start_stage() {
+    ++stage_;
+    const model::ChainLayout& layout = w_.layout();
+    for (int k = 0; k < w_.tail_size(); ++k) {
+        double sum = 0.0;
+        for (int other = 0; other < stage_; ++other) sum += table_.explicit_part[at(stage_)][at(other)] * slope(other)[layout.pulley_begin() + k];
+        w_.tail[at(k)] = w_.states[0][layout.pulley_begin() + k] + w_.h * sum;
+    }
+    if (layout.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    at_ = At::stage;
+    return stage_cycle;
+}
+
+/// Coordinates of the stage at hand, its velocities without its own friction, and predicted ones.
+void AdditiveMethod::stage(int number) noexcept {
+    const model::ChainLayout& layout = w_.layout();
+    const model::SlipGroup& g = solve_.group(number);
+    Stages& own = stages_[at(number)];
+    const std::vector<double>&explicit_row = table_.explicit_part[at(stage_)], &implicit_row = table_.implicit_part[at(stage_)];
+    const double step = w_.h * table_.gamma;
+    for (int link = g.first; link < g.last; ++link) {
+        const int q = layout.link_begin(link), v = q + layout.link_size(), lane = link - g.first;
+        for (int k = 0; k < layout.link_size(); ++k) {
+            double velocities = 0.0, accelerations = 0.0;
+            for (int other = 0; other < stage_; ++other) {
+                const double friction = own.friction[at(other)].at(k)[lane];
+                velocities += explicit_row[at(other)] * slope(other)[q + k];
+                accelerations += explicit_row[at(other)] * (slope(other)[v + k] - friction) + implicit_row[at(other)] * friction;
+            }
+            stage_state()[q + k] = w_.states[0][q + k] + w_.h * velocities;
+            own.explicit_velocity.at(k)[lane] = w_.states[0][v + k] + w_.h * accelerations;
+            stage_state()[v + k] = own.explicit_velocity.at(k)[lane] + step * own.friction[at(stage_ - 1)].at(k)[lane];
+        }
+    }
+}
+
+void AdditiveMethod::record(int segment) noexcept { record_window(segment, window_of(w_, stage_ == 0 ? w_.states[0] : stage_state(), segment), {}); }
+
+void AdditiveMethod::gather(int number) noexcept {
+    model::SlipGroup& g = solve_.group(number);
+    read(stage_ == 0 ? w_.states[0] : stage_state(), w_.layout().link_size(), number, g.velocity);
+    solve_.space().gather(field_, w_.phases.data(), table_.gamma * w_.h, g);
+    solve_.space().slips(0.0, g, g.own);
+}
+
+/// Friction at the first stage; a start and the slips of the explicit velocities for the solve of any other.
+void AdditiveMethod::base(int number) noexcept {
+    model::SlipGroup& g = solve_.group(number);
+    Stages& own = stages_[at(number)];
+    const int numbers = w_.layout().link_size() * model::slip_lanes;
+    std::copy_n(g.own.at(0), model::slip_lanes * model::SlipContacts::local_slips, g.slip.at(0));
+    solve_.share(number, g.slip);
+    if (stage_ == 0) {
+        solve_.space().forces(g);
+        solve_.space().accelerate(g);
+        std::copy_n(g.acceleration.at(0), numbers, own.friction[0].at(0));
+        return;
+    }
+    std::copy_n(own.explicit_velocity.at(0), numbers, g.velocity.at(0));
+    solve_.space().slips(0.0, g, g.predicted);
+}
+
+/// Velocities and friction of the stage that has been solved.
+void AdditiveMethod::finish(int number) noexcept {
+    model::SlipGroup& g = solve_.group(number);
+    const model::ChainLayout& layout = w_.layout();
+    const double step = w_.h * table_.gamma;
+    solve_.settle(number);
+    solve_.space().accelerate(g);
+    std::copy_n(g.acceleration.at(0), layout.link_size() * model::slip_lanes, stages_[at(number)].friction[at(stage_)].at(0));
+    for (int link = g.first; link < g.last; ++link) {
+        double* v = stage_state() + layout.link_begin(link) + layout.link_size();
+        for (int k = 0; k < layout.link_size(); ++k) v[k] = g.velocity.at(k)[link - g.first] + step * g.acceleration.at(k)[link - g.first];
+    }
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,148 @@
+#include "tasks/friction/friction_solve.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace cvtflow::tasks {
+
+namespace {
+
+/// Along the step the energy's slope must fall to this part of what it was.
+constexpr double flat = 0.5;
+constexpr int most_searches = 12;
+/// Where in the bracket a share may lie.
+constexpr double margin = 0.05;
+
+[[nodiscard]] int group_count(int links) { return (links + model::slip_lanes - 1) / model::slip_lanes; }
+
+}  // namespace
+
+std::string text(const SolveStatistics& s) {
+    const double solves = s.solves > 0 ? static_cast<double>(s.solves) : 1.0;
+    std::string line = fmt::format("{:.2f} iterations per friction solve (most {}), {:.2f} searches", static_cast<double>(s.iterations) / solves, s.most,
+                                   static_cast<double>(s.searches) / solves);
+    if (s.unconverged > 0) line += fmt::format("; {} of {} solves did not converge and went on with the last iterate (residual up to {:.2g} m/s)", s.unconverged, s.solves, s.worst);
+    return line;
+}
+
+FrictionSolve::FrictionSolve(const Workspace& w)
+    : space_(w.variator.chain(), w.parameters.detail.stick_slip), ring_(group_count(w.layout().links), 2 * w.variator.chain().coefficients().joint_points.count) {
+    const int links = w.layout().links, count = group_count(links);
+    for (int k = 0; k < count; ++k) groups_.emplace_back(w.variator.chain(), links * k / count, links * (k + 1) / count);
+}
+
+int FrictionSolve::begin() noexcept {
+    ++statistics_.solves;
+    iterations_ = 0;
+    steps_ = searching_ = false;
+    share_ = 1.0;
+    return iterate_cycle;
+}
+
+int FrictionSolve::next() noexcept {
+    double before = 0.0, after = 0.0;
+    residual_ = 0.0;
+    for (const model::SlipGroup& group : groups_) {
+        before += group.slope_before;
+        after += group.slope_after;
+        if (!(group.residual <= residual_)) residual_ = group.residual;
+    }
+    if (!std::isfinite(residual_)) return StepMethod::failed;
+    if (!searching_) {
+        ++iterations_;
+        low_ = searches_ = 0;
+        high_ = 1.0;
+        slope_low_ = before;
+        slope_high_ = after;
+    } else {
+        (after > 0.0 ? high_ : low_) = share_;
+        (after > 0.0 ? slope_high_ : slope_low_) = after;
+    }
+    // The first step starts from slips that belong to no forces: it is taken whole.
+    const bool good = residual_ <= tolerance || (iterations_ == 1 && !searching_) || std::abs(after) <= flat * std::abs(before) || after <= 0.0;
+    return good || searches_ >= most_searches ? accept() : judge();
+}
+
+/// The secant's zero of the slope within the bracket.
+int FrictionSolve::judge() noexcept {
+    const double width = high_ - low_;
+    const double zero = low_ - slope_low_ * width / (slope_high_ - slope_low_);
+    share_ = std::clamp(zero, low_ + margin * width, high_ - margin * width);
+    ++searches_;
+    ++statistics_.searches;
+    searching_ = true;
+    return search_cycle;
+}
+
+int FrictionSolve::accept() noexcept {
+    steps_ = true;
+    searching_ = false;
+    settled_ = std::exchange(share_, 1.0);
+    const bool converged = residual_ <= tolerance;
+    if (!converged && iterations_ < most_iterations) return iterate_cycle;
+    statistics_.iterations += iterations_;
+    statistics_.most = std::max<long>(statistics_.most, iterations_);
+    if (!converged) {
+        ++statistics_.unconverged;
+        statistics_.worst = std::max(statistics_.worst, residual_);
+    }
+    return StepMethod::done;
+}
+
+void FrictionSolve::settle(int number) noexcept {
+    if (!steps_) return;
+    model::SlipGroup& g = group(number);
+    if (settled_ == 1.0) {
+        std::swap(g.slip, g.next_slip);
+        std::swap(g.force, g.next_force);
+        return;
+    }
+    for (int row = 0; row < space_.contacts().slips(); ++row) {
+        for (int lane = 0; lane < model::slip_lanes; ++lane) {
+            g.slip.at(row)[lane] += settled_ * (g.next_slip.at(row)[lane] - g.slip.at(row)[lane]);
+            g.force.at(row)[lane] += settled_ * (g.next_force.at(row)[lane] - g.force.at(row)[lane]);
+        }
+    }
+}
+
+void FrictionSolve::eliminate(int number) noexcept {
+    settle(number);
+    model::SlipGroup& g = group(number);
+    space_.eliminate(g);
+    ring_.elements[static_cast<std::size_t>(number)].entries = g.chain.condensed.entries;
+}
+
+void FrictionSolve::substitute(int number) noexcept {
+    model::SlipGroup& g = group(number);
+    std::copy_n(ring_.unknowns(number), ring_.size, g.chain.unknowns(0));
+    std::copy_n(ring_.unknowns(number + 1), ring_.size, g.chain.unknowns(g.last - g.first));
+    space_.substitute(g);
+}
+
+void FrictionSolve::look(int number) noexcept {
+    if (!searching_) share(number, group(number).next_slip);
+    space_.look(share_, group(number));
+}
+
+void FrictionSolve::share(int number, model::LaneRows& slips) noexcept {
+    const int last = groups() - 1;
+    model::SlipGroup& g = group(number);
+    const model::SlipGroup &before = group(number == 0 ? last : number - 1), &after = group(number == last ? 0 : number + 1);
+    const model::SlipContacts& contacts = space_.contacts();
+    const int size = contacts.joint_slips(), links = g.last - g.first;
+    const int rear = 2 * contacts.joint(model::End::rear, 0), front = rear + size;
+    for (int k = 0; k < size; ++k) {
+        const double *own_rear = g.own.at(rear + k), *own_front = g.own.at(front + k);
+        for (int lane = 0; lane < links; ++lane) {
+            const double other_front = lane > 0 ? own_front[lane - 1] : before.own.at(front + k)[before.last - before.first - 1];
+            const double other_rear = lane + 1 < links ? own_rear[lane + 1] : after.own.at(rear + k)[0];
+            slips.at(rear + k)[lane] = own_rear[lane] + other_front;
+            slips.at(front + k)[lane] = other_rear + own_front[lane];
+        }
+    }
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,274 @@
+#include "tasks/friction/implicit_leapfrog.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tasks/friction/stage_window.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
+
+[[nodiscard]] model::SheaveMotion change_of(const model::SheaveMotion& now, const model::SheaveMotion& before, double factor) noexcept {
+    model::SheaveMotion change{};
+    change.vx = factor * (now.vx - before.vx);
+    change.vy = factor * (now.vy - before.vy);
+    change.vz = factor * (now.vz - before.vz);
+    change.spin_x = factor * (now.spin_x - before.spin_x);
+    change.spin_y = factor * (now.spin_y - before.spin_y);
+    change.spin_z = factor * (now.spin_z - before.spin_z);
+    return change;
+}
+
+}  // namespace
+
+double DirkTable::weight(int stage) const noexcept { return stage + 1 < static_cast<int>(times.size()) ? weights.back()[at(stage)] : gamma; }
+
+double DirkTable::centre() const noexcept {
+    double sum = 0.0;
+    for (std::size_t stage = 0; stage < times.size(); ++stage) sum += weight(static_cast<int>(stage)) * times[stage];
+    return sum;
+}
+
+DirkTable backward_euler() { return {1, 1.0, {1.0}, {{}}}; }
+
+DirkTable sdirk2() {
+    const double gamma = 1.0 - std::sqrt(0.5);
+    return {2, gamma, {gamma, 1.0}, {{}, {1.0 - gamma}}};
+}
+
+ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), table_(std::move(table)) {
+    const int size = w_.layout().link_size();
+    for (int k = 0; k < solve_.groups(); ++k) {
+        kicks_.push_back({model::LaneRows(size), model::LaneRows(size), model::LaneRows(size), {}, model::LaneRows(2 * model::tips_per_link)});
+        for (std::size_t stage = 0; stage < table_.times.size(); ++stage) kicks_.back().slopes.emplace_back(size);
+    }
+}
+
+void ImplicitLeapfrog::restart() noexcept {
+    continues_ = false;
+    begun_ = -1e300;
+    length_ = 0.0;
+}
+
+/// Slope slot 1: [v | mean acceleration of the step before], the acceleration zero where there is none.
+void ImplicitLeapfrog::extrapolate() {
+    if (continues_) {
+        std::swap(w_.slopes[1], w_.end_slope);   // made by the last detect cycle
+        return;
+    }
+    const model::ChainLayout& layout = w_.layout();
+    std::fill_n(w_.slopes[1], layout.size(), 0.0);
+    for (int link = 0; link < layout.links; ++link) {
+        const int q = layout.link_begin(link);
+        std::copy_n(w_.states[0] + q + layout.link_size(), layout.link_size(), w_.slopes[1] + q);
+    }
+    std::copy_n(w_.states[0] + layout.pulley_begin() + layout.pulley_size, layout.pulley_size, w_.slopes[1] + layout.pulley_begin());
+}
+
+/// What the step before has left becomes history.
+void ImplicitLeapfrog::turn_over() {
+    extrapolate();
+    for (Kick& kick : kicks_) std::swap(kick.base, kick.before);
+    std::copy(std::begin(w_.sheaves), std::end(w_.sheaves), sheaves_before_);
+    length_before_ = continues_ ? length_ : 0.0;
+    begun_ = w_.time;
+    continues_ = true;
+}
+
+int ImplicitLeapfrog::begin() {
+    if (w_.time != begun_ || !continues_) turn_over();   // else the same step once more, only shorter
+    length_ = w_.h;
+    rise_ = length_before_ > 0.0 ? 2.0 * length_ / (length_ + length_before_) : 0.0;
+    static constexpr engine::Term from{0, 1.0}, along{1, 0.5};
+    w_.evaluate_end = false;
+    w_.row = {{&from, 1}, {&along, 1}, -1, 2, 0.5};
+    w_.slope_out = w_.slopes[2];
+    const model::ChainLayout& layout = w_.layout();
+    engine::combine(w_.row, w_.h, w_.slots(), layout.pulley_begin(), layout.size(), w_.tail.data());
+    if (layout.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    drift_.step = w_.h;
+    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.sheaves[k], sheaves_before_[k], rise_);
+    stage_ = 0;
+    at_ = At::evaluate;
+    return evaluate_cycle;
+}
+
+int ImplicitLeapfrog::next() {
+    switch (at_) {
+        case At::evaluate: at_ = At::record; return record_cycle;
+        case At::record: at_ = At::gather; return gather_cycle;
+        case At::gather:
+        case At::stage: at_ = At::solve; return solve_.begin();
+        case At::solve: return after_solve(solve_.next());
+        case At::finish: return end_step();
+    }
+    return failed;
+}
+
+int ImplicitLeapfrog::after_solve(int cycle) {
+    if (cycle != done) return cycle;
+    if (stage_ + 1 == static_cast<int>(table_.times.size())) {
+        at_ = At::finish;
+        return finish_cycle;
+    }
+    ++stage_;
+    at_ = At::stage;
+    return stage_cycle;
+}
+
+int ImplicitLeapfrog::end_step() {
+    const model::ChainLayout& layout = w_.layout();
+    const int begin = layout.pulley_begin(), half = layout.pulley_size;
+    close_evaluation(w_, w_.time + 0.5 * w_.h, w_.tail.data(), w_.slopes[2]);
+    for (int k = begin + half; k < layout.size(); ++k) w_.states[1][k] = w_.states[0][k] + w_.h * w_.slopes[2][k];
+    for (int k = begin; k < begin + half; ++k) w_.states[1][k] = w_.states[0][k] + 0.5 * w_.h * (w_.states[0][k + half] + w_.states[1][k + half]);
+    static constexpr engine::Term end{1, 1.0};
+    w_.row = {{&end, 1}, {}, -1, -1, 1.0};
+    return done;
+}
+
+void ImplicitLeapfrog::record(int segment) noexcept { record_window(segment, stage_window(w_, segment), drift_); }
+
+/// Contacts, and the slips of the velocities with which the other forces were evaluated.
+void ImplicitLeapfrog::gather(int number) noexcept {
+    model::SlipGroup& g = solve_.group(number);
+    read(w_.slopes[2], 0, number, g.velocity);
+    solve_.space().gather(field_, w_.phases.data(), table_.gamma * w_.h, g);
+    solve_.space().slips(0.0, g, g.own);
+}
+
+/// All forces but friction; then the first stage, whose solve starts from the slips at hand.
+void ImplicitLeapfrog::base(int number) noexcept {
+    model::SlipGroup& g = solve_.group(number);
+    Kick& kick = kicks_[at(number)];
+    std::copy_n(g.own.at(0), model::slip_lanes * model::SlipContacts::local_slips, g.slip.at(0));
+    solve_.share(number, g.slip);
+    solve_.space().forces(g);
+    solve_.space().accelerate(g);
+    read(w_.slopes[2], w_.layout().link_size(), number, kick.base);
+    read(w_.states[0], w_.layout().link_size(), number, kick.start);
+    for (int row = 0; row < w_.layout().link_size(); ++row) {
+        for (int lane = 0; lane < model::slip_lanes; ++lane) kick.base.at(row)[lane] -= g.acceleration.at(row)[lane];
+    }
+    std::fill_n(kick.impulses.at(0), 2 * model::tips_per_link * model::slip_lanes, 0.0);
+    predict(number);
+}
+
+/// The other forces at the stage at hand, in units of the difference between the last two: from their mean to the end of the step half a rise.
+double ImplicitLeapfrog::lean() const noexcept {
+    const double centre = table_.centre();
+    return centre < 1.0 ? 0.5 * rise_ * (table_.times[at(stage_)] - centre) / (1.0 - centre) : 0.0;
+}
+
+/// Velocities of the stage at hand before its friction acts, and their slips.
+void ImplicitLeapfrog::predict(int number) noexcept {
+    model::SlipGroup& g = solve_.group(number);
+    Kick& kick = kicks_[at(number)];
+    const double share = lean(), step = w_.h * table_.gamma;
+    for (int row = 0; row < w_.layout().link_size(); ++row) {
+        for (int lane = 0; lane < model::slip_lanes; ++lane) {
+            const double now = kick.base.at(row)[lane];
+            double& slope = kick.slopes[at(stage_)].at(row)[lane];
+            slope = now + share * (now - kick.before.at(row)[lane]);
+            double sum = 0.0;
+            for (int other = 0; other < stage_; ++other) sum += table_.weights[at(stage_)][at(other)] * kick.slopes[at(other)].at(row)[lane];
+            g.velocity.at(row)[lane] = kick.start.at(row)[lane] + w_.h * sum + step * slope;
+        }
+    }
+    solve_.space().slips(table_.times[at(stage_)] - 0.5, g, g.predicted);
+}
+
+/// Friction of a stage that has been solved: its accelerations, and its part of the impulses.
+void ImplicitLeapfrog::end_stage(int number) noexcept {
+    model::SlipGroup& g = solve_.group(number);
+    Kick& kick = kicks_[at(number)];
+    const int solved = at_ == At::finish ? stage_ : stage_ - 1;
+    solve_.settle(number);
+    solve_.space().accelerate(g);
+    for (int row = 0; row < w_.layout().link_size(); ++row) {
+        for (int lane = 0; lane < model::slip_lanes; ++lane) kick.slopes[at(solved)].at(row)[lane] += g.acceleration.at(row)[lane];
+    }
+    const double weight = table_.weight(solved);
+    for (int row = 0; row < 2 * model::tips_per_link; ++row) {
+        for (int lane = 0; lane < model::slip_lanes; ++lane) kick.impulses.at(row)[lane] += weight * g.force.at(2 * model::SlipContacts::first_tip + row)[lane];
+    }
+}
+
+void ImplicitLeapfrog::stage(int number) noexcept {
+    end_stage(number);
+    predict(number);
+}
+
+void ImplicitLeapfrog::finish(int number) noexcept {
+    end_stage(number);
+    react(number);
+    const model::SlipGroup& g = solve_.group(number);
+    const model::ChainLayout& layout = w_.layout();
+    const double step = w_.h * table_.gamma;
+    for (int link = g.first; link < g.last; ++link) {
+        const int q = layout.link_begin(link), v = q + layout.link_size();
+        for (int k = 0; k < layout.link_size(); ++k) {
+            w_.states[1][v + k] = g.velocity.at(k)[link - g.first] + step * g.acceleration.at(k)[link - g.first];
+            w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.h * (w_.states[0][v + k] + w_.states[1][v + k]);
+        }
+    }
+}
+
+/// Loads of a group's links: of the normal forces, and the mean reaction of the tips' friction.
+void ImplicitLeapfrog::react(int number) noexcept {
+    model::SlipGroup& g = solve_.group(number);
+    const model::LaneRows& impulses = kicks_[at(number)].impulses;
+    for (int link = g.first; link < g.last; ++link) {
+        w_.loads[at(link)] = normal_loads_[at(link)];
+        model::SheaveLoad& load = w_.loads[at(link)].load;
+        const model::TipArms& p = field_.arms[at(link)];
+        for (int corner = 0; corner < model::tips_per_link; ++corner) {
+            if (w_.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
+            const int side = corner % 2, lane = link - g.first, row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
+            const double first = impulses.at(2 * corner)[lane], second = impulses.at(2 * corner + 1)[lane];
+            const auto along = [&](int axis) { return g.tips.at(row + axis)[lane] * first + g.tips.at(row + 3 + axis)[lane] * second; };
+            const double fx = along(0), fy = along(1), fz = along(2);   // on the sheave
+            load.fx[side] += fx;
+            load.fy[side] += fy;
+            load.fz[side] += fz;
+            load.mx[side] += p.y[corner] * fz - p.z[corner] * fy;
+            load.my[side] += p.z[corner] * fx - p.x[corner] * fz;
+            load.mz[side] += p.x[corner] * fy - p.y[corner] * fx;
+        }
+    }
+}
+
+void ImplicitLeapfrog::save(std::vector<double>& memory) const {
+    memory.assign({continues_ ? 1.0 : 0.0, length_});
+    for (const model::SheaveMotion& s : w_.sheaves) memory.insert(memory.end(), {s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z});
+    memory.insert(memory.end(), w_.end_slope, w_.end_slope + w_.layout().size());
+    const int numbers = w_.layout().link_size() * model::slip_lanes;
+    for (const Kick& kick : kicks_) memory.insert(memory.end(), kick.base.at(0), kick.base.at(0) + numbers);
+}
+
+void ImplicitLeapfrog::load(std::span<const double> memory) {
+    if (memory.empty()) return;
+    continues_ = memory[0] != 0.0;
+    length_ = memory[1];
+    begun_ = -1e300;
+    memory = memory.subspan(2);
+    for (model::SheaveMotion& s : w_.sheaves) {
+        s.vx = memory[0], s.vy = memory[1], s.vz = memory[2];
+        s.spin_x = memory[3], s.spin_y = memory[4], s.spin_z = memory[5];
+        memory = memory.subspan(6);
+    }
+    const auto size = static_cast<std::size_t>(w_.layout().size());
+    std::copy_n(memory.begin(), size, w_.end_slope);
+    memory = memory.subspan(size);
+    const auto numbers = static_cast<std::size_t>(w_.layout().link_size() * model::slip_lanes);
+    for (Kick& kick : kicks_) {
+        std::copy_n(memory.begin(), numbers, kick.base.at(0));
+        memory = memory.subspan(numbers);
+    }
+}
+
+}  // namespace cvtflow::tasks

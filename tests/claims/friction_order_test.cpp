@@ -1,0 +1,88 @@
+/// Claim: methods that solve for friction have their order where friction is smooth and counts, with the whole state; and the leapfrog is stable
+/// while ω h < 2.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tasks/eigenvalues.hpp"
+#include "tasks/implicit/method_trial.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/spectrum.hpp"
+#include "tests/claims/rig_fixture.hpp"
+#include "tests/claims/smooth_fixture.hpp"
+
+namespace cvtflow::claims {
+namespace {
+
+/// Friction below saturation, but as fast as elastic waves: λ of about 1e6 1/s.
+Smooth with_friction(Smooth scene, double saturation_speed) {
+    model::Parameters& p = scene.parameters;
+    for (model::Friction* friction : {&p.plate.friction, &p.joint.friction, &p.tip.friction}) friction->saturation_speed = saturation_speed;
+    return scene;
+}
+
+void expect_order(const Smooth& scene, const std::string& method, double order, const std::vector<int>& numbers) {
+    const tasks::FrozenStart start{0.0, scene.state, scene.phases};
+    const auto solution = [&](const std::string& name, int steps) {
+        const tasks::TrialEnd end = tasks::try_method(scene.parameters, start, name, smooth_span / steps, smooth_span);
+        EXPECT_FALSE(end.fault) << name;
+        EXPECT_EQ(end.counters.truncated, 0);
+        EXPECT_EQ(end.report.find("did not converge"), std::string::npos) << end.report;
+        return end.state;
+    };
+    const std::vector<double> reference = solution("rk4", 1024);
+    double above = 0.0;
+    for (const int steps : numbers) {
+        const double error = distance(solution(method, steps), reference);
+        if (above > 0.0) { EXPECT_NEAR(std::log2(above / error), order, 0.15) << method << ": " << steps << " steps, error " << error; }
+        above = error;
+    }
+}
+
+TEST(FrictionOrder, OnAFreeRing) {
+    const Smooth scene = with_friction(disturbed_ring(), 1.0);
+    expect_order(scene, "leapfrog-be", 1.0, {48, 96, 192});
+    expect_order(scene, "leapfrog-sdirk2", 2.0, {48, 96, 192});
+    expect_order(scene, "ars343", 3.0, {24, 48, 96});
+    expect_order(scene, "ark436", 4.0, {12, 24, 48});
+}
+
+TEST(FrictionOrder, OnAChainClampedBetweenElasticSheaves) {
+    const Smooth scene = with_friction(clamped_ring(), 1.0);
+    expect_order(scene, "leapfrog-be", 1.0, {48, 96, 192});
+    expect_order(scene, "leapfrog-sdirk2", 2.0, {48, 96, 192});
+    expect_order(scene, "ars343", 3.0, {24, 48, 96});
+    expect_order(scene, "ark436", 4.0, {12, 24, 48});
+}
+
+/// A ring without friction and damping swings; its fastest mode (extension of the pins) does not depend on where it is.
+TEST(FrictionOrder, LeapfrogsAreStableToTheImaginaryBoundaryWithinTwoPercent) {
+    model::Parameters p;
+    p.detail.pulleys = model::PulleyDetail::absent;
+    p.detail.order = 1;
+    p.start.layout = model::StartLayout::ring;
+    p.chain.pins = 12;
+    p.start.ring_speed = 600.0;
+    make_conservative(p);
+    const Rig start(p);
+    double fastest = 0.0;
+    for (const auto& value : tasks::spectrum(start.variator(), 0.0, start.state_copy(), start.phases())) fastest = std::max(fastest, std::abs(value.imag()));
+    const auto grows = [&](const std::string& method, double share) {
+        std::vector<double> state = start.state_copy();
+        for (std::size_t k = 0; k < state.size(); ++k) state[k] += 1e-12 * std::sin(1.0 + 2.399 * static_cast<double>(k));
+        const double h = share * 2.0 / fastest;
+        const tasks::TrialEnd end = tasks::try_method(p, {0.0, state, start.phases()}, method, h, 400.0 * h);
+        if (end.fault) return true;
+        double speed = 0.0, before = 0.0;
+        for (std::size_t k = 0; k < state.size(); ++k) speed = std::max(speed, std::abs(end.state[k])), before = std::max(before, std::abs(state[k]));
+        return !(speed < 2.0 * before);
+    };
+    for (const std::string method : {"leapfrog-be", "leapfrog-sdirk2", "leapfrog-rkc"}) {
+        EXPECT_FALSE(grows(method, 0.98)) << method << " " << fastest;
+        EXPECT_TRUE(grows(method, 1.02)) << method << " " << fastest;
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::claims

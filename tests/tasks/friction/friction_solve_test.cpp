@@ -1,0 +1,218 @@
+/// Friction solved for inside a step: slips and forces are those of the friction kernels, what comes out solves the equation of a stage, and the
+/// methods on top give the same bits for every schedule.
+
+#include "tasks/friction/friction_solve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/graph/race_check.hpp"
+#include "tasks/friction/stage_window.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/simulation.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+const engine::Cancellation never;
+const std::vector<std::string> methods{"leapfrog-be", "leapfrog-sdirk2", "ark436", "ars343"};
+
+/// The contacts of a scene's start, as lanes over links for the friction kernels and as groups for the solve.
+class Contacts {
+public:
+    explicit Contacts(const std::vector<std::string>& settings, double g)
+        : scene_(claims::ready_scene("baseline", settings)), simulation_(scene_), workspace_(scene_.parameters, *plan_for("leapfrog-be"), Partition::equal(links, 1)), solve(workspace_),
+          field_(workspace_.variator.chain()), loads_(links), scratch_(static_cast<std::size_t>(friction().scratch_size(links))) {
+        std::copy_n(simulation_.state(), layout().size(), workspace_.states[0]);
+        workspace_.variator.pulleys().motions(workspace_.states[0] + layout().pulley_begin(), workspace_.sheaves);
+        friction().record({0, links, window_of(workspace_, workspace_.states[0], 0), workspace_.sheaves, simulation_.phases().data()}, {}, field_, loads_.data());
+        for (int k = 0; k < solve.groups(); ++k) solve.space().gather(field_, simulation_.phases().data(), g, solve.group(k));
+    }
+
+    /// Velocities of the start, each moved by up to `amount`.
+    [[nodiscard]] model::Columns velocities(double amount) const {
+        model::Columns v(layout().link_size(), links + 2);
+        for (int link = 0; link < links; ++link) {
+            for (int k = 0; k < layout().link_size(); ++k)
+                *v.at(k, link + 1) = workspace_.states[0][layout().link_begin(link) + layout().link_size() + k] + amount * std::sin(1.0 + 2.399 * link + 0.7 * k);
+        }
+        repeat(v);
+        return v;
+    }
+    /// Accelerations by friction, from the friction kernels.
+    [[nodiscard]] model::Columns accelerations(model::Columns& v) {
+        repeat(v);
+        model::Columns a(layout().link_size(), links + 2);
+        friction().slopes(field_, {0, links, v.data(), v.stride(), scratch_.data(), simulation_.phases().data(), 0.0}, nullptr, a, 0.0, nullptr);
+        return a;
+    }
+    /// Slips of these velocities, each link's part into `rows`.
+    void slips(const model::Columns& v, model::LaneRows model::SlipGroup::* rows) {
+        for (int k = 0; k < solve.groups(); ++k) {
+            model::SlipGroup& g = solve.group(k);
+            for (int link = g.first; link < g.last; ++link) {
+                for (int row = 0; row < layout().link_size(); ++row) g.velocity.at(row)[link - g.first] = *v.at(row, link + 1);
+            }
+            solve.space().slips(0.0, g, g.*rows);
+        }
+    }
+    /// Whole slips from the `own` parts.
+    void share() {
+        for (int k = 0; k < solve.groups(); ++k) {
+            model::SlipGroup& g = solve.group(k);
+            std::copy_n(g.own.at(0), model::slip_lanes * model::SlipContacts::local_slips, g.slip.at(0));
+            solve.share(k, g.slip);
+        }
+    }
+    /// All cycles of a solve, one after the other. @return what it ended with
+    int run() {
+        int cycle = solve.begin();
+        for (; cycle >= 0; cycle = solve.next()) {
+            const auto each = [&](void (FrictionSolve::*body)(int) noexcept) { for (int k = 0; k < solve.groups(); ++k) (solve.*body)(k); };
+            if (cycle == iterate_cycle) {
+                each(&FrictionSolve::eliminate);
+                solve.ring();
+                each(&FrictionSolve::substitute);
+            }
+            each(&FrictionSolve::look);
+        }
+        for (int k = 0; k < solve.groups(); ++k) solve.settle(k);
+        return cycle;
+    }
+    [[nodiscard]] const model::ChainLayout& layout() const { return workspace_.layout(); }
+    static constexpr int links = 84;
+
+private:
+    [[nodiscard]] const model::FrictionOperator& friction() const { return solve.space().friction(); }
+    void repeat(model::Columns& v) const {
+        for (int row = 0; row < layout().link_size(); ++row) {
+            *v.at(row, 0) = *v.at(row, links);
+            *v.at(row, links + 1) = *v.at(row, 1);
+        }
+    }
+
+    Scene scene_;
+    Simulation simulation_;
+    Workspace workspace_;
+
+public:
+    FrictionSolve solve;
+
+private:
+    model::ContactField field_;
+    std::vector<model::LinkLoad> loads_;
+    std::vector<double> scratch_;
+};
+
+const std::vector<std::vector<std::string>> details{{"detail.joint_points=3"}, {"detail.joint_points=1"}, {"detail.joint_points=5"}, {"detail.friction=smoothed"},
+                                                    {"joint.saturation_speed=5e-6", "tip.saturation_speed=1e-5"}};
+
+/// Two independent ways from velocities to accelerations. Tangents are taken at right angles to a tip's normal, which the equations scale
+/// by 1 + τ²/2 of the sheave's tilt τ: a part in a million.
+TEST(SlipSpace, GivesTheAccelerationsOfTheFrictionKernels) {
+    for (const auto& settings : details) {
+        Contacts contacts(settings, 1e-6);
+        for (const double amount : {0.0, 1e-3, 0.1}) {
+            model::Columns v = contacts.velocities(amount);
+            const model::Columns expected = contacts.accelerations(v);
+            contacts.slips(v, &model::SlipGroup::own);
+            contacts.share();
+            double error = 0.0, size = 0.0;
+            for (int k = 0; k < contacts.solve.groups(); ++k) {
+                model::SlipGroup& g = contacts.solve.group(k);
+                contacts.solve.space().forces(g);
+                contacts.solve.space().accelerate(g);
+                for (int link = g.first; link < g.last; ++link) {
+                    for (int row = 0; row < contacts.layout().link_size(); ++row) {
+                        error = std::max(error, std::abs(g.acceleration.at(row)[link - g.first] - *expected.at(row, link + 1)));
+                        size = std::max(size, std::abs(*expected.at(row, link + 1)));
+                    }
+                }
+            }
+            EXPECT_GT(size, 1e3);
+            EXPECT_LT(error, 2e-6 * size) << settings.front() << " " << amount;
+        }
+    }
+}
+
+/// v - v̂ = g a(v) with a(v) of the friction kernels, from slips far from the solution.
+TEST(FrictionSolve, SolvesTheEquationOfAStageWhateverItStartsFrom) {
+    for (const auto& settings : details) {
+        for (const double g : {1e-7, 2e-6, 1e-4}) {
+            for (const double amount : {0.0, 1e-2, 1.0}) {
+                Contacts contacts(settings, g);
+                const model::Columns far = contacts.velocities(10.0 * amount), before = contacts.velocities(amount);
+                contacts.slips(far, &model::SlipGroup::own);
+                contacts.share();
+                contacts.slips(before, &model::SlipGroup::predicted);
+                ASSERT_EQ(contacts.run(), StepMethod::done);
+                EXPECT_EQ(contacts.solve.statistics().unconverged, 0) << settings.front() << " g = " << g << ", " << amount << ": " << text(contacts.solve.statistics());
+                model::Columns v(contacts.layout().link_size(), Contacts::links + 2);
+                for (int k = 0; k < contacts.solve.groups(); ++k) {
+                    model::SlipGroup& group = contacts.solve.group(k);
+                    contacts.solve.space().accelerate(group);
+                    for (int link = group.first; link < group.last; ++link) {
+                        for (int row = 0; row < contacts.layout().link_size(); ++row) *v.at(row, link + 1) = *before.at(row, link + 1) + g * group.acceleration.at(row)[link - group.first];
+                    }
+                }
+                const model::Columns a = contacts.accelerations(v);
+                double error = 0.0, size = 0.0;
+                for (int link = 1; link <= Contacts::links; ++link) {
+                    for (int row = 0; row < contacts.layout().link_size(); ++row) {
+                        error = std::max(error, std::abs(*v.at(row, link) - *before.at(row, link) - g * *a.at(row, link)));
+                        size = std::max(size, std::abs(*v.at(row, link) - *before.at(row, link)));
+                    }
+                }
+                EXPECT_LT(error, 1e-4 * size + 1e-9) << settings.front() << " g = " << g << ", " << amount << ": " << size;
+            }
+        }
+    }
+}
+
+TEST(FrictionSolve, SaysHowItFared) {
+    EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 5, .searches = 2}), "2.50 iterations per friction solve (most 5), 0.50 searches");
+    EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 50, .searches = 2, .unconverged = 1, .worst = 2e-4}),
+              "2.50 iterations per friction solve (most 50), 0.50 searches; 1 of 4 solves did not converge and went on with the last iterate (residual up to 0.0002 m/s)");
+}
+
+std::uint64_t hash_of(const std::vector<std::string>& settings) {
+    Simulation simulation(claims::ready_scene("baseline", settings));
+    SilentObserver nobody;
+    EXPECT_FALSE(simulation.run(40e-6, nobody, never)) << settings.back();
+    EXPECT_GT(simulation.counters().steps, 19);
+    return simulation.hash();
+}
+
+TEST(FrictionImplicit, GivesTheSameBitsForEverySchedule) {
+    for (const std::string& method : methods) {
+        const auto with = [&](std::vector<std::string> more) {
+            more.insert(more.begin(), {"run.method=" + method, "run.step=2us"});
+            return hash_of(more);
+        };
+        const std::uint64_t serial = with({"run.schedule=serial"});
+        EXPECT_EQ(with({"run.schedule=barrier", "run.threads=2", "run.segments=3"}), serial) << method;
+        EXPECT_EQ(with({"run.schedule=flow", "run.threads=2", "run.segments=7"}), serial) << method;
+        EXPECT_EQ(with({"run.schedule=flow_messages", "run.threads=2", "run.segments=2"}), serial) << method;
+        EXPECT_EQ(with({"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial) << method;
+        EXPECT_EQ(with({"run.schedule=serial", "run.segments=84"}), serial) << method;
+    }
+}
+
+TEST(FrictionImplicit, ItsGraphHasNoRaces) {
+    for (const std::string& method : methods) {
+        const Scene scene = claims::ready_scene("baseline", {"run.method=" + method});
+        for (const int segments : {1, 2, 5, 84}) {
+            Workspace workspace(scene.parameters, *plan_for(method), Partition::equal(84, segments));
+            const auto steps = make_step_method(method, workspace);
+            workspace.method = steps.get();
+            for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
+                EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly})).empty()) << method << " " << segments;
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
