@@ -3,7 +3,7 @@
 /// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
 
 #include "model/force/link_frame.hpp"
-#include "model/friction/contact_field.hpp"
+#include "model/friction/mirrored.hpp"
 #include "model/friction/sliding.hpp"
 
 namespace cvtflow::model {
@@ -261,22 +261,9 @@ private:
     /// Rows row … row + 2 size - 1: `size` modes of the rear pin, then of the front pin.
     template <int size>
     void accelerate_ends(int own, const MirroredInverse& inverse, const V* force, int row, const FrictionBase* base, Columns& slope) const noexcept {
-        V both[size], apart[size];
-        for (int m = 0; m < size; ++m) {
-            both[m] = force[m] + force[size + m];
-            apart[m] = force[m] - force[size + m];
-        }
-        for (int m = 0; m < size; ++m) {
-            const double* sum = inverse.sum.data() + m * most_lateral;
-            const double* difference = inverse.difference.data() + m * most_lateral;
-            V together = sum[m % 2] * both[m % 2], opposed = difference[m % 2] * apart[m % 2];
-            for (int k = m % 2 + 2; k < size; k += 2) {
-                together += sum[k] * both[k];
-                opposed += difference[k] * apart[k];
-            }
-            put(together + opposed, own, row + m, base, slope);
-            put(together - opposed, own, row + size + m, base, slope);
-        }
+        V product[2 * size];
+        multiply_ends<size>(inverse, force, product);
+        for (int k = 0; k < 2 * size; ++k) put(product[k], own, row + k, base, slope);
     }
 
     void put(V value, int own, int row, const FrictionBase* base, Columns& slope) const noexcept {

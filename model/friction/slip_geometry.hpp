@@ -3,6 +3,7 @@
 
 #include "model/basis/lanes.hpp"
 #include "model/force/link_frame.hpp"
+#include "model/friction/mirrored.hpp"
 #include "model/friction/slip_space.hpp"
 
 namespace cvtflow::model {
@@ -94,10 +95,9 @@ public:
         f[at<P>.y(End::front, 0)] += couple * tx;
         f[at<P>.x(End::rear, 0)] += couple * ty;
         f[at<P>.y(End::rear, 0)] = f[at<P>.y(End::rear, 0)] - couple * tx;
-        const double* lateral = space_.friction().lateral_inverse().data();
-        multiply(2 * n, lateral, f, 0);
-        multiply(2 * n, lateral, f, 2 * n);
-        multiply(4, space_.friction().axial_inverse().data(), f, 4 * n);
+        accelerate_ends<n>(space_.friction().lateral_inverse(), f, 0);
+        accelerate_ends<n>(space_.friction().lateral_inverse(), f, 2 * n);
+        accelerate_ends<2>(space_.friction().axial_inverse(), f, 4 * n);
     }
 
     [[nodiscard]] V point(End end, int number, int row) const noexcept { return get(g_.joints, point_row(end, number, row)); }
@@ -208,12 +208,11 @@ private:
         couple += point(end, number, Point::lever) * across;
     }
 
-    void multiply(int size, const double* inverse, const V* f, int begin) noexcept {
-        for (int row = 0; row < size; ++row) {
-            V value = inverse[row * size] * f[begin];
-            for (int k = 1; k < size; ++k) value += inverse[row * size + k] * f[begin + k];
-            put(g_.acceleration, begin + row, -value);
-        }
+    template <int size>
+    void accelerate_ends(const MirroredInverse& inverse, const V* f, int begin) noexcept {
+        V product[2 * size];
+        multiply_ends<size>(inverse, f + begin, product);
+        for (int row = 0; row < 2 * size; ++row) put(g_.acceleration, begin + row, -product[row]);
     }
 };
 

@@ -41,9 +41,16 @@ FrictionCurve curve_of_tips(const Coefficients& c, bool by_phase) {
 }
 
 /// dᵀ A⁻¹ d' of all pairs of directions (columns).
-std::vector<double> gram(const Eigen::MatrixXd& directions, const std::vector<double>& inverse) {
-    const Eigen::Index size = directions.rows();
-    const Eigen::MatrixXd a = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(inverse.data(), size, size);
+std::vector<double> gram(const Eigen::MatrixXd& directions, const MirroredInverse& inverse) {
+    const int modes = static_cast<int>(directions.rows()) / 2;
+    Eigen::MatrixXd a(2 * modes, 2 * modes);
+    for (int m = 0; m < modes; ++m) {
+        for (int k = 0; k < modes; ++k) {
+            const auto at = static_cast<std::size_t>(m * most_lateral + k);
+            a(m, k) = a(modes + m, modes + k) = inverse.sum[at] + inverse.difference[at];
+            a(m, modes + k) = a(modes + m, k) = inverse.sum[at] - inverse.difference[at];
+        }
+    }
     const Eigen::MatrixXd product = directions.transpose() * a * directions;
     return {product.data(), product.data() + product.size()};
 }
