@@ -139,7 +139,7 @@ TEST(SlipSpace, GivesTheAccelerationsOfTheFrictionKernels) {
 /// v - v̂ = g a(v) with a(v) of the friction kernels, from slips far from the solution.
 TEST(FrictionSolve, SolvesTheEquationOfAStageWhateverItStartsFrom) {
     for (const auto& settings : details) {
-        for (const double g : {1e-7, 1e-6, 2e-6}) {
+        for (const double g : {1e-7, 2e-6}) {
             for (const double amount : {0.0, 1e-2, 1.0}) {
                 Contacts contacts(settings, g);
                 const model::Columns far = contacts.velocities(10.0 * amount), before = contacts.velocities(amount);
