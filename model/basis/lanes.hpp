@@ -1,12 +1,13 @@
 #pragma once
-/// Vector lanes inside one link: its plates, the points of one of its joints, its tips. A lane count is a compile-time constant,
-/// padding lanes carry weight zero, and sums are taken in one fixed tree: results do not depend on the instruction set.
+/// Vector lanes: the plates of one link, the points of one of its joints, its tips; or links side by side (model/kernels/link_lanes.hpp). A lane count
+/// is a compile-time constant, padding lanes carry weight zero, and sums are taken in one fixed tree: results do not depend on the instruction set.
 ///
 /// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy of its own, compiled for its
 /// own instruction set, and no linker can put the AVX-512 copy of a function where the baseline's is meant.
 
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "model/basis/native_lanes.hpp"
 
@@ -32,6 +33,7 @@ struct Lanes {
     friend Lanes operator/(const Lanes& a, const Lanes& b) noexcept { return {a.low / b.low, a.high / b.high}; }
     friend Lanes operator-(const Lanes& a) noexcept { return {-a.low, -a.high}; }
     friend Lanes& operator+=(Lanes& a, const Lanes& b) noexcept { return a = a + b; }
+    friend Lanes& operator-=(Lanes& a, const Lanes& b) noexcept { return a = a - b; }
     friend Lanes sqrt(const Lanes& a) noexcept { return {sqrt(a.low), sqrt(a.high)}; }
     friend Lanes abs(const Lanes& a) noexcept { return {abs(a.low), abs(a.high)}; }
 };
@@ -71,6 +73,7 @@ struct Lanes<W> {
     friend Lanes operator/(const Lanes& a, const Lanes& b) noexcept { return a.v / b.v; }
     friend Lanes operator-(const Lanes& a) noexcept { return -a.v; }
     friend Lanes& operator+=(Lanes& a, const Lanes& b) noexcept { return a = a + b; }
+    friend Lanes& operator-=(Lanes& a, const Lanes& b) noexcept { return a = a - b; }
     friend Lanes sqrt(const Lanes& a) noexcept { return native_sqrt<W>(a.v); }
     friend Lanes abs(const Lanes& a) noexcept { return native_abs<W>(a.v); }
 };
@@ -109,6 +112,30 @@ template <int W>
 /// Its two halves added.
 template <int W>
 [[nodiscard]] inline Lanes<W / 2> folded(const Lanes<W>& lanes) noexcept { return half<W>(lanes, 0) + half<W>(lanes, 1); }
+
+/// Lanes [by, by + W) of both, those of `low` first. One vector of the processor, 0 ≤ by ≤ W.
+template <int W, int by>
+    requires(W <= native_lanes)
+[[nodiscard]] inline Lanes<W> slide(const Lanes<W>& low, const Lanes<W>& high) noexcept {
+    if constexpr (by == 0 || by == W) {
+        return by == 0 ? low : high;
+    } else {
+        return native_slide<W, by>(low.v, high.v, std::make_integer_sequence<int, W>{});
+    }
+}
+
+/// Lane k of row j to lane j of row k.
+/// @param rows [W]
+template <int W, int half = W / 2>
+    requires(W <= native_lanes)
+inline void transpose(Lanes<W>* rows) noexcept {
+    if constexpr (half >= 1) {
+        for (int row = 0; row < W; ++row) {
+            if ((row & half) == 0) native_exchange<W, half>(rows[row].v, rows[row + half].v, std::make_integer_sequence<int, W>{});
+        }
+        transpose<W, half / 2>(rows);
+    }
+}
 
 /// `chosen` where a > b, else `otherwise`; false for NaN.
 template <int W>

@@ -70,7 +70,17 @@ template <int W>
 [[nodiscard]] inline bool native_all_at_most(typename NativeVector<W>::Type v, double limit) noexcept {
     if constexpr (W == 1) {
         return v <= limit;
-    } else {
+    }
+#if defined(__AVX512F__)
+    else if constexpr (W == 8) return _mm512_cmp_pd_mask(v, _mm512_set1_pd(limit), _CMP_LE_OQ) == 0xff;
+#endif
+#if defined(__AVX2__)
+    else if constexpr (W == 4) return _mm256_movemask_pd(_mm256_cmp_pd(v, _mm256_set1_pd(limit), _CMP_LE_OQ)) == 0xf;
+#endif
+#if defined(__x86_64__)
+    else if constexpr (W == 2) return _mm_movemask_pd(_mm_cmple_pd(v, _mm_set1_pd(limit))) == 0x3;
+#endif
+    else {
         const auto within = v <= limit - typename NativeVector<W>::Type{};
         bool all = true;
         for (int lane = 0; lane < W; ++lane) all = all && within[lane] != 0;
@@ -100,6 +110,21 @@ template <int W>
     } else {
         return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
     }
+}
+
+/// Lanes [by, by + W) of both, those of `low` first.
+template <int W, int by, int... lane>
+[[nodiscard]] inline typename NativeVector<W>::Type native_slide(typename NativeVector<W>::Type low, typename NativeVector<W>::Type high,
+                                                        std::integer_sequence<int, lane...>) noexcept {
+    return __builtin_shufflevector(low, high, (lane + by)...);
+}
+
+/// Rows a and b of a matrix of blocks of half × half lanes: the blocks beside the diagonal change places.
+template <int W, int half, int... lane>
+inline void native_exchange(typename NativeVector<W>::Type& a, typename NativeVector<W>::Type& b, std::integer_sequence<int, lane...>) noexcept {
+    const typename NativeVector<W>::Type upper = __builtin_shufflevector(a, b, (lane / half % 2 == 0 ? lane : lane - half + W)...);
+    b = __builtin_shufflevector(a, b, (lane / half % 2 == 0 ? lane + half : lane + W)...);
+    a = upper;
 }
 
 /// Both vectors consist of groups of `group` lanes; every group is folded to half its length, those of a before those of b.

@@ -11,8 +11,8 @@ namespace cvtflow::model {
 namespace {
 
 /// Force k u + c u' of an element with deflection u and rate u'.
-template <bool Observe>
-[[nodiscard]] inline double element_force(const Spring& spring, double u, double rate, Energy kind, Account* account) noexcept {
+template <bool Observe, class Springs, class Real>
+[[nodiscard]] inline Real element_force(const Springs& spring, const Real& u, const Real& rate, Energy kind, Account* account) noexcept {
     if constexpr (Observe) {
         account->store(kind, 0.5 * spring.stiffness * u * u);
         account->lose(Loss::inner, spring.damping * rate * rate);
@@ -53,32 +53,54 @@ template <int P, bool Observe>
     return sum<2 * modes>(fn * along - ft * across);
 }
 
+/// The same for links side by side, mode by mode: the same sums in the same order.
+template <int P, bool Observe, int W>
+[[nodiscard]] inline Lanes<W> bending(const Coefficients& c, const LinkFrameOf<Lanes<W>>& frame, const Lanes<W>* q, const Lanes<W>* v, Lanes<W>* f, Account*) noexcept {
+    using V = Lanes<W>;
+    constexpr std::size_t modes = P - 1;
+    std::array<V, 2 * modes> moment;
+    for (std::size_t k = 0; k < 2 * modes; ++k) {
+        const End end = k < modes ? End::rear : End::front;
+        const int x = at<P>.x(end, 2) + static_cast<int>(k % modes), y = at<P>.y(end, 2) + static_cast<int>(k % modes);
+        const V along = q[x] * frame.tx + q[y] * frame.ty, across = q[y] * frame.tx - q[x] * frame.ty;
+        const V along_rate = v[x] * frame.tx + v[y] * frame.ty + frame.turning * across;
+        const V across_rate = v[y] * frame.tx - v[x] * frame.ty - frame.turning * along;
+        const V ft = c.travel.stiffness[k] * along + c.travel.damping[k] * along_rate;
+        const V fn = c.height.stiffness[k] * across + c.height.damping[k] * across_rate;
+        f[x] += fn * frame.ty - ft * frame.tx;
+        f[y] += -(ft * frame.ty + fn * frame.tx);
+        moment[k] = fn * along - ft * across;
+    }
+    if constexpr (modes == 1) return moment[0] + moment[1];
+    else return (moment[0] + moment[2]) + (moment[1] + moment[3]);
+}
+
 /// Plate pack as a beam between the tilts of the two pins. Adds forces; returns the moment on the link.
-template <int P, bool Observe>
-[[nodiscard]] inline double plate_pack(const Coefficients& c, const LinkKind& kind, const LinkFrame& frame, const double* q, const double* v, double* f,
-                                       Account* account) noexcept {
+template <int P, bool Observe, class Kind, class Real>
+[[nodiscard]] inline Real plate_pack(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q, const Real* v, Real* f,
+                                     Account* account) noexcept {
     constexpr int za = at<P>.z(End::rear);
     constexpr int zb = at<P>.z(End::front);
-    const double lean = 2.0 * kind.inverse_length;
-    const double rise = lean * (q[zb] - q[za]);
-    const double rise_rate = lean * (v[zb] - v[za]);
+    const Real lean = 2.0 * kind.inverse_length;
+    const Real rise = lean * (q[zb] - q[za]);
+    const Real rise_rate = lean * (v[zb] - v[za]);
     if constexpr (P == 0) {
-        const double shear = element_force<Observe>(kind.shear, -rise, -rise_rate, Energy::pack, account);
+        const Real shear = element_force<Observe>(kind.shear, Real(-rise), Real(-rise_rate), Energy::pack, account);
         f[zb] += lean * shear;
         f[za] -= lean * shear;
-        return 0.0;
+        return Real(0.0);
     } else {
         constexpr int xa = at<P>.x(End::rear, 1), ya = at<P>.y(End::rear, 1), xb = at<P>.x(End::front, 1), yb = at<P>.y(End::front, 1);
         const double s = c.slope_scale;
-        const double tx = s * frame.tx, ty = s * frame.ty;
-        const double ta = q[xa] * tx + q[ya] * ty, tb = q[xb] * tx + q[yb] * ty;   // slopes along t …
-        const double na = q[ya] * tx - q[xa] * ty, nb = q[yb] * tx - q[xb] * ty;   // … and along n
-        const double w = frame.turning;
-        const double ta_rate = v[xa] * tx + v[ya] * ty + w * na, tb_rate = v[xb] * tx + v[yb] * ty + w * nb;
-        const double na_rate = v[ya] * tx - v[xa] * ty - w * ta, nb_rate = v[yb] * tx - v[xb] * ty - w * tb;
-        const double bend = element_force<Observe>(kind.bending, ta - tb, ta_rate - tb_rate, Energy::pack, account);
-        const double shear = element_force<Observe>(kind.shear, -ta - tb - rise, -ta_rate - tb_rate - rise_rate, Energy::pack, account);
-        const double twist = element_force<Observe>(kind.torsion, nb - na, nb_rate - na_rate, Energy::pack, account);
+        const Real tx = s * frame.tx, ty = s * frame.ty;
+        const Real ta = q[xa] * tx + q[ya] * ty, tb = q[xb] * tx + q[yb] * ty;   // slopes along t …
+        const Real na = q[ya] * tx - q[xa] * ty, nb = q[yb] * tx - q[xb] * ty;   // … and along n
+        const Real w = frame.turning;
+        const Real ta_rate = v[xa] * tx + v[ya] * ty + w * na, tb_rate = v[xb] * tx + v[yb] * ty + w * nb;
+        const Real na_rate = v[ya] * tx - v[xa] * ty - w * ta, nb_rate = v[yb] * tx - v[xb] * ty - w * tb;
+        const Real bend = element_force<Observe>(kind.bending, Real(ta - tb), Real(ta_rate - tb_rate), Energy::pack, account);
+        const Real shear = element_force<Observe>(kind.shear, Real(-ta - tb - rise), Real(-ta_rate - tb_rate - rise_rate), Energy::pack, account);
+        const Real twist = element_force<Observe>(kind.torsion, Real(nb - na), Real(nb_rate - na_rate), Energy::pack, account);
         f[xa] -= (bend - shear) * tx + twist * ty;
         f[ya] -= (bend - shear) * ty - twist * tx;
         f[xb] += (bend + shear) * tx + twist * ty;
@@ -90,10 +112,10 @@ template <int P, bool Observe>
 }
 
 /// All elasticity inside a link. Adds to the generalized forces f of the link; returns the moment about z on the link [N·m].
-template <int P, bool Observe>
-[[nodiscard]] inline double inner_elasticity(const Coefficients& c, const LinkKind& kind, const LinkFrame& frame, const double* q, const double* v, double* f,
-                                             Account* account) noexcept {
-    double moment = plate_pack<P, Observe>(c, kind, frame, q, v, f, account);
+template <int P, bool Observe, class Kind, class Real>
+[[nodiscard]] inline Real inner_elasticity(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q, const Real* v, Real* f,
+                                           Account* account) noexcept {
+    Real moment = plate_pack<P, Observe>(c, kind, frame, q, v, f, account);
     for (const End end : {End::rear, End::front}) {
         const int e = at<P>.e(end);
         f[e] -= element_force<Observe>(c.extension, q[e], v[e], Energy::inner, account);

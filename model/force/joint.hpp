@@ -13,33 +13,39 @@ namespace {
 
 /// Forces of the joint of pin i. The front half of link i-1 gets `on_front` (and the moment `before` on that link),
 /// the rear half of link i gets the opposite (and the moment `after` on that link).
-template <int P>
+template <int P, class Real = double>
 struct JointForce {
-    Difference<P> on_front;   ///< generalized forces [N]
-    double before = 0.0;      ///< moment about z on link i-1 [N·m]
-    double after = 0.0;       ///< moment about z on link i [N·m]
+    static constexpr std::size_t rows = 2 * P + 6;
+    Difference<P, Real> on_front;   ///< generalized forces [N]
+    Real before{0.0};               ///< moment about z on link i-1 [N·m]
+    Real after{0.0};                ///< moment about z on link i [N·m]
 
-    /// Adds the sums of terms in the order of the members.
-    template <int W>
-    void add(const std::array<Lanes<W>, 2 * P + 6>& terms) noexcept {
-        alignas(64) double total[2 * P + 6];
-        sums<W>(terms, total);
+    /// Adds totals in the order of the members.
+    void add(const Real* total) noexcept {
         on_front.add(total);
         before += total[2 * P + 4];
         after += total[2 * P + 5];
     }
+    /// Adds the sums of terms over their lanes.
+    template <int W>
+    void add_sums(const std::array<Lanes<W>, rows>& terms) noexcept {
+        alignas(64) double total[rows];
+        sums<W>(terms, total);
+        add(total);
+    }
 };
 
 /// The two links that meet, and the sum of their directions: along the bisector.
+template <class Real>
 struct JointFrames {
-    LinkFrame before, after;
-    double sx, sy;
+    LinkFrameOf<Real> before, after;
+    Real sx, sy;
 
-    JointFrames(const LinkFrame& link_before, const LinkFrame& link_after) noexcept
+    JointFrames(const LinkFrameOf<Real>& link_before, const LinkFrameOf<Real>& link_after) noexcept
         : before(link_before), after(link_after), sx(before.tx + after.tx), sy(before.ty + after.ty) {}
 };
 
-/// Positions and velocities of the contact at every point.
+/// Positions and velocities of the contact, lanes over the points of one joint or over joints at one point.
 template <int W>
 struct JointMotion {
     Lanes<W> dx, dy;         ///< Δ, between the centres of the arcs [m]
@@ -51,15 +57,16 @@ struct JointMotion {
     Lanes<W> lever_before, lever_after;   ///< of each link's turning along k×ν [m]
 };
 
-template <int P, int W>
-[[nodiscard]] inline JointMotion<W> joint_motion(const JointCoefficients& j, const JointFrames& frames, const AxisPoints<P, W>& points,
-                                                 const Difference<P>& gap, const Difference<P>& rate) noexcept {
+/// @param points AxisPoints of one joint, or one AxisPoint of several joints side by side
+template <int P, int W, class Real, class Points>
+[[nodiscard]] inline JointMotion<W> joint_motion(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
+                                                 const Difference<P, Real>& gap, const Difference<P, Real>& rate) noexcept {
     using V = Lanes<W>;
-    const LinkFrame& before = frames.before;
-    const LinkFrame& after = frames.after;
+    const LinkFrameOf<Real>& before = frames.before;
+    const LinkFrameOf<Real>& after = frames.after;
     JointMotion<W> m;
     const V gx = points.along(gap.x), gy = points.along(gap.y), ax = points.along(rate.x), ay = points.along(rate.y);
-    const double sx = frames.sx, sy = frames.sy, cx = before.tx - after.tx, cy = before.ty - after.ty;
+    const Real sx = frames.sx, sy = frames.sy, cx = before.tx - after.tx, cy = before.ty - after.ty;
     m.dx = gx + j.arm * sx;
     m.dy = gy + j.arm * sy;
     m.distance = sqrt(m.dx * m.dx + m.dy * m.dy);
@@ -98,39 +105,49 @@ template <int W>
     return {elastic, (9.0 / 19.0) * elastic * pressed};
 }
 
+/// What each lane adds to a joint's force, in the order of its members.
+template <int P, int W>
+using JointTerms = std::array<Lanes<W>, JointForce<P>::rows>;
+
 /// Rolling contact: normal force and friction.
-template <int P, int W, bool Observe>
-inline void press(const JointCoefficients& j, const JointFrames& frames, const AxisPoints<P, W>& points, const Lanes<W>& weight, const JointMotion<W>& m,
-                  JointForce<P>& out, Account* account) noexcept {
+template <int P, int W, bool Observe, class Real, class Points>
+[[nodiscard]] inline JointTerms<P, W> press(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points, const Lanes<W>& weight,
+                                            const JointMotion<W>& m, Account* account) noexcept {
     using V = Lanes<W>;
     const V closing = -(m.nx * m.vx + m.ny * m.vy);
     const auto contact = line_contact<W>(j, weight, m.depth);
     const V normal = positive_part<W>(contact.elastic * (1.0 + j.damping * closing));
-    const V speed = sqrt(m.slip * m.slip + m.axial * m.axial);
-    const V grip = j.friction.coefficient * normal * slip_factor<W>(j.friction, speed);
+    const V square = m.slip * m.slip + m.axial * m.axial;
+    const V grip = j.friction.coefficient * normal * slip_factor_of_square<W>(j.friction, square);
     const V tangential = -grip * m.slip;
-    std::array<V, 2 * P + 6> terms;
+    JointTerms<P, W> terms;
     points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, -grip * m.axial, terms.data());
     const V leaning = j.arm * normal;
     terms[2 * P + 4] = leaning * (frames.before.tx * m.ny - frames.before.ty * m.nx) + tangential * m.lever_before;
     terms[2 * P + 5] = leaning * (frames.after.tx * m.ny - frames.after.ty * m.nx) + tangential * m.lever_after;
-    out.template add<W>(terms);
     if constexpr (Observe) {
         account->store(Energy::joints, sum<W>(contact.energy));
         account->lose(Loss::joint_damping, sum<W>((normal - contact.elastic) * closing));
-        account->lose(Loss::joint_friction, sum<W>(grip * speed * speed));
+        account->lose(Loss::joint_friction, sum<W>(grip * square));
     }
+    return terms;
+}
+
+/// How far the square of the transverse offset of the arc centres exceeds that of the clearance, times |t₋ + t₊|².
+template <int W, class Real>
+[[nodiscard]] inline Lanes<W> beyond_clearance(const JointCoefficients& j, const JointFrames<Real>& frames, const JointMotion<W>& m) noexcept {
+    const Real square = frames.sx * frames.sx + frames.sy * frames.sy;
+    const Lanes<W> slanted = m.dy * frames.sx - m.dx * frames.sy;   // along k×b, times |t₋ + t₊|
+    return slanted * slanted - j.clearance * j.clearance * square;
 }
 
 /// Clearance of the plate opening: holds the transverse offset of the arc centres against the bisector.
-template <int P, int W, bool Observe>
-inline void confine(const JointCoefficients& j, const JointFrames& frames, const AxisPoints<P, W>& points, const Lanes<W>& weight, const JointMotion<W>& m,
-                    JointForce<P>& out, Account* account) noexcept {
+template <int P, int W, bool Observe, class Real, class Points>
+[[nodiscard]] inline JointTerms<P, W> confine(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points, const Lanes<W>& weight,
+                                              const JointMotion<W>& m, Account* account) noexcept {
     using V = Lanes<W>;
-    const double square = frames.sx * frames.sx + frames.sy * frames.sy;
-    const V slanted = m.dy * frames.sx - m.dx * frames.sy;   // along k×b, times |t₋ + t₊|
-    if (all_at_most<W>(slanted * slanted, j.clearance * j.clearance * square)) return;   // the rule: rolling keeps the centres on the bisector
-    const double inverse = 1.0 / std::sqrt(square), bx = frames.sx * inverse, by = frames.sy * inverse;
+    using std::sqrt;
+    const Real inverse = 1.0 / sqrt(frames.sx * frames.sx + frames.sy * frames.sy), bx = frames.sx * inverse, by = frames.sy * inverse;
     const V across = m.dy * bx - m.dx * by;
     const V along = m.dx * bx + m.dy * by;
     const V offset = positive_part<W>(across - j.clearance) - positive_part<W>(-across - j.clearance);
@@ -138,28 +155,29 @@ inline void confine(const JointCoefficients& j, const JointFrames& frames, const
     const V sign = select_greater<W>(V(0.0), across, V(-1.0), V(1.0));
     const V spring = j.clearance_stiffness * weight * offset;
     const V force = spring * positive_part<W>(1.0 + j.clearance_damping * sign * offset_rate);
-    std::array<V, 2 * P + 6> terms;
+    JointTerms<P, W> terms;
     points.spread(force * by, -force * bx, V(0.0), terms.data());
     terms[2 * P + 4] = -force * (j.arm * (frames.before.tx * bx + frames.before.ty * by) - 0.5 * along);
     terms[2 * P + 5] = -force * (j.arm * (frames.after.tx * bx + frames.after.ty * by) - 0.5 * along);
-    out.template add<W>(terms);
     if constexpr (Observe) {
         account->store(Energy::joints, 0.5 * sum<W>(spring * offset));
         account->lose(Loss::joint_damping, sum<W>((force - spring) * offset_rate));
     }
+    return terms;
 }
 
 /// The joint between the front half of the link at q_before and the rear half of the one at q_after.
 template <int P, int W, bool Observe>
 inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* q_before, const double* v_before,
                   const double* q_after, const double* v_after, JointForce<P>& out, Account* account) noexcept {
-    const JointFrames frames(before, after);
+    const JointFrames<double> frames(before, after);
     const AxisPoints<P, W> points(c.joint_points, 0);
     const Lanes<W> weight = load<W>(c.joint_points.weight.data());
     const auto motion = joint_motion<P, W>(c.joint, frames, points, Difference<P>(q_before, End::front, q_after, End::rear),
                                            Difference<P>(v_before, End::front, v_after, End::rear));
-    press<P, W, Observe>(c.joint, frames, points, weight, motion, out, account);
-    confine<P, W, Observe>(c.joint, frames, points, weight, motion, out, account);
+    out.template add_sums<W>(press<P, W, Observe>(c.joint, frames, points, weight, motion, account));
+    if (all_at_most<W>(beyond_clearance<W>(c.joint, frames, motion), 0.0)) return;   // the rule: rolling keeps the centres on the bisector
+    out.template add_sums<W>(confine<P, W, Observe>(c.joint, frames, points, weight, motion, account));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 #pragma once
-/// Plates of a link: elastic bars between the two halves, with friction against axial sliding. Lanes run over the plates.
+/// Plates of a link: elastic bars between the two halves, with friction against axial sliding. Lanes run over the plates, or over links.
 /// (model/EQUATIONS.md section 4)
 
 #include "model/account.hpp"
@@ -9,14 +9,13 @@
 namespace cvtflow::model {
 namespace {
 
-/// One chunk of W plates; adds the force on the front half to `pull`.
-template <int P, int W, bool Observe>
-inline void plate_chunk(const Coefficients& c, double free_length, const Difference<P>& d, const Difference<P>& rate, int first, Difference<P>& pull,
-                        Account* account) noexcept {
+/// What W plates of a link, or one plate of W links, add to the force on the front half, in the order of Difference.
+/// @param stiffness, damping Lanes<W> over plates, or numbers of the one plate
+template <int P, int W, bool Observe, class Real, class Points, class Number>
+[[nodiscard]] inline std::array<Lanes<W>, 2 * P + 4> plate_terms(const Coefficients& c, const Real& free_length, const Points& at_plates, const Number& stiffness,
+                                                                 const Number& damping, const Difference<P, Real>& d, const Difference<P, Real>& rate,
+                                                                 Account* account) noexcept {
     using V = Lanes<W>;
-    const AxisPoints<P, W> at_plates(c.plates, first);
-    const V damping = load<W>(&c.plates.damping[static_cast<std::size_t>(first)]);
-    const V stiffness = load<W>(&c.plates.weight[static_cast<std::size_t>(first)]);
     const V dx = at_plates.along(d.x), dy = at_plates.along(d.y), dz = d.z + at_plates.xi * d.e;
     const V vx = at_plates.along(rate.x), vy = at_plates.along(rate.y), vz = rate.z + at_plates.xi * rate.e;
     const V length = sqrt(dx * dx + dy * dy + dz * dz);
@@ -29,14 +28,22 @@ inline void plate_chunk(const Coefficients& c, double free_length, const Differe
     const V along = tension * inverse.first;
     std::array<V, 2 * P + 4> terms;
     at_plates.spread(-along * dx, -along * dy, -along * dz - slide, terms.data());
-    alignas(64) double total[2 * P + 4];
-    sums<W>(terms, total);
-    pull.add(total);
     if constexpr (Observe) {
         account->store(Energy::plates, 0.5 * sum<W>(stiffness * stretch * stretch));
         account->lose(Loss::plate_damping, sum<W>(damping * stretching * stretching));
         account->lose(Loss::plate_friction, sum<W>(slide * vz));
     }
+    return terms;
+}
+
+/// One chunk of W plates; adds the force on the front half to `pull`.
+template <int P, int W, bool Observe>
+inline void plate_chunk(const Coefficients& c, double free_length, const Difference<P>& d, const Difference<P>& rate, int first, Difference<P>& pull,
+                        Account* account) noexcept {
+    const auto of = [first](const auto& numbers) { return load<W>(&numbers[static_cast<std::size_t>(first)]); };
+    alignas(64) double total[2 * P + 4];
+    sums<W>(plate_terms<P, W, Observe>(c, free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight), of(c.plates.damping), d, rate, account), total);
+    pull.add(total);
 }
 
 /// All plates of a link. Adds to the generalized forces f of the link.

@@ -1,5 +1,5 @@
 #pragma once
-/// Forces between the tips of a link and the sheaves: Hertz contact with friction. Lanes run over the four tips.
+/// Forces between the tips of a link and the sheaves: Hertz contact with friction. Lanes run over the four tips of a link, or over links.
 /// (model/EQUATIONS.md section 6)
 
 #include <cstdint>
@@ -13,41 +13,47 @@ namespace cvtflow::model {
 namespace {
 
 /// Velocities at the contact of every tip.
+template <class Tips>
 struct TipMotion {
-    TipLanes closing;        ///< δ' [m/s]
-    Vector3Lanes material;   ///< v of the tip's material at P relative to the sheave's [m/s]
-    TipLanes lever_x, lever_y;   ///< P - E [m]
-    Vector3Lanes sheave_arm; ///< r_P = P - O [m]
+    Tips closing;               ///< δ' [m/s]
+    Vector3<Tips> material;     ///< v of the tip's material at P relative to the sheave's [m/s]
+    Tips lever_x, lever_y;      ///< P - E [m]
+    Vector3<Tips> sheave_arm;   ///< r_P = P - O [m]
 };
 
-template <int P>
-[[nodiscard, gnu::always_inline]] inline TipMotion tip_motion(const Coefficients& c, const LinkFrame& frame, const double* v, const SheaveMotion* s, const TipGeometry& g) noexcept {
-    TipMotion m;
+template <int P, class Corner, class Sheaves>
+[[nodiscard, gnu::always_inline]] inline TipMotion<typename Corner::Tips> tip_motion(const Coefficients& c, const Corner& at_tips,
+                                                                                    const LinkFrameOf<typename Corner::Real>& frame,
+                                                                                    const typename Corner::Real* v, const Sheaves& o,
+                                                                                    const TipGeometry<P, typename Corner::Tips>& g) noexcept {
+    using Tips = typename Corner::Tips;
+    TipMotion<Tips> m;
     const double outward = c.tip.radius * c.tip.sine;
-    const TipLanes sideways = (c.tip.radius * c.tip.cosine) * g.side;
-    const double w = frame.turning;
-    const TipLanes ex = end_values<P>(v), ey = end_values<P>(v + 2 * (P + 1));
-    const TipLanes ez = by_end(v[at<P>.z(End::rear)], v[at<P>.z(End::front)]) + g.side * by_end(v[at<P>.e(End::rear)], v[at<P>.e(End::front)]);
-    const TipLanes slope_x = c.slope_scale * end_slopes<P>(v), slope_y = c.slope_scale * end_slopes<P>(v + 2 * (P + 1));
-    const TipLanes lean = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
-    const TipLanes ux = by_side(s[0].vx, s[1].vx), uy = by_side(s[0].vy, s[1].vy), uz = by_side(s[0].vz, s[1].vz);
-    const TipLanes wx = by_side(s[0].spin_x, s[1].spin_x), wy = by_side(s[0].spin_y, s[1].spin_y), wz = by_side(s[0].spin_z, s[1].spin_z);
+    const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
+    const auto& w = frame.turning;
+    const Tips ex = end_values<P>(at_tips, v), ey = end_values<P>(at_tips, v + 2 * (P + 1));
+    const Tips ez = at_tips.by_end(v[at<P>.z(End::rear)], v[at<P>.z(End::front)]) + g.side * at_tips.by_end(v[at<P>.e(End::rear)], v[at<P>.e(End::front)]);
+    const auto slope_x = c.slope_scale * end_slopes<P>(at_tips, v), slope_y = c.slope_scale * end_slopes<P>(at_tips, v + 2 * (P + 1));
+    const auto lean = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
+    const auto& [ux, uy, uz] = o.velocity;
+    const auto& [wx, wy, wz] = o.spin;
 
-    const Vector3Lanes sphere{ex + outward * w * frame.tx - sideways * slope_x, ey + outward * w * frame.ty - sideways * slope_y, ez - outward * lean};
-    m.closing = -dot(g.normal, {sphere.x - ux, sphere.y - uy, sphere.z - uz}) + wx * (g.arm.y * g.local.z - g.arm.z * g.local.y) +
+    const Vector3<Tips> sphere{ex + outward * w * frame.tx - sideways * slope_x, ey + outward * w * frame.ty - sideways * slope_y, ez - outward * lean};
+    m.closing = -dot(g.normal, Vector3<Tips>{sphere.x - ux, sphere.y - uy, sphere.z - uz}) + wx * (g.arm.y * g.local.z - g.arm.z * g.local.y) +
                 wy * (g.arm.z * g.local.x - g.arm.x * g.local.z);
 
     m.lever_x = g.offset.x - c.tip.radius * g.normal.x;
     m.lever_y = g.offset.y - c.tip.radius * g.normal.y;
     m.sheave_arm = {g.arm.x - c.tip.radius * g.normal.x, g.arm.y - c.tip.radius * g.normal.y, g.arm.z - c.tip.radius * g.normal.z};
-    const Vector3Lanes& p = m.sheave_arm;
+    const Vector3<Tips>& p = m.sheave_arm;
     m.material = {ex - w * m.lever_y - ux - (wy * p.z - wz * p.y), ey + w * m.lever_x - uy - (wz * p.x - wx * p.z), ez - uz - (wx * p.y - wy * p.x)};
     return m;
 }
 
 /// Velocity in the tangent plane of the contact.
-[[nodiscard]] inline Vector3Lanes tangential(const Vector3Lanes& v, const Vector3Lanes& normal) noexcept {
-    const TipLanes along = dot(v, normal);
+template <class Tips>
+[[nodiscard]] inline Vector3<Tips> tangential(const Vector3<Tips>& v, const Vector3<Tips>& normal) noexcept {
+    const Tips along = dot(v, normal);
     return {v.x - along * normal.x, v.y - along * normal.y, v.z - along * normal.z};
 }
 
@@ -58,88 +64,149 @@ template <int P>
     return word;
 }
 
-/// g(|v|) with the branch that the phase prescribes: frozen within a step for `stick` and `slip`.
-[[nodiscard]] inline TipLanes phase_slip_factor(const FrictionCurve& curve, const TipLanes& speed, const Phase* phases) noexcept {
-    TipLanes factor = slip_factor<tips_per_link>(curve, speed);
+/// Phases of the tips in the lanes.
+struct TipPhases {
+    const Phase* first;   ///< of lane 0
+    int stride;           ///< from lane to lane
+    bool by_phase;        ///< whether any of them is `stick` or `slip`
+    std::size_t count;    ///< lanes that stand for tips
+    [[nodiscard]] Phase operator[](std::size_t lane) const noexcept { return first[static_cast<std::size_t>(stride) * lane]; }
+};
+
+/// Those of one link.
+[[nodiscard]] inline TipPhases phases_of_link(const Phase* phases) noexcept {
     constexpr std::uint32_t stick_or_slip = 0x02020202;
-    if ((phase_word(phases) & stick_or_slip) == 0) return factor;
-    for (std::size_t tip = 0; tip < tips_per_link; ++tip) {
+    return {phases, 1, (phase_word(phases) & stick_or_slip) != 0, tips_per_link};
+}
+
+/// 1 where a tip of a link touches, else 0.
+[[nodiscard]] inline TipLanes touching_lanes(const Phase* phases) noexcept {
+    const auto touching_at = [&](int corner) { return phases[corner] == Phase::free ? 0.0 : 1.0; };
+    return join<2>(join<1>(touching_at(0), touching_at(1)), join<1>(touching_at(2), touching_at(3)));
+}
+
+/// g(|v|) from v², with the branch that the phase prescribes: frozen within a step for `stick` and `slip`.
+template <int W>
+[[nodiscard]] inline Lanes<W> phase_slip_factor(const FrictionCurve& curve, const Lanes<W>& square, const TipPhases& phases) noexcept {
+    Lanes<W> factor = slip_factor_of_square<W>(curve, square);
+    if (!phases.by_phase) return factor;
+    const Lanes<W> speed = sqrt(square);
+    for (std::size_t tip = 0; tip < phases.count; ++tip) {
         if (phases[tip] == Phase::stick) factor.set(tip, 1.0 / curve.saturation_speed);
         if (phases[tip] == Phase::slip) factor.set(tip, 1.0 / speed[tip]);
     }
     return factor;
 }
 
-/// One lane pair (side -, side +) of a half brought to its coordinates.
-template <int P>
-inline void spread_end(const double* total, const double* tilting, int tip, double* f) noexcept {
-    const double even = total[tip] + total[tip + 1], odd = total[tip + 1] - total[tip];
+/// Normal force and friction of tips.
+template <class Tips>
+struct TipForces {
+    Tips normal;             ///< N [N]
+    Vector3<Tips> friction;  ///< f on the tip [N]
+};
+
+/// @param touching 1 or 0
+template <bool Observe, int W, int P>
+[[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g, const TipMotion<Lanes<W>>& motion,
+                                                                       const Lanes<W>& touching, const TipPhases& phases, Account* account) noexcept {
+    using Tips = Lanes<W>;
+    const Tips depth = touching * positive_part<W>(g.depth);
+    const Tips elastic = tip.hertz * depth * sqrt(depth);
+    const Tips normal = positive_part<W>(elastic * (1.0 + tip.damping * motion.closing));
+    const Vector3<Tips> v = tangential(motion.material, g.normal);
+    const Tips grip = -tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, dot(v, v), phases);
+    const Vector3<Tips> friction{grip * v.x, grip * v.y, grip * v.z};
+    if constexpr (Observe) {
+        account->store(Energy::tips, 0.4 * sum<W>(elastic * depth));
+        account->lose(Loss::tip_damping, sum<W>((normal - elastic) * motion.closing));
+        account->lose(Loss::tip_friction, -sum<W>(dot(friction, motion.material)));
+    }
+    return {normal, friction};
+}
+
+/// What tips do to their links: force, tilting of the pins' ends, moment about z.
+template <class Tips>
+struct TipPush {
+    Vector3<Tips> total;
+    Tips tilt_x, tilt_y;
+    Tips moment;
+};
+
+template <int P, class Real, class Tips>
+[[nodiscard, gnu::always_inline]] inline TipPush<Tips> tip_push(const Coefficients& c, const LinkFrameOf<Real>& frame, const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+                                                               const TipForces<Tips>& t) noexcept {
+    const double outward = c.tip.radius * c.tip.sine;
+    const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
+    const Vector3<Tips> push{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
+    const Tips turning = outward * (push.x * frame.tx + push.y * frame.ty - (g.slope_x * frame.tx + g.slope_y * frame.ty) * push.z);
+    return {{push.x + t.friction.x, push.y + t.friction.y, push.z + t.friction.z},
+            c.slope_scale * (-outward * frame.ty * push.z - sideways * push.x),
+            c.slope_scale * (outward * frame.tx * push.z - sideways * push.y),
+            turning + motion.lever_x * t.friction.y - motion.lever_y * t.friction.x};
+}
+
+/// Forces and tilting of the two tips of a half (side -, side +) brought to its lateral coordinates.
+template <int P, class Real>
+inline void spread_end(const Real& minus, const Real& plus, const Real& tilt_minus, const Real& tilt_plus, Real* f) noexcept {
+    const Real even = minus + plus, odd = plus - minus;
     for (int m = 0; m <= P; ++m) f[m] += m % 2 == 0 ? even : odd;
-    const double tilt_even = tilting[tip] + tilting[tip + 1], tilt_odd = tilting[tip + 1] - tilting[tip];
+    const Real tilt_even = tilt_minus + tilt_plus, tilt_odd = tilt_plus - tilt_minus;
     if constexpr (P >= 1) f[1] += tilt_even;
     if constexpr (P >= 2) f[2] += 3.0 * tilt_odd;
     if constexpr (P >= 3) f[3] += 6.0 * tilt_even;
 }
 
-/// Normal force and friction of the four tips.
-struct TipForces {
-    TipLanes normal;        ///< N [N]
-    Vector3Lanes friction;  ///< f on the tip [N]
+/// The same for all coordinates of a half.
+template <int P, class Real>
+inline void load_end(End end, const TipPush<Real>& minus, const TipPush<Real>& plus, Real* f) noexcept {
+    spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at<P>.x(end, 0));
+    spread_end<P>(minus.total.y, plus.total.y, minus.tilt_y, plus.tilt_y, f + at<P>.y(end, 0));
+    f[at<P>.z(end)] += minus.total.z + plus.total.z;
+    f[at<P>.e(end)] += plus.total.z - minus.total.z;
+}
+
+/// Adds generalized forces of the four tips to those of their link; returns the moment about z on it.
+template <int P>
+[[nodiscard]] inline double load_link(const TipPush<TipLanes>& push, double* f) noexcept {
+    alignas(64) double number[5][4];
+    push.total.x.copy_to(number[0]);
+    push.total.y.copy_to(number[1]);
+    push.total.z.copy_to(number[2]);
+    push.tilt_x.copy_to(number[3]);
+    push.tilt_y.copy_to(number[4]);
+    const auto of = [&](int tip) { return TipPush<double>{{number[0][tip], number[1][tip], number[2][tip]}, number[3][tip], number[4][tip], 0.0}; };
+    load_end<P>(End::rear, of(0), of(1), f);
+    load_end<P>(End::front, of(2), of(3), f);
+    return sum<tips_per_link>(push.moment);
+}
+
+/// Reaction of each tip on its sheave: force and generalized moments.
+template <class Tips>
+struct TipReaction {
+    Vector3<Tips> force, moment;
 };
 
-template <bool Observe>
-[[nodiscard, gnu::always_inline]] inline TipForces tip_forces(const TipCoefficients& tip, const TipGeometry& g, const TipMotion& motion, const Phase* phases, Account* account) noexcept {
-    const auto touching_at = [&](int corner) { return phases[corner] == Phase::free ? 0.0 : 1.0; };
-    const TipLanes touching = join<2>(join<1>(touching_at(0), touching_at(1)), join<1>(touching_at(2), touching_at(3)));
-    const TipLanes depth = touching * positive_part<tips_per_link>(g.depth);
-    const TipLanes elastic = tip.hertz * depth * sqrt(depth);
-    const TipLanes normal = positive_part<tips_per_link>(elastic * (1.0 + tip.damping * motion.closing));
-    const Vector3Lanes v = tangential(motion.material, g.normal);
-    const TipLanes grip = -tip.friction.coefficient * normal * phase_slip_factor(tip.friction, sqrt(dot(v, v)), phases);
-    const Vector3Lanes friction{grip * v.x, grip * v.y, grip * v.z};
-    if constexpr (Observe) {
-        account->store(Energy::tips, 0.4 * sum<tips_per_link>(elastic * depth));
-        account->lose(Loss::tip_damping, sum<tips_per_link>((normal - elastic) * motion.closing));
-        account->lose(Loss::tip_friction, -sum<tips_per_link>(dot(friction, motion.material)));
-    }
-    return {normal, friction};
+template <int P, class Tips>
+[[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion, const TipForces<Tips>& t) noexcept {
+    const Vector3<Tips>& p = motion.sheave_arm;
+    const Vector3<Tips>& r = g.arm;
+    return {{-(t.normal * g.normal.x + t.friction.x), -(t.normal * g.normal.y + t.friction.y), -(t.normal * g.normal.z + t.friction.z)},
+            {-t.normal * (r.y * g.local.z - r.z * g.local.y) - (p.y * t.friction.z - p.z * t.friction.y),
+             -t.normal * (r.z * g.local.x - r.x * g.local.z) - (p.z * t.friction.x - p.x * t.friction.z), -(p.x * t.friction.y - p.y * t.friction.x)}};
 }
 
-/// Generalized forces of the tips on their link; returns the moment about z on the link.
+/// Reactions of the four tips of a link on the two sheaves.
 template <int P>
-[[nodiscard]] inline double load_link(const Coefficients& c, const LinkFrame& frame, const TipGeometry& g, const TipMotion& motion, const TipForces& t, double* f) noexcept {
-    const double outward = c.tip.radius * c.tip.sine;
-    const TipLanes sideways = (c.tip.radius * c.tip.cosine) * g.side;
-    const Vector3Lanes push{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
-    alignas(64) double total_x[4], total_y[4], total_z[4], tilt_x[4], tilt_y[4];
-    TipLanes(push.x + t.friction.x).copy_to(total_x);
-    TipLanes(push.y + t.friction.y).copy_to(total_y);
-    TipLanes(push.z + t.friction.z).copy_to(total_z);
-    TipLanes(c.slope_scale * (-outward * frame.ty * push.z - sideways * push.x)).copy_to(tilt_x);
-    TipLanes(c.slope_scale * (outward * frame.tx * push.z - sideways * push.y)).copy_to(tilt_y);
-    for (const End end : {End::rear, End::front}) {
-        const int tip = 2 * static_cast<int>(end);
-        spread_end<P>(total_x, tilt_x, tip, f + at<P>.x(end, 0));
-        spread_end<P>(total_y, tilt_y, tip, f + at<P>.y(end, 0));
-        f[at<P>.z(end)] += total_z[tip] + total_z[tip + 1];
-        f[at<P>.e(end)] += total_z[tip + 1] - total_z[tip];
-    }
-    const TipLanes turning = outward * (push.x * frame.tx + push.y * frame.ty - (g.slope_x * frame.tx + g.slope_y * frame.ty) * push.z);
-    return sum<tips_per_link>(turning + motion.lever_x * t.friction.y - motion.lever_y * t.friction.x);
-}
-
-/// Reactions on the two sheaves.
-[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry& g, const TipMotion& motion, const TipForces& t) noexcept {
+[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& motion, const TipForces<TipLanes>& t) noexcept {
     const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };   // rear + front, by side
-    const Vector3Lanes& p = motion.sheave_arm;
-    const Vector3Lanes& r = g.arm;
+    const auto [force, moment] = tip_reaction(g, motion, t);
     SheaveLoad load;
-    pair(-(t.normal * g.normal.x + t.friction.x), load.fx);
-    pair(-(t.normal * g.normal.y + t.friction.y), load.fy);
-    pair(-(t.normal * g.normal.z + t.friction.z), load.fz);
-    pair(-t.normal * (r.y * g.local.z - r.z * g.local.y) - (p.y * t.friction.z - p.z * t.friction.y), load.mx);
-    pair(-t.normal * (r.z * g.local.x - r.x * g.local.z) - (p.z * t.friction.x - p.x * t.friction.z), load.my);
-    pair(-(p.x * t.friction.y - p.y * t.friction.x), load.mz);
+    pair(force.x, load.fx);
+    pair(force.y, load.fy);
+    pair(force.z, load.fz);
+    pair(moment.x, load.mx);
+    pair(moment.y, load.my);
+    pair(moment.z, load.mz);
     return load;
 }
 
@@ -147,11 +214,13 @@ template <int P>
 template <int P, bool Observe>
 [[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v, const SheaveMotion* sheaves, const Phase* phases,
                                  double* f, SheaveLoad& load, Account* account) noexcept {
-    const TipGeometry geometry = tip_geometry<P>(c, frame, q, sheaves);
-    const TipMotion motion = tip_motion<P>(c, frame, v, sheaves, geometry);
-    const TipForces forces = tip_forces<Observe>(c.tip, geometry, motion, phases, account);
+    const FourTips four;
+    const auto own = sheaves_at(four, sheaves);
+    const auto geometry = tip_geometry<P>(c, four, frame, q, own);
+    const auto motion = tip_motion<P>(c, four, frame, v, own, geometry);
+    const auto forces = tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
     load = load_sheaves(geometry, motion, forces);
-    return load_link<P>(c, frame, geometry, motion, forces, f);
+    return load_link<P>(tip_push(c, frame, geometry, motion, forces), f);
 }
 
 }  // namespace

@@ -31,5 +31,12 @@ template <int W>
     return slip_factor<W>(curve, regular, 1.0 / regular);
 }
 
+/// The same from v². Where no lane slips beyond the proportional speed, nothing is divided and no root taken: the factor is known, to the bit.
+template <int W>
+[[nodiscard]] inline Lanes<W> slip_factor_of_square(const FrictionCurve& curve, const Lanes<W>& square) noexcept {
+    if (all_at_most<W>(square, curve.surely_proportional)) return Lanes<W>(curve.factor_at_rest);
+    return slip_factor<W>(curve, sqrt(square));
+}
+
 }  // namespace
 }  // namespace cvtflow::model

@@ -2,6 +2,7 @@
 
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
+#include "model/kernels/lane_pass.hpp"
 
 namespace cvtflow::model {
 
@@ -75,10 +76,12 @@ void probe_link(const ChainModel& model, const double* state, const SheaveMotion
     const double* v = state + at<P>.link_size();
     const SheaveMotion* own = sheaves + 2 * model.shaft_of(state);
     const LinkFrame frame = link_frame<P>(state, v);
-    const TipGeometry geometry = tip_geometry<P>(c, frame, state, own);
+    const FourTips four;
+    const auto sheave = sheaves_at(four, own);
+    const auto geometry = tip_geometry<P>(c, four, frame, state, sheave);
     geometry.depth.copy_to(probe.depth);
-    const TipMotion motion = tip_motion<P>(c, frame, v, own, geometry);
-    const Vector3Lanes slip = tangential(motion.material, geometry.normal);
+    const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
+    const Vector3<TipLanes> slip = tangential(motion.material, geometry.normal);
     TipLanes(sqrt(dot(slip, slip))).copy_to(probe.slip);
     const double x = 0.5 * (state[at<P>.x(End::rear, 0)] + state[at<P>.x(End::front, 0)]) - model.shaft_of(state) * c.centre_distance;
     const double y = 0.5 * (state[at<P>.y(End::rear, 0)] + state[at<P>.y(End::front, 0)]);
@@ -109,17 +112,32 @@ void contact_of_link(const ChainModel& model, int link, const double* state, con
     const double* v = state + at<P>.link_size();
     contact = {elastic_tension<P>(c, c.kind(link), state), {}, {}};
     if (!any_touching(phases)) return;
-    const SheaveMotion* own = sheaves + 2 * model.shaft_of(state);
+    const FourTips four;
+    const auto sheave = sheaves_at(four, sheaves + 2 * model.shaft_of(state));
     const LinkFrame frame = link_frame<P>(state, v);
-    const TipGeometry geometry = tip_geometry<P>(c, frame, state, own);
-    const TipForces forces = tip_forces<false>(c.tip, geometry, tip_motion<P>(c, frame, v, own, geometry), phases, nullptr);
+    const auto geometry = tip_geometry<P>(c, four, frame, state, sheave);
+    const auto forces = tip_forces<false, tips_per_link>(c.tip, geometry, tip_motion<P>(c, four, frame, v, sheave, geometry), touching_lanes(phases),
+                                                         phases_of_link(phases), nullptr);
     forces.normal.copy_to(contact.normal);
     TipLanes(-(forces.normal * geometry.normal.z + forces.friction.z)).copy_to(contact.axial);
 }
 
+/// Links side by side are faster with vectors of 4 and 8 lanes. With 2 lanes (and 16 registers) they are at high order slower than lanes inside a link.
+template <int P>
+inline constexpr bool links_side_by_side = native_lanes != 2 || P < 2;
+
+template <int P>
+void slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) noexcept {
+    if constexpr (links_side_by_side<P>) {
+        LanePass<P, native_lanes>(model, range, slope, loads).run();
+    } else {
+        slopes_of<P, false>(model, range, slope, loads, accounts);
+    }
+}
+
 template <int P>
 [[nodiscard]] ChainKernels kernels_of_order() noexcept {
-    return {slopes_of<P, false>, slopes_of<P, true>, probe_link<P>, contact_of_link<P>};
+    return {slopes<P>, slopes_of<P, true>, probe_link<P>, contact_of_link<P>};
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ private:
 
     template <int W>
     void joint(int link, const LinkFrame& here, const Column& column) const noexcept {
-        const JointFrames frames(frame(link - 1), here);
+        const JointFrames<double> frames(frame(link - 1), here);
         const AxisPoints<P, W> points(c_.joint_points, 0);
         const auto m = joint_motion<P, W>(c_.joint, frames, points, Difference<P>(state(link - 1), End::front, state(link), End::rear),
                                           Difference<P>(velocity(link - 1), End::front, velocity(link), End::rear));
@@ -88,9 +88,10 @@ private:
         const Difference<P> rate(velocity(link), End::front, velocity(link), End::rear);
         for (int first = 0; first < c_.plates.count; first += W) {
             const AxisPoints<P, W> points(c_.plates, first);
-            const Lanes<W> tension = plate_tension<P, W>(c_, c_.kind(link).free_length, points, d, rate, first);
+            alignas(64) double tension[W];
+            plate_tension<P, W>(c_, c_.kind(link).free_length, points, d, rate, first).copy_to(tension);
             for (int j = first; j < std::min(first + W, c_.plates.count); ++j) {
-                column[field_.components.plate(j)] = c_.plate_friction.coefficient * std::max(0.0, double(tension[static_cast<std::size_t>(j - first)]));
+                column[field_.components.plate(j)] = c_.plate_friction.coefficient * std::max(0.0, tension[j - first]);
             }
         }
     }
@@ -101,9 +102,11 @@ private:
         if (!any_touching(phases)) return;
         load.shaft = chain_.shaft_of(state(link));
         const SheaveMotion* sheaves = range_.sheaves + 2 * load.shaft;
-        const TipGeometry geometry = tip_geometry<P>(c_, here, state(link), sheaves);
-        const TipMotion motion = tip_motion<P>(c_, here, velocity(link), sheaves, geometry);
-        TipForces forces = tip_forces<false>(c_.tip, geometry, motion, phases, nullptr);
+        const FourTips four;
+        const auto sheave = sheaves_at(four, sheaves);
+        const auto geometry = tip_geometry<P>(c_, four, here, state(link), sheave);
+        const auto motion = tip_motion<P>(c_, four, here, velocity(link), sheave, geometry);
+        auto forces = tip_forces<false, tips_per_link>(c_.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), nullptr);
         forces.friction = {TipLanes(0.0), TipLanes(0.0), TipLanes(0.0)};
         load.load = load_sheaves(geometry, motion, forces);
         for (int corner = 0; corner < tips_per_link; ++corner) {
@@ -112,7 +115,7 @@ private:
         }
     }
 
-    void tip(int link, int corner, const TipGeometry& g, const TipMotion& m, const TipForces& forces, Phase phase, const Column& column) const noexcept {
+    void tip(int link, int corner, const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& m, const TipForces<TipLanes>& forces, Phase phase, const Column& column) const noexcept {
         const auto lane = static_cast<std::size_t>(corner);
         const int row = field_.components.tip(corner);
         const double px = m.sheave_arm.x[lane], py = m.sheave_arm.y[lane], pz = m.sheave_arm.z[lane];

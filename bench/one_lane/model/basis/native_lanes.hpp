@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "model/kernels/isa.hpp"
 
@@ -27,6 +28,10 @@ template <int W>
 [[nodiscard]] double native_half(double v, int) noexcept;   // never used: one lane has no halves
 template <int W>
 [[nodiscard]] double native_join(double low, double high) noexcept;
+template <int W, int by, int... lane>
+[[nodiscard]] double native_slide(double low, double high, std::integer_sequence<int, lane...>) noexcept;
+template <int W, int half, int... lane>
+void native_exchange(double& a, double& b, std::integer_sequence<int, lane...>) noexcept;
 template <int W, int group>
 [[nodiscard]] double native_transposed_sum(const std::array<double, static_cast<std::size_t>(group)>& v) noexcept;
 
