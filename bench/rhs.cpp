@@ -1,17 +1,22 @@
-/// Cost of one right-hand side on one thread, whole and by part, at the settled baseline (order 3, 14 plates; 3 and 8 joint points).
-/// Every row is the whole chain's share of one evaluation, and carries a hash of what it computed. Rows:
+/// Cost of one right-hand side on one thread, whole and by part, at the settled baseline. Rows are WHO/WHAT:
 ///
-///     plain/…      the oracle of the tests in double: the equations written down plainly, tables computed anew
-///     one_lane/…   the kernels' own source as scalar code, nothing vectorised: what lanes alone bring
-///     whole/ISA/…  the kernels, per instruction set that this processor runs
-///     others       parts, compiled for this machine if the build is
+///     plain      the oracle of the tests in double: the equations written down plainly, tables computed anew
+///     one_lane   the kernels' own source as scalar code, nothing vectorised: what lanes alone bring
+///     baseline, avx2, avx512   the kernels, per instruction set that this processor runs
 ///
-/// Columns: time, instructions and flops executed (counted one by one), flops per second; whole: share of the measured peak of additions and
-/// multiplications in vectors of that instruction set, and bytes of state read and slope written. BENCH_COUNT=0 leaves the counting out.
+///     whole      full detail: order 3, 14 plates, 8 joint points, elastic sheaves
+///     three      the same with 3 joint points
+///     smoothed   the same as whole with the smoothed friction law
+///     lowest     order 0, lumped plates, 1 joint point, rigid sheaves
+///     pulleys, transitions and the names of bench/parts/link_parts.hpp: parts of whole, over the whole chain
+///
+/// Every row is the chain's share of one evaluation and carries a hash of what it computed. Columns: time, instructions and flops executed (counted
+/// one by one), flops per second; whole: share of the measured peak of additions and multiplications in vectors of that instruction set, and bytes of
+/// state read and slope written. BENCH_COUNT=0 leaves the counting out. A summary compares the rows that ran.
 
 #include <benchmark/benchmark.h>
 
-#include <chrono>
+#include <cstdint>
 #include <cstdlib>
 #include <functional>
 #include <map>
@@ -19,254 +24,211 @@
 #include <string>
 
 #include "bench/count/instructions.hpp"
+#include "bench/parts/link_parts.hpp"
+#include "bench/summary/peak.hpp"
+#include "bench/summary/summary.hpp"
 #include "engine/base/hash.hpp"
-#include "model/force/inner.hpp"
-#include "model/force/joint.hpp"
-#include "model/force/plates.hpp"
-#include "model/force/tips.hpp"
-#include "model/inertia/link_solve.hpp"
+#include "engine/record/state_file.hpp"
 #include "model/kernels/kernels.hpp"
 #include "plain/plain_rhs.hpp"
+#include "plain/system.hpp"
 #include "tasks/simulation.hpp"
+#include "tools/detail_state.hpp"
 
 namespace {
 
 using namespace cvtflow;
-using model::End;
 
-constexpr int order = 3;
-constexpr int block = model::at<order>.link_block();
-constexpr int size = model::at<order>.link_size();
+constexpr std::string_view settings_of_lowest[] = {"detail.order=0", "detail.plates=lumped", "detail.joint_points=1", "detail.pulleys=rigid"};
 
-/// The settled baseline with everything that a part needs.
-struct Baseline {
-    explicit Baseline(int joint_points) {
-        tasks::Scene scene = tasks::read_scene(CVTFLOW_SOURCE_DIR "/scenes/baseline.toml");
-        scene.parameters.detail.joint_points = joint_points;
-        parameters = scene.parameters;
-        simulation = std::make_unique<tasks::Simulation>(scene);
-        const auto& at = variator().layout();
-        scratch = std::make_unique<model::EvaluationScratch>(at);
-        phases = simulation->phases();
-        variator().pulleys().motions(simulation->state() + at.pulley_begin(), scratch->sheaves);
+/// The settled baseline at some detail with everything that a row needs.
+struct Case {
+    explicit Case(tasks::Scene scene) : parameters(scene.parameters), simulation(scene), phases(simulation.phases()), scratch(simulation.variator().layout()) {
+        const auto& at = layout();
+        variator().pulleys().motions(simulation.state() + at.pulley_begin(), scratch.sheaves);
         for (int link = 0; link < at.links; ++link) {
             model::TipProbe probe;
-            variator().chain().probe(state(link), scratch->sheaves, probe);
+            variator().chain().probe(simulation.state() + at.link_begin(link), scratch.sheaves, probe);
             for (int tip = 0; tip < model::tips_per_link; ++tip) {
                 phases[static_cast<std::size_t>(model::tips_per_link * link + tip)] = probe.depth[tip] > 0.0 ? model::Phase::touching : model::Phase::free;
             }
-            frames.push_back(model::link_frame<order>(state(link), state(link) + size));
         }
+        model::fill_window(variator(), simulation.state(), scratch);
     }
-    [[nodiscard]] const model::Variator& variator() const { return simulation->variator(); }
-    [[nodiscard]] int links() const { return variator().layout().links; }
-    [[nodiscard]] const double* state(int link) const { return simulation->state() + link * block; }
-    [[nodiscard]] const model::Coefficients& coefficients() const { return variator().chain().coefficients(); }
-    [[nodiscard]] const model::LinkFrame& frame(int link) const { return frames[static_cast<std::size_t>(link)]; }
+    [[nodiscard]] const model::Variator& variator() const { return simulation.variator(); }
+    [[nodiscard]] const model::ChainLayout& layout() const { return variator().layout(); }
+    [[nodiscard]] model::ChainRange range() const { return {0, layout().links, scratch.window.data(), scratch.sheaves, phases.data()}; }
 
     model::Parameters parameters;
-    std::unique_ptr<tasks::Simulation> simulation;
-    std::unique_ptr<model::EvaluationScratch> scratch;
+    tasks::Simulation simulation;
     std::vector<model::Phase> phases;
-    std::vector<model::LinkFrame> frames;
+    model::EvaluationScratch scratch;
 };
 
-const Baseline& baseline(int joint_points) {
-    static const Baseline three(3);
-    static const Baseline eight(8);
-    return joint_points == 3 ? three : eight;
+tasks::Scene scene_with(const std::string& setting) {
+    tasks::Scene scene = tasks::read_scene(CVTFLOW_SOURCE_DIR "/scenes/baseline.toml");
+    scene.parameters.detail.joint_points = 8;
+    if (!setting.empty()) tasks::set_value(scene, setting);
+    return scene;
 }
 
-void label(benchmark::State& state, const double* values, std::size_t count, const std::string& more = "") {
-    state.SetLabel("hash " + engine::hex(engine::state_hash({values, count})) + more);
+std::unique_ptr<Case> lowest() {
+    tasks::Scene scene = scene_with("");
+    const engine::SavedState settled = engine::read_state(scene.state_file);
+    const model::Parameters full = scene.parameters;
+    for (const std::string_view setting : settings_of_lowest) tasks::set_value(scene, std::string(setting));
+    const tools::StateFile start(tools::brought_over(settled, full, scene.parameters));
+    scene.state_file = start.path();
+    return std::make_unique<Case>(scene);
+}
+
+const Case& case_of(const std::string& what) {
+    static std::map<std::string, std::unique_ptr<Case>> cases;
+    auto& known = cases[what];
+    if (known) return *known;
+    if (what == "lowest") known = lowest();
+    else known = std::make_unique<Case>(scene_with(what == "three" ? "detail.joint_points=3" : what == "smoothed" ? "detail.friction=smoothed" : ""));
+    return *known;
+}
+
+void label(benchmark::State& run, const double* values, std::size_t count, const std::string& more = "") {
+    run.SetLabel("hash " + engine::hex(engine::state_hash({values, count})) + more);
 }
 
 /// Instructions, flops and flops per second of one iteration. Counted once per row, though a row is run several times.
-bench::Counted count(benchmark::State& run, const std::string& row, const std::function<void()>& body) {
+void count(benchmark::State& run, const std::string& row, const std::function<void()>& body, double peak = 0.0) {
     static std::map<std::string, bench::Counted> known;
     const char* wanted = std::getenv("BENCH_COUNT");
-    if (wanted != nullptr && std::string(wanted) == "0") return {};
+    if (wanted != nullptr && std::string(wanted) == "0") return;
     if (!known.contains(row)) known[row] = bench::count(body).value_or(bench::Counted{});
     const bench::Counted counted = known[row];
-    if (counted.instructions == 0) return {};
+    if (counted.instructions == 0) return;
     using benchmark::Counter;
+    const auto flops = static_cast<double>(counted.flops);
     run.counters["instructions"] = Counter(static_cast<double>(counted.instructions));
-    run.counters["flops"] = Counter(static_cast<double>(counted.flops));
-    run.counters["flop/s"] = Counter(static_cast<double>(counted.flops), Counter::kIsIterationInvariantRate);
-    return counted;
-}
-
-/// Additions and multiplications per second in vectors of W doubles: eight independent chains of each.
-template <int W>
-double peak() {
-    using model::Lanes;
-    std::array<Lanes<W>, 16> value;
-    for (std::size_t k = 0; k < value.size(); ++k) value[k] = Lanes<W>(1.0 + static_cast<double>(k));
-    const Lanes<W> one(1.0);
-    constexpr int rounds = 2'000'000;
-    double best = 0.0;
-    for (int repetition = 0; repetition < 5; ++repetition) {
-        const auto begin = std::chrono::steady_clock::now();
-        for (int round = 0; round < rounds; ++round) {
-            for (std::size_t k = 0; k < 8; ++k) value[k] += one;
-            for (std::size_t k = 8; k < 16; ++k) value[k] = value[k] * one;
-        }
-        benchmark::DoNotOptimize(value);
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        best = std::max(best, 16.0 * W * rounds / seconds);
-    }
-    return best;
+    run.counters["flops"] = Counter(flops);
+    run.counters["flop/s"] = Counter(flops, Counter::kIsIterationInvariantRate);
+    if (peak > 0.0) run.counters["peak"] = Counter(flops / peak, Counter::kIsIterationInvariantRate);
 }
 
 /// One evaluation with kernels of any kind, on a model that has others.
-void evaluate(const Baseline& b, const model::Variator& variator, const model::ChainKernels& kernels, model::EvaluationScratch& scratch, double* slope) {
-    const auto& at = variator.layout();
-    model::fill_window(variator, b.simulation->state(), scratch);
-    variator.pulleys().motions(b.simulation->state() + at.pulley_begin(), scratch.sheaves);
-    kernels.slopes(variator.chain(), {0, at.links, scratch.window.data(), scratch.sheaves, b.phases.data()}, slope, scratch.loads.data(), nullptr);
-    variator.close(0.0, b.simulation->state() + at.pulley_begin(), b.phases.data(), scratch.loads.data(), nullptr, slope + at.pulley_begin());
+void evaluate(const Case& c, const model::ChainKernels& kernels, model::EvaluationScratch& scratch, double* slope) {
+    const double* tail = c.simulation.state() + c.layout().pulley_begin();
+    model::fill_window(c.variator(), c.simulation.state(), scratch);
+    c.variator().pulleys().motions(tail, scratch.sheaves);
+    kernels.slopes(c.variator().chain(), {0, c.layout().links, scratch.window.data(), scratch.sheaves, c.phases.data()}, slope, scratch.loads.data(), nullptr);
+    c.variator().close(0.0, tail, c.phases.data(), scratch.loads.data(), nullptr, slope + c.layout().pulley_begin());
 }
 
-/// @param peak_flops [1/s], 0: unknown
-void whole(benchmark::State& run, const std::string& row, int joint_points, const model::ChainKernels& kernels, double peak_flops) {
-    const Baseline& b = baseline(joint_points);
-    std::vector<double> slope(static_cast<std::size_t>(b.variator().layout().size()));
-    model::EvaluationScratch scratch(b.variator().layout());
-    const auto once = [&] { evaluate(b, b.variator(), kernels, scratch, slope.data()); };
+/// @param peak flops per second that are possible, 0: unknown
+void whole(benchmark::State& run, const std::string& row, const std::string& what, model::ChainKernels (*kernels_of_order)(int) noexcept, double peak) {
+    const Case& c = case_of(what);
+    const model::ChainKernels kernels = kernels_of_order(c.parameters.detail.order);
+    std::vector<double> slope(static_cast<std::size_t>(c.layout().size()));
+    model::EvaluationScratch scratch(c.layout());
+    const auto once = [&] { evaluate(c, kernels, scratch, slope.data()); };
     for (auto _ : run) {
         once();
         benchmark::DoNotOptimize(slope.data());
     }
-    label(run, slope.data(), slope.size(), ", " + std::to_string(2 * slope.size() * sizeof(double)) + " bytes in and out, working set " + std::to_string(b.simulation->workspace().bytes() / 1024) + " KiB");
-    const auto counted = count(run, row, once);
-    if (peak_flops > 0.0) run.counters["peak"] = benchmark::Counter(static_cast<double>(counted.flops) / peak_flops, benchmark::Counter::kIsIterationInvariantRate);
+    label(run, slope.data(), slope.size(), ", " + std::to_string(2 * slope.size() * sizeof(double)) + " bytes in and out, working set of a run " +
+                                               std::to_string(c.simulation.workspace().bytes() / 1024) + " KiB");
+    count(run, row, once, peak);
 }
 
-void plain_rhs(benchmark::State& run) {
-    const Baseline& b = baseline(8);
-    const auto& parameters = b.parameters;
-    const std::span state(b.simulation->state(), static_cast<std::size_t>(b.variator().layout().size()));
-    plain::Result result;
-    for (auto _ : run) {
-        result = plain::right_hand_side(parameters, 0.0, state, b.phases);
-        benchmark::DoNotOptimize(result.slope.data());
-    }
-    label(run, result.slope.data(), result.slope.size());
-}
-
-/// Runs body(link, force) over all links with forces cleared, as often as wanted.
-template <class Body>
-void over_links(benchmark::State& run, const std::string& row, const Baseline& b, const Body& body) {
-    std::vector<double> force(static_cast<std::size_t>(b.links() * size));
-    const auto once = [&] {
-        std::fill(force.begin(), force.end(), 0.0);
-        for (int link = 0; link < b.links(); ++link) body(link, force.data() + link * size);
-    };
+void part(benchmark::State& run, const std::string& row, int number, const bench::LinkParts& parts) {
+    const Case& c = case_of("whole");
+    const auto links = static_cast<std::size_t>(c.layout().links);
+    std::vector<double> memory(parts.lane_memory(c.layout().links) + 8), out(links * static_cast<std::size_t>(c.layout().link_block()));
+    std::vector<model::LinkLoad> loads(links);
+    auto* lanes = reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(memory.data()) + 63) / 64 * 64);
+    const model::ChainRange range = c.range();
+    parts.run(0, c.variator().chain(), range, lanes, out.data(), loads.data());
+    const auto once = [&] { parts.run(number, c.variator().chain(), range, lanes, out.data(), loads.data()); };
     for (auto _ : run) {
         once();
-        benchmark::DoNotOptimize(force.data());
+        benchmark::DoNotOptimize(out.data());
     }
-    label(run, force.data(), force.size());
+    label(run, out.data(), out.size());
     count(run, row, once);
 }
 
-void plates(benchmark::State& run) {
-    const Baseline& b = baseline(3);
-    over_links(run, "plates", b, [&](int link, double* f) {
-        model::plates<order, 16, false>(b.coefficients(), b.coefficients().kind(link), b.state(link), b.state(link) + size, f, nullptr);
-    });
-}
-
-template <int Width>
-void joints_of(benchmark::State& run, const Baseline& b) {
-    over_links(run, "joints" + std::to_string(Width), b, [&](int link, double* f) {
-        const int before = b.variator().layout().previous(link);
-        model::JointForce<order> out;
-        model::joint<order, Width, false>(b.coefficients(), b.frame(before), b.frame(link), b.state(before), b.state(before) + size, b.state(link),
-                                          b.state(link) + size, out, nullptr);
-        out.on_front.apply(-1.0, f, End::rear);
-        model::add_moment<order>(b.frame(link), out.after, f);
-    });
-}
-void joints(benchmark::State& run) {
-    if (run.range(0) == 3) return joints_of<4>(run, baseline(3));
-    joints_of<8>(run, baseline(8));
-}
-
-void tips(benchmark::State& run) {
-    const Baseline& b = baseline(3);
-    over_links(run, "tips", b, [&](int link, double* f) {
-        const model::Phase* phases = b.phases.data() + model::tips_per_link * link;
-        if (phases[0] == model::Phase::free && phases[1] == model::Phase::free && phases[2] == model::Phase::free && phases[3] == model::Phase::free) return;
-        model::SheaveLoad load;
-        const double moment = model::tips<order, false>(b.coefficients(), b.frame(link), b.state(link), b.state(link) + size,
-                                                        b.scratch->sheaves + 2 * b.variator().chain().shaft_of(b.state(link)), phases, f, load, nullptr);
-        benchmark::DoNotOptimize(load);
-        model::add_moment<order>(b.frame(link), moment, f);
-    });
-}
-
-void inner_elasticity(benchmark::State& run) {
-    const Baseline& b = baseline(3);
-    over_links(run, "inner_elasticity", b, [&](int link, double* f) {
-        const double moment =
-            model::inner_elasticity<order, false>(b.coefficients(), b.coefficients().kind(link), b.frame(link), b.state(link), b.state(link) + size, f, nullptr);
-        model::add_moment<order>(b.frame(link), moment, f);
-    });
-}
-
-void inertia(benchmark::State& run) {
-    const Baseline& b = baseline(3);
-    over_links(run, "inertia", b, [&](int link, double* f) {
-        std::copy_n(b.state(link) + size, size, f);
-        model::accelerate<order>(b.variator().chain().inertia(), f);
-    });
-}
-
-void transitions(benchmark::State& run) {
-    const Baseline& b = baseline(3);
-    over_links(run, "transitions", b, [&](int link, double* f) {
-        model::TipProbe probe;
-        b.variator().chain().probe(b.state(link), b.scratch->sheaves, probe);
-        std::copy_n(probe.depth, model::tips_per_link, f);
-    });
-}
-
 void pulleys(benchmark::State& run) {
-    const Baseline& b = baseline(3);
-    const auto& at = b.variator().layout();
-    std::vector<double> slope(static_cast<std::size_t>(at.size() - at.pulley_begin()));
+    const Case& c = case_of("whole");
+    std::vector<double> slope(static_cast<std::size_t>(c.layout().size() - c.layout().pulley_begin()));
     for (auto _ : run) {
-        b.variator().close(0.0, b.simulation->state() + at.pulley_begin(), b.phases.data(), b.scratch->loads.data(), nullptr, slope.data());
+        c.variator().close(0.0, c.simulation.state() + c.layout().pulley_begin(), c.phases.data(), c.scratch.loads.data(), nullptr, slope.data());
         benchmark::DoNotOptimize(slope.data());
     }
     label(run, slope.data(), slope.size());
 }
 
-BENCHMARK(plain_rhs)->Name("plain/joint_points:8")->Unit(benchmark::kMicrosecond);
-BENCHMARK(plates)->Unit(benchmark::kMicrosecond);
-BENCHMARK(joints)->ArgName("joint_points")->Arg(3)->Arg(8)->Unit(benchmark::kMicrosecond);
-BENCHMARK(tips)->Unit(benchmark::kMicrosecond);
-BENCHMARK(inner_elasticity)->Unit(benchmark::kMicrosecond);
-BENCHMARK(inertia)->Unit(benchmark::kMicrosecond);
-BENCHMARK(pulleys)->Unit(benchmark::kMicrosecond);
-BENCHMARK(transitions)->Unit(benchmark::kMicrosecond);
-
-void register_whole(const std::string& name, int joint_points, const model::ChainKernels& kernels, double peak_flops) {
-    const std::string row = name + "/joint_points:" + std::to_string(joint_points);
-    benchmark::RegisterBenchmark(row.c_str(), [=](benchmark::State& run) { whole(run, row, joint_points, kernels, peak_flops); })->Unit(benchmark::kMicrosecond);
+void transitions(benchmark::State& run) {
+    const Case& c = case_of("whole");
+    std::vector<model::TipProbe> probes(static_cast<std::size_t>(c.layout().links));
+    for (auto _ : run) {
+        for (int link = 0; link < c.layout().links; ++link) {
+            c.variator().chain().probe(c.simulation.state() + c.layout().link_begin(link), c.scratch.sheaves, probes[static_cast<std::size_t>(link)]);
+        }
+        benchmark::DoNotOptimize(probes.data());
+    }
+    label(run, probes[0].depth, probes.size() * sizeof(model::TipProbe) / sizeof(double));
 }
 
-void register_instruction_sets() {
-    constexpr auto one_lane = static_cast<model::Isa>(-1);   // bench/one_lane
-    const double peaks[] = {peak<2>(), peak<4>(), peak<8>()};
-    for (const int joint_points : {8, 3}) {
-        register_whole("one_lane", joint_points, model::chain_kernels<one_lane>(order), 0.0);
-        for (const model::Isa isa : model::usable_isas()) {
-            const bool fits = isa <= model::compiled_isa;   // else this file's own vectors are narrower: peak unknown
-            register_whole("whole/" + std::string(model::name_of(isa)), joint_points, model::kernels_of(isa).chain(order), fits ? peaks[static_cast<int>(isa)] : 0.0);
-        }
+void plain_whole(benchmark::State& run) {
+    const Case& c = case_of("whole");
+    const std::span state(c.simulation.state(), static_cast<std::size_t>(c.layout().size()));
+    plain::Result result;
+    for (auto _ : run) {
+        result = plain::right_hand_side(c.parameters, 0.0, state, c.phases);
+        benchmark::DoNotOptimize(result.slope.data());
     }
+    label(run, result.slope.data(), result.slope.size());
+}
+
+/// A part of the oracle on a state that is unpacked already.
+void plain_part(benchmark::State& run, void (*add)(const plain::System&, plain::Totals&)) {
+    const Case& c = case_of("whole");
+    const std::span state(c.simulation.state(), static_cast<std::size_t>(c.layout().size()));
+    const plain::System system = plain::unpack(c.parameters, 0.0, state, c.phases);
+    plain::Totals totals = plain::empty_totals(system);
+    for (auto _ : run) {
+        add(system, totals);
+        benchmark::DoNotOptimize(totals);
+    }
+}
+
+void add_row(const std::string& row, const std::function<void(benchmark::State&)>& body) {
+    benchmark::RegisterBenchmark(row.c_str(), body)->Unit(benchmark::kMicrosecond);
+}
+
+void add_rows(const std::string& who, model::ChainKernels (*kernels)(int) noexcept, const bench::LinkParts& parts, double peak) {
+    for (const std::string what : {"whole", "three", "smoothed", "lowest"}) {
+        const std::string row = who + "/" + what;
+        add_row(row, [=](benchmark::State& run) { whole(run, row, what, kernels, what == "whole" ? peak : 0.0); });
+    }
+    for (std::size_t k = 0; k < bench::link_part_names.size(); ++k) {
+        const std::string row = who + "/" + std::string(bench::link_part_names[k]);
+        add_row(row, [=](benchmark::State& run) { part(run, row, static_cast<int>(k), parts); });
+    }
+}
+
+bench::LinkParts parts_of(model::Isa isa) {
+    if (isa == model::Isa::baseline) return bench::link_parts<model::Isa::baseline>();
+#if defined(__x86_64__)
+    return isa == model::Isa::avx2 ? bench::link_parts<model::Isa::avx2>() : bench::link_parts<model::Isa::avx512>();
+#endif
+}
+
+void register_rows() {
+    add_row("plain/whole", plain_whole);
+    const std::pair<const char*, void (*)(const plain::System&, plain::Totals&)> plain_parts[] = {
+        {"inner", plain::add_inner_elements}, {"plates", plain::add_plates}, {"joints", plain::add_joints}, {"tips", plain::add_tips}};
+    for (const auto& [name, add] : plain_parts) add_row(std::string("plain/") + name, [add = add](benchmark::State& run) { plain_part(run, add); });
+    add_rows("one_lane", model::chain_kernels<bench::one_lane>, bench::link_parts<bench::one_lane>(), 0.0);
+    for (const model::Isa isa : model::usable_isas()) add_rows(std::string(model::name_of(isa)), model::kernels_of(isa).chain, parts_of(isa), bench::peak_flops(isa));
+    add_row("this_build/pulleys", pulleys);
+    add_row("this_build/transitions", transitions);
 }
 
 }  // namespace
@@ -274,7 +236,9 @@ void register_instruction_sets() {
 int main(int argc, char** argv) {
     benchmark::Initialize(&argc, argv);
     if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
-    register_instruction_sets();
-    benchmark::RunSpecifiedBenchmarks();
+    register_rows();
+    bench::SummaryReporter reporter;
+    benchmark::RunSpecifiedBenchmarks(&reporter);
+    reporter.print_summary();
     return 0;
 }

@@ -1,0 +1,11 @@
+#pragma once
+/// What this processor can do at most.
+
+#include "model/kernels/isa.hpp"
+
+namespace cvtflow::bench {
+
+/// Additions and multiplications per second in vectors of an instruction set, measured; 0 if this program was compiled for narrower ones.
+[[nodiscard]] double peak_flops(model::Isa isa);
+
+}  // namespace cvtflow::bench
