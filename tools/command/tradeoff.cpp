@@ -8,6 +8,7 @@
 #include "tasks/tradeoff/error_measure.hpp"
 #include "tasks/tradeoff/pareto.hpp"
 #include "tools/command.hpp"
+#include "tools/detail_report.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/method_choice_text.hpp"
 #include "tools/output_folder.hpp"
@@ -146,10 +147,17 @@ Action declare_tradeoff(CLI::App& app) {
     app.add_option("--duration", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
     app.add_option("--interval", arguments->interval, "Between outputs")->type_name("TIME")->capture_default_str();
     app.add_option("--rounds", arguments->rounds, "Times that every choice runs, in turns")->check(CLI::Range(1, 100))->capture_default_str();
+    CLI::Option* detail = app.get_option("--detail")->expected(0, 1);
     declare_output(app, arguments->output);
     app.footer("Errors are relative, Euclidean, over all tips (links) and outputs. front: no other is both faster and more exact.\n"
-               "What each level of detail costs and changes: cvtflow detail. Times are those of run.schedule, \"auto\" taken as serial.");
-    return [arguments] { return tradeoff(*arguments); };
+               "SCENE --detail without a level compares levels of detail instead of methods: cvtflow detail. Times are those of run.schedule, \"auto\" taken as serial.");
+    return [arguments, detail] {
+        if (detail->count() == 0 || !arguments->scene.detail.empty()) return tradeoff(*arguments);
+        DetailArguments levels;
+        levels.scenes = {arguments->scene.scene};
+        levels.settings = arguments->scene.settings;
+        return report_details(levels, arguments->output);
+    };
 }
 
 }  // namespace cvtflow::tools

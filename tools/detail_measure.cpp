@@ -1,0 +1,161 @@
+#include "tools/detail_measure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "model/observation.hpp"
+#include "tasks/simulation.hpp"
+#include "tools/detail_state.hpp"
+#include "tools/interrupt.hpp"
+#include "tools/scene_arguments.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+/// Means over the outputs of one part of a run.
+struct Means final : tasks::RunObserver {
+    explicit Means(const model::Variator& variator) : observer(variator) {}
+    void output(double time, const tasks::Workspace& w, const tasks::Counters&) override {
+        const model::Observation& now = observer.observe(time, w.states[0], w.phases.data());
+        double tip = 0.0;
+        for (const double axial : now.tip_axial) tip = std::max(tip, std::abs(axial));
+        const double in = now.chain_torque[0] * now.speed[0], out = now.chain_torque[1] * now.speed[1];
+        const std::array values{now.tight, now.slack, tip, now.slip, std::abs(in), std::abs(out), now.ratio, now.clamping[0] / now.clamping[1]};
+        for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += values[k];
+        if (count == 0) first_ratio = now.ratio;
+        last_ratio = now.ratio;
+        if (count == 0) first_time = time;
+        last_time = time;
+        ++count;
+    }
+    void transition(const tasks::TransitionRecord&) override {}
+    [[nodiscard]] double mean(std::size_t k) const { return sum[k] / static_cast<double>(count); }
+
+    model::Observer observer;
+    std::array<double, 8> sum{};   ///< tight, slack, tip, slip, power in, power out, ratio, thrust ratio
+    double first_ratio = 0.0, last_ratio = 0.0, first_time = 0.0, last_time = 0.0;
+    long count = 0;
+};
+
+/// Best of several: the machine may be busy.
+double cost_of(const tasks::Simulation& simulation) {
+    model::EvaluationScratch scratch(simulation.variator().layout());
+    std::vector<double> slope(static_cast<std::size_t>(simulation.variator().layout().size()));
+    double best = 1.0;
+    for (int repetition = 0; repetition < 200; ++repetition) {
+        const auto begin = std::chrono::steady_clock::now();
+        for (int k = 0; k < 5; ++k) model::right_hand_side(simulation.variator(), 0.0, simulation.state(), simulation.phases().data(), slope.data(), scratch);
+        best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 5.0);
+    }
+    return best;
+}
+
+tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name, const DetailVariant& v, const std::string& until, std::vector<std::string> more = {}) {
+    SceneArguments scene;
+    scene.scene = name;
+    scene.settings = {fmt::format("detail.order={}", v.order), v.plates == model::PlateDetail::each ? "detail.plates=each" : "detail.plates=lumped",
+                      fmt::format("detail.joint_points={}", v.joint_points), v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
+                      "run.method=" + arguments.method, "run.step=" + arguments.step, "run.until=" + until, "run.threads=1", "run.schedule=serial"};
+    scene.settings.insert(scene.settings.end(), arguments.settings.begin(), arguments.settings.end());
+    scene.settings.insert(scene.settings.end(), more.begin(), more.end());
+    return load_scene(scene).scene;
+}
+
+/// Averages over both halves of the time after settling.
+void average(tasks::Simulation& simulation, double settle, double until, DetailOutcome& outcome) {
+    tasks::SilentObserver silent;
+    const double middle = 0.5 * (settle + until);
+    tasks::Fault fault = simulation.run(settle, silent, catch_interrupts());
+    Means first(simulation.variator()), second(simulation.variator());
+    if (!fault) fault = simulation.run(middle, first, catch_interrupts());
+    if (!fault) fault = simulation.run(until, second, catch_interrupts());
+    if (fault) {
+        outcome.fault = fault.message();
+        return;
+    }
+    const auto both = [&](std::size_t k) { return 0.5 * (first.mean(k) + second.mean(k)); };
+    outcome.tight = both(0), outcome.slack = both(1), outcome.tip = both(2), outcome.slip = both(3);
+    outcome.ratio = both(6);
+    outcome.efficiency = both(5) / both(4);
+    outcome.shift = (second.last_ratio / first.first_ratio - 1.0) / (second.last_time - first.first_time);
+    outcome.drift = second.mean(0) / first.mean(0) - 1.0;
+    outcome.cost = cost_of(simulation);
+}
+
+}  // namespace
+
+std::string DetailVariant::name() const {
+    return fmt::format("p={} {:6} {} pt {}", order, plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
+                       pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid");
+}
+
+std::vector<DetailVariant> detail_variants(bool all) {
+    using enum model::PlateDetail;
+    using enum model::PulleyDetail;
+    if (!all) {
+        return {full_detail, {2, each, 8, elastic}, {1, each, 8, elastic}, {0, each, 8, elastic}, {3, lumped, 8, elastic}, {3, each, 3, elastic}, {3, each, 1, elastic},
+                {3, each, 8, rigid}, {1, lumped, 3, elastic}, {1, lumped, 1, rigid}, {0, lumped, 1, rigid}};
+    }
+    std::vector<DetailVariant> list{full_detail};
+    for (int order = 3; order >= 0; --order) {
+        for (const auto plates : {each, lumped}) {
+            for (const int points : {8, 3, 1}) {
+                for (const auto pulleys : {elastic, rigid}) {
+                    if (list.size() > 1 || order != 3 || plates != each || points != 8 || pulleys != elastic) list.push_back({order, plates, points, pulleys});
+                }
+            }
+        }
+    }
+    return list;
+}
+
+DetailMeasure::DetailMeasure(DetailArguments arguments, std::string scene) : arguments_(std::move(arguments)), scene_(std::move(scene)) {
+    const tasks::Scene reference = scene_of(arguments_, scene_, full_detail, arguments_.settle);
+    if (reference.state_file.empty()) throw tasks::SceneError(fmt::format("{}: has no settled state of full detail to start from (start.state)", scene_));
+    settled_ = engine::read_state(reference.state_file);
+    reference_ = reference.parameters;
+}
+
+DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted) const {
+    DetailOutcome outcome;
+    outcome.variant = variant;
+    tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.settle);
+    const double settle = scene.run.until, until = settle + scene_of(arguments_, scene_, variant, arguments_.average).run.until;
+    const StateFile start(brought_over(settled_, reference_, scene.parameters));
+    scene.state_file = start.path();
+    tasks::Simulation simulation(scene);
+    outcome.coordinates = simulation.variator().layout().coordinates();
+    average(simulation, settle, until, outcome);
+    if (outcome.fault.empty()) find_thrust(variant, wanted > 0.0 ? wanted : outcome.ratio, outcome);
+    return outcome;
+}
+
+/// Mean over the last fifth of the time that ratio control has; gains as in scene `control`.
+void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, DetailOutcome& outcome) const {
+    if (std::strtod(arguments_.control.c_str(), nullptr) == 0.0) return;
+    tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.control,
+                                  {"control.enabled=true", fmt::format("control.ratio={:.6f}", wanted), "control.proportional=1 MN", "control.integral=5e7 N/s"});
+    engine::SavedState settled = brought_over(settled_, reference_, scene.parameters);
+    settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));   // the controller's integral begins at zero
+    const StateFile start(settled);
+    scene.state_file = start.path();
+    tasks::Simulation simulation(scene);
+    tasks::SilentObserver silent;
+    tasks::Fault fault = simulation.run(0.8 * scene.run.until, silent, catch_interrupts());
+    Means means(simulation.variator());
+    if (!fault) fault = simulation.run(scene.run.until, means, catch_interrupts());
+    if (fault) {
+        outcome.fault = fault.message();
+        return;
+    }
+    outcome.thrust = means.mean(7);
+}
+
+}  // namespace cvtflow::tools
