@@ -4,11 +4,14 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "engine/base/provenance.hpp"
+#include "model/kernels/isa.hpp"
 #include "tasks/run.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tools/command.hpp"
@@ -41,6 +44,16 @@ bool is_command(const std::string& word) {
     return false;
 }
 
+/// Read by every model that is made from then on, and by child processes.
+void choose_isa(const std::string& name) {
+    try {
+        const model::Isa isa = model::isa_named(name);
+        setenv("CVTFLOW_ISA", std::string(model::name_of(isa)).c_str(), 1);
+    } catch (const std::invalid_argument& error) {
+        throw CLI::ValidationError("--isa", error.what());
+    }
+}
+
 /// --help and --version come as errors with code 0.
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
@@ -53,10 +66,12 @@ int execute(int argc, char** argv) {
     CLI::App app("Dynamics of chain-driven continuously variable transmissions.", "cvtflow");
     app.set_version_flag("--version", version_text, "Print version, build and machine");
     app.require_subcommand(1);
+    app.add_option_function<std::string>("--isa", choose_isa, "Instruction set of the kernels: baseline, avx2, avx512 (default: the processor's best)")->type_name("NAME");
     app.get_formatter()->column_width(32);
     std::vector<Action> actions;
     for (const Command& command : commands()) {
         CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.description) + ".");
+        sub->fallthrough();   // --isa may follow the command
         actions.push_back(command.declare(*sub));
     }
     app.footer(

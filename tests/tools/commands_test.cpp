@@ -42,6 +42,27 @@ TEST_F(Commands, VersionTellsProgramBuildAndMachine) {
     EXPECT_THAT(outcome.out, AllOf(StartsWith("cvtflow "), HasSubstr("\nbuilt with "), HasSubstr("\nrunning on ")));
 }
 
+TEST_F(Commands, TakeAnInstructionSetBeforeOrAfterTheirName) {
+    const std::vector<std::string> brief{"--until", "1 us", "-o", "none"};
+    std::vector<std::string> before{"--isa", "baseline", "run", "tiny"}, after{"run", "tiny", "--isa", "baseline"};
+    before.insert(before.end(), brief.begin(), brief.end());
+    after.insert(after.end(), brief.begin(), brief.end());
+    for (const auto& words : {before, after}) {
+        const Outcome outcome = run(words);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_THAT(outcome.out, HasSubstr("kernels             baseline"));
+    }
+    const Outcome unknown = run({"run", "tiny", "--isa", "sse9"});
+    EXPECT_EQ(unknown.status, 2);
+    EXPECT_THAT(unknown.err, HasSubstr("instruction set \"sse9\" is unknown"));
+}
+
+TEST_F(Commands, TradeoffWithDetailAloneComparesLevelsOfDetail) {
+    const Outcome outcome = run({"tradeoff", "tiny", "--detail"});
+    EXPECT_NE(outcome.status, 0);
+    EXPECT_THAT(outcome.err, HasSubstr("tiny: has no settled state of full detail"));
+}
+
 TEST_F(Commands, ListEveryRowOfTheCatalogues) {
     const std::string methods = run({"list", "methods"}).out, channels = run({"list", "channels"}).out, keys = run({"list", "keys"}).out;
     for (const engine::StagePlan& plan : engine::methods()) EXPECT_THAT(methods, HasSubstr("\n" + plan.name + " "));
