@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 #include "model/observation.hpp"
@@ -138,9 +139,9 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted
 
 /// Mean over the last fifth of the time that ratio control has; gains as in scene `control`.
 void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, DetailOutcome& outcome) const {
+    if (std::strtod(arguments_.control.c_str(), nullptr) == 0.0) return;
     tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.control,
                                   {"control.enabled=true", fmt::format("control.ratio={:.6f}", wanted), "control.proportional=1 MN", "control.integral=5e7 N/s"});
-    if (scene.run.until <= 0.0) return;
     engine::SavedState settled = brought_over(settled_, reference_, scene.parameters);
     settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));   // the controller's integral begins at zero
     const StateFile start(settled);

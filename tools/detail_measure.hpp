@@ -16,7 +16,7 @@ struct DetailArguments {
     std::vector<std::string> scenes{"baseline", "low", "overdrive"};
     std::vector<std::string> settings;
     std::string method = "dumka3-p5", step = "2 us", settle = "3 ms", average = "3 ms";
-    std::string control = "100 ms";   ///< how long ratio control looks for the thrust ratio; "0 s": not at all
+    std::string control = "100 ms";   ///< how long ratio control looks for the thrust ratio; begins with 0: not at all
     bool all = false;
 };
 

@@ -19,7 +19,9 @@ TEST(MethodCatalogue, NamesAreUniqueAndFound) {
     std::set<std::string> names;
     for (const StagePlan& plan : methods()) {
         EXPECT_TRUE(names.insert(plan.name).second) << plan.name;
-        EXPECT_EQ(find_method(plan.name), &plan);
+        const StagePlan* found = find_method(plan.name);
+        ASSERT_NE(found, nullptr) << plan.name;
+        EXPECT_EQ(found->name, plan.name);
     }
 }
 

@@ -13,7 +13,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// Slopes of a range of links, then the reactions of those that touch.
+/// Slopes of a range of links, then the reactions of those that touch, as far as the pulleys read them.
 std::vector<double> outcome(const Variator& variator, const oracle::RandomState& random, int first, int last, bool observe) {
     const ChainLayout& at = variator.layout();
     EvaluationScratch scratch(at);
@@ -30,8 +30,10 @@ std::vector<double> outcome(const Variator& variator, const oracle::RandomState&
         const Phase* tips = random.phases.data() + tips_per_link * link;
         if (tips[0] == Phase::free && tips[1] == Phase::free && tips[2] == Phase::free && tips[3] == Phase::free) continue;
         const LinkLoad& load = scratch.loads[static_cast<std::size_t>(link - first)];
-        const auto* numbers = reinterpret_cast<const double*>(&load.load);
-        all.insert(all.end(), numbers, numbers + sizeof load.load / sizeof(double));
+        for (const auto& pair : {load.load.fz, load.load.mz}) all.insert(all.end(), pair, pair + 2);
+        if (at.pulley_size == 36) {   // rigid sheaves only turn and move along z: the others are not written side by side
+            for (const auto& pair : {load.load.fx, load.load.fy, load.load.mx, load.load.my}) all.insert(all.end(), pair, pair + 2);
+        }
         all.push_back(load.shaft);
     }
     return all;
