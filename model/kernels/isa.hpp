@@ -9,6 +9,8 @@ namespace cvtflow::model {
 /// Ascending: a later one needs a newer processor. Other architectures than x86-64 have the baseline only (NEON on ARM).
 enum class Isa { baseline, avx2, avx512 };
 
+/// Doubles in one of its vectors: so many links side by side.
+[[nodiscard]] constexpr int lanes_of(Isa isa) noexcept { return isa == Isa::avx512 ? 8 : isa == Isa::avx2 ? 4 : 2; }
 /// "baseline", "avx2", "avx512".
 [[nodiscard]] std::string_view name_of(Isa isa) noexcept;
 /// Those that this program contains and this processor runs, ascending; never empty.

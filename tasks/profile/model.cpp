@@ -29,6 +29,15 @@ double expected_largest(int count) noexcept {
     return low;
 }
 
+SegmentCost lanes_of(const Segment& segment, const std::vector<bool>& touching, int lanes) {
+    SegmentCost cost;
+    for (int first = segment.first; first < segment.last; first += lanes) {
+        const auto begin = touching.begin() + first, end = touching.begin() + std::min(first + lanes, segment.last);
+        (std::find(begin, end, true) == end ? cost.free : cost.touching) += lanes;
+    }
+    return cost;
+}
+
 double step_time(const PathCosts& costs, const Partition& partition, int threads, const std::vector<bool>& touching, double meeting) {
     const int segments = partition.size(), links = static_cast<int>(touching.size());
     const bool alone = threads == 1 && segments == 1;
@@ -40,7 +49,8 @@ double step_time(const PathCosts& costs, const Partition& partition, int threads
         for (int s = first; s < last; ++s) {
             time += alone ? 0.0 : costs.border;
             own += partition[s].size();
-            for (int link = partition[s].first; link < partition[s].last; ++link) time += touching[static_cast<std::size_t>(link)] ? costs.touching : costs.free;
+            const SegmentCost cost = lanes_of(partition[s], touching, costs.lanes);
+            time += costs.free * cost.free + costs.touching * cost.touching;
         }
         evaluation = std::max(evaluation, time);
         detection = std::max(detection, costs.detect * own);
@@ -72,8 +82,12 @@ void fit_links(std::span<const SegmentCost> samples, PathCosts& costs) {
         if (distinct) counts(row, 2) = sample.touching;
         times(row) = sample.seconds;
     }
-    const Eigen::VectorXd fit = counts.completeOrthogonalDecomposition().solve(times);
-    costs.border = std::max(0.0, fit(0));
+    Eigen::VectorXd fit = counts.completeOrthogonalDecomposition().solve(times);
+    if (fit(0) < 0.0) {   // no border costs less than nothing: once more without
+        fit(0) = 0.0;
+        fit.tail(fit.size() - 1) = counts.rightCols(fit.size() - 1).completeOrthogonalDecomposition().solve(times);
+    }
+    costs.border = fit(0);
     costs.free = fit(1);
     costs.touching = distinct ? fit(2) : fit(1);
 }

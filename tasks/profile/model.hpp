@@ -21,8 +21,9 @@ enum class MeetingLaw {
 
 /// What a step of the fused assembly is made of [s].
 struct PathCosts {
-    double free = 0.0;               ///< evaluation of a link that touches nothing
-    double touching = 0.0;           ///< evaluation of a link with a tip on a sheave
+    int lanes = 1;                   ///< kernels take so many neighbouring links at a time: a group costs the same whether it is full or not
+    double free = 0.0;               ///< evaluation of a lane of a group that touches nothing
+    double touching = 0.0;           ///< evaluation of a lane of a group with a tip on a sheave
     double border = 0.0;             ///< per segment and evaluation: joints and stage states of its two neighbours
     double detect = 0.0;             ///< detection, per link
     double controller = 0.0;         ///< per cycle
@@ -50,12 +51,15 @@ struct PathCosts {
 /// Speed-up of M equal segments on M threads against one.
 [[nodiscard]] double predicted_speed_up(const PathCosts& costs, int threads, const std::vector<bool>& touching, MeetingLaw law = MeetingLaw::linear);
 
-/// One measured evaluation task.
+/// One measured evaluation task: lanes of its groups.
 struct SegmentCost {
     int free = 0;
     int touching = 0;
     double seconds = 0.0;
 };
+
+/// What a segment costs, in lanes. @param touching of each link of the chain
+[[nodiscard]] SegmentCost lanes_of(const Segment& segment, const std::vector<bool>& touching, int lanes);
 
 /// Least squares for `free`, `touching` and `border`. Costs that the samples cannot tell apart (no touching link anywhere) become equal.
 void fit_links(std::span<const SegmentCost> samples, PathCosts& costs);

@@ -55,6 +55,7 @@ void sample_segments(const Scene& scene, int segments, const MeasureOptions& opt
     const auto times = task_times({recorder.spans(0)}, graph.size());
     const Workspace& workspace = trial.simulation().workspace();
     model.touching = touching_links(workspace);
+    model.costs.lanes = model::lanes_of(workspace.variator.chain().isa());
     double detection = 0.0;
     for (int task = 0; task < graph.size(); ++task) {
         const engine::Task& each = graph.task(task);
@@ -62,8 +63,9 @@ void sample_segments(const Scene& scene, int segments, const MeasureOptions& opt
         if (each.cycle == detect_cycle) detection += time;
         if (each.cycle != evaluate_cycle) continue;
         const Segment& segment = workspace.partition[each.item];
-        const int touching = static_cast<int>(std::count(model.touching.begin() + segment.first, model.touching.begin() + segment.last, true));
-        samples.segments.push_back({segment.size() - touching, touching, time});
+        SegmentCost sample = lanes_of(segment, model.touching, model.costs.lanes);
+        sample.seconds = time;
+        samples.segments.push_back(sample);
         samples.jitter.push_back(deviation(times[static_cast<std::size_t>(task)]) / std::sqrt(static_cast<double>(segment.size())));
     }
     model.costs.detect = detection / workspace.layout().links;
@@ -126,8 +128,7 @@ double stretch_of(const ScheduleResult& result, const ProfileModel& model) {
     double expected = 0.0;
     const Partition partition = partition_of(result, links);
     for (const Segment& segment : partition.segments()) {
-        const int touching = static_cast<int>(std::count(model.touching.begin() + segment.first, model.touching.begin() + segment.last, true));
-        expected += evaluation_time(model.costs, {segment.size() - touching, touching, 0.0});
+        expected += evaluation_time(model.costs, lanes_of(segment, model.touching, model.costs.lanes));
     }
     return measured / expected;
 }

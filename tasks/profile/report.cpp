@@ -113,8 +113,9 @@ ordered_json model_json(const ProfileModel& model) {
     }
     return {{"links", model.touching.size()},
             {"touching_links", std::count(model.touching.begin(), model.touching.end(), true)},
-            {"free_link", costs.free},
-            {"touching_link", costs.touching},
+            {"lanes", costs.lanes},
+            {"free_lane", costs.free},
+            {"touching_lane", costs.touching},
             {"border", costs.border},
             {"detect_link", costs.detect},
             {"controller", costs.controller},
