@@ -12,6 +12,7 @@
 
 #include "tasks/friction/friction_system.hpp"
 #include "tasks/friction/kick_tables.hpp"
+#include "tasks/friction/leapfrog_frame.hpp"
 #include "tasks/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -19,7 +20,7 @@ namespace cvtflow::tasks {
 class FrictionLeapfrog final : public StepMethod {
 public:
     /// Slots of the workspace that the method uses.
-    static constexpr int state_slots = 2, slope_slots = 3;
+    static constexpr int state_slots = LeapfrogFrame::state_slots, slope_slots = LeapfrogFrame::slope_slots;
 
     FrictionLeapfrog(Workspace& workspace, Kick kick);
 
@@ -42,24 +43,15 @@ public:
 private:
     enum class State { evaluating, pushing, stages, finishing };
 
-    void extrapolate();
-    void turn_over();
     int start_kick();
     int start_stage(int stage);
-    int end_step();
 
     Workspace& w_;
+    LeapfrogFrame frame_;
     FrictionSystem system_;
     const KickTables tables_;
     const KickTable* table_ = nullptr;   ///< of the step at hand
     State state_ = State::evaluating;
-    bool continues_ = false;      ///< there is a step before the one at hand
-    double begun_ = -1e300;       ///< where the step at hand began [s]
-    double length_ = 0.0;         ///< of the step at hand [s]
-    double length_before_ = 0.0;  ///< of the one before, 0: none [s]
-    double rise_ = 0.0;           ///< ΔG in units of the difference between the last two G
-    model::ContactDrift drift_;
-    model::SheaveMotion sheaves_before_[4]{};
     int stage_ = 0;
     engine::PlanStep row_{};
     double weight_ = 0.0;         ///< of the stage at hand in the result

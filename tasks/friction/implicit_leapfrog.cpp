@@ -12,17 +12,6 @@ namespace {
 
 [[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
-[[nodiscard]] model::SheaveMotion change_of(const model::SheaveMotion& now, const model::SheaveMotion& before, double factor) noexcept {
-    model::SheaveMotion change{};
-    change.vx = factor * (now.vx - before.vx);
-    change.vy = factor * (now.vy - before.vy);
-    change.vz = factor * (now.vz - before.vz);
-    change.spin_x = factor * (now.spin_x - before.spin_x);
-    change.spin_y = factor * (now.spin_y - before.spin_y);
-    change.spin_z = factor * (now.spin_z - before.spin_z);
-    return change;
-}
-
 }  // namespace
 
 double DirkTable::weight(int stage) const noexcept { return stage + 1 < static_cast<int>(times.size()) ? weights.back()[at(stage)] : gamma; }
@@ -40,7 +29,7 @@ DirkTable sdirk2() {
     return {2, gamma, {gamma, 1.0}, {{}, {1.0 - gamma}}};
 }
 
-ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), table_(std::move(table)) {
+ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)) {
     const int size = w_.layout().link_size();
     for (int k = 0; k < solve_.groups(); ++k) {
         kicks_.push_back({model::LaneRows(size), model::LaneRows(size), model::LaneRows(size), {}, model::LaneRows(2 * model::tips_per_link)});
@@ -48,50 +37,12 @@ ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : Fric
     }
 }
 
-void ImplicitLeapfrog::restart() noexcept {
-    continues_ = false;
-    begun_ = -1e300;
-    length_ = 0.0;
-}
-
-/// Slope slot 1: [v | mean acceleration of the step before], the acceleration zero where there is none.
-void ImplicitLeapfrog::extrapolate() {
-    if (continues_) {
-        std::swap(w_.slopes[1], w_.end_slope);   // made by the last detect cycle
-        return;
-    }
-    const model::ChainLayout& layout = w_.layout();
-    std::fill_n(w_.slopes[1], layout.size(), 0.0);
-    for (int link = 0; link < layout.links; ++link) {
-        const int q = layout.link_begin(link);
-        std::copy_n(w_.states[0] + q + layout.link_size(), layout.link_size(), w_.slopes[1] + q);
-    }
-    std::copy_n(w_.states[0] + layout.pulley_begin() + layout.pulley_size, layout.pulley_size, w_.slopes[1] + layout.pulley_begin());
-}
-
-/// What the step before has left becomes history.
-void ImplicitLeapfrog::turn_over() {
-    extrapolate();
-    for (Kick& kick : kicks_) std::swap(kick.base, kick.before);
-    std::copy(std::begin(w_.sheaves), std::end(w_.sheaves), sheaves_before_);
-    length_before_ = continues_ ? length_ : 0.0;
-    begun_ = w_.time;
-    continues_ = true;
-}
-
 int ImplicitLeapfrog::begin() {
-    if (w_.time != begun_ || !continues_) turn_over();   // else the same step once more, only shorter
-    length_ = w_.h;
-    rise_ = length_before_ > 0.0 ? 2.0 * length_ / (length_ + length_before_) : 0.0;
-    static constexpr engine::Term from{0, 1.0}, along{1, 0.5};
-    w_.evaluate_end = false;
-    w_.row = {{&from, 1}, {&along, 1}, -1, 2, 0.5};
-    w_.slope_out = w_.slopes[2];
-    const model::ChainLayout& layout = w_.layout();
-    engine::combine(w_.row, w_.h, w_.slots(), layout.pulley_begin(), layout.size(), w_.tail.data());
-    if (layout.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
-    drift_.step = w_.h;
-    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.sheaves[k], sheaves_before_[k], rise_);
+    if (frame_.is_new()) {
+        frame_.turn_over();
+        for (Kick& kick : kicks_) std::swap(kick.base, kick.before);
+    }
+    frame_.begin();
     stage_ = 0;
     at_ = At::evaluate;
     return evaluate_cycle;
@@ -104,7 +55,7 @@ int ImplicitLeapfrog::next() {
         case At::gather:
         case At::stage: at_ = At::solve; return solve_.begin();
         case At::solve: return after_solve(solve_.next());
-        case At::finish: return end_step();
+        case At::finish: frame_.end(); return done;
     }
     return failed;
 }
@@ -120,18 +71,7 @@ int ImplicitLeapfrog::after_solve(int cycle) {
     return stage_cycle;
 }
 
-int ImplicitLeapfrog::end_step() {
-    const model::ChainLayout& layout = w_.layout();
-    const int begin = layout.pulley_begin(), half = layout.pulley_size;
-    close_evaluation(w_, w_.time + 0.5 * w_.h, w_.tail.data(), w_.slopes[2]);
-    for (int k = begin + half; k < layout.size(); ++k) w_.states[1][k] = w_.states[0][k] + w_.h * w_.slopes[2][k];
-    for (int k = begin; k < begin + half; ++k) w_.states[1][k] = w_.states[0][k] + 0.5 * w_.h * (w_.states[0][k + half] + w_.states[1][k + half]);
-    static constexpr engine::Term end{1, 1.0};
-    w_.row = {{&end, 1}, {}, -1, -1, 1.0};
-    return done;
-}
-
-void ImplicitLeapfrog::record(int segment) noexcept { record_window(segment, stage_window(w_, segment), drift_); }
+void ImplicitLeapfrog::record(int segment) noexcept { record_window(segment, stage_window(w_, segment), frame_.drift()); }
 
 /// Contacts, and the slips of the velocities with which the other forces were evaluated.
 void ImplicitLeapfrog::gather(int number) noexcept {
@@ -161,7 +101,7 @@ void ImplicitLeapfrog::base(int number) noexcept {
 /// The other forces at the stage at hand, in units of the difference between the last two: from their mean to the end of the step half a rise.
 double ImplicitLeapfrog::lean() const noexcept {
     const double centre = table_.centre();
-    return centre < 1.0 ? 0.5 * rise_ * (table_.times[at(stage_)] - centre) / (1.0 - centre) : 0.0;
+    return centre < 1.0 ? 0.5 * frame_.rise() * (table_.times[at(stage_)] - centre) / (1.0 - centre) : 0.0;
 }
 
 /// Velocities of the stage at hand before its friction acts, and their slips.
@@ -243,27 +183,15 @@ void ImplicitLeapfrog::react(int number) noexcept {
 }
 
 void ImplicitLeapfrog::save(std::vector<double>& memory) const {
-    memory.assign({continues_ ? 1.0 : 0.0, length_});
-    for (const model::SheaveMotion& s : w_.sheaves) memory.insert(memory.end(), {s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z});
-    memory.insert(memory.end(), w_.end_slope, w_.end_slope + w_.layout().size());
+    memory.clear();
+    frame_.save(memory);
     const int numbers = w_.layout().link_size() * model::slip_lanes;
     for (const Kick& kick : kicks_) memory.insert(memory.end(), kick.base.at(0), kick.base.at(0) + numbers);
 }
 
 void ImplicitLeapfrog::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    continues_ = memory[0] != 0.0;
-    length_ = memory[1];
-    begun_ = -1e300;
-    memory = memory.subspan(2);
-    for (model::SheaveMotion& s : w_.sheaves) {
-        s.vx = memory[0], s.vy = memory[1], s.vz = memory[2];
-        s.spin_x = memory[3], s.spin_y = memory[4], s.spin_z = memory[5];
-        memory = memory.subspan(6);
-    }
-    const auto size = static_cast<std::size_t>(w_.layout().size());
-    std::copy_n(memory.begin(), size, w_.end_slope);
-    memory = memory.subspan(size);
+    memory = frame_.load(memory);
     const auto numbers = static_cast<std::size_t>(w_.layout().link_size() * model::slip_lanes);
     for (Kick& kick : kicks_) {
         std::copy_n(memory.begin(), numbers, kick.base.at(0));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tasks/friction/friction_solve.hpp"
+#include "tasks/friction/leapfrog_frame.hpp"
 
 namespace cvtflow::tasks {
 
@@ -31,13 +32,13 @@ struct DirkTable {
 class ImplicitLeapfrog final : public FrictionImplicit {
 public:
     /// Slots of the workspace that the method uses.
-    static constexpr int state_slots = 2, slope_slots = 3;
+    static constexpr int state_slots = LeapfrogFrame::state_slots, slope_slots = LeapfrogFrame::slope_slots;
 
     ImplicitLeapfrog(Workspace& workspace, DirkTable table);
 
     [[nodiscard]] int begin() override;
     [[nodiscard]] int next() override;
-    void restart() noexcept override;
+    void restart() noexcept override { frame_.restart(); }
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;
 
@@ -57,26 +58,17 @@ private:
         model::LaneRows impulses;               ///< mean force of the tips' friction along their tangents [8]
     };
 
-    void extrapolate();
-    void turn_over();
     int after_solve(int cycle);
-    int end_step();
     void predict(int group) noexcept;
     void end_stage(int group) noexcept;
     void react(int group) noexcept;
     [[nodiscard]] double lean() const noexcept;
 
+    LeapfrogFrame frame_;
     const DirkTable table_;
     std::vector<Kick> kicks_;                   ///< [group]
     At at_ = At::evaluate;
     int stage_ = 0;
-    bool continues_ = false;      ///< there is a step before the one at hand
-    double begun_ = -1e300;       ///< where the step at hand began [s]
-    double length_ = 0.0;         ///< of the step at hand [s]
-    double length_before_ = 0.0;  ///< of the one before, 0: none [s]
-    double rise_ = 0.0;           ///< change of the other forces over the step, in units of the difference between the last two
-    model::ContactDrift drift_;
-    model::SheaveMotion sheaves_before_[4]{};
 };
 
 }  // namespace cvtflow::tasks
