@@ -157,6 +157,10 @@ struct StartPlan {
     }
     const double speed = plan.radii.driving * plan.turning;
     plan.pretension = link_mass(p) / plan.mean_pitch * speed * speed;
+    // Tension grows with the radius, P = P0 (1 + ε) for a stretch of ε pitches, and Hooke's law gives P = K p ε: none fits where P0 ≥ K p.
+    if (plan.pretension >= p.plate.count * p.plate.stiffness * plan.mean_pitch) {
+        throw std::invalid_argument("start: at this speed the chain bursts, as its own motion pulls harder than any stretch of its links");
+    }
     return plan;
 }
 

@@ -89,7 +89,10 @@ void add_size_rows(std::vector<Extreme>& rows) {
         rows.back().allowed = {Ending::right, Ending::refused};
     }
     rows.push_back({"pins", "free ring of 10,000", ring(10000)});
+    rows.back().settings.back() = "start.ring_speed=2";
     rows.back().steps = 10;
+    rows.back().nightly = true;
+    rows.push_back({"pins", "free ring of 10,000 at 2.6 km/s, which bursts", ring(10000), {Ending::refused}});
     rows.back().nightly = true;
     for (const int pins : {3, 4, 5, 12, 84, 1000}) {
         rows.push_back({"pins", fmt::format("belt of {}", pins), belt(pins), {Ending::right, Ending::refused, Ending::fault}, {FaultKind::left_sheave, FaultKind::penetration}});

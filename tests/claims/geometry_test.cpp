@@ -170,5 +170,16 @@ TEST(GeometricStart, IsRefusedWhereTheChainDoesNotFit) {
     EXPECT_THROW(static_cast<void>(model::start_state(p)), std::invalid_argument);
 }
 
+/// A ring of N links of mass m on springs K has no radius at which it turns with Ω > 2π/N √(K/m): its tension grows faster than Hooke's law.
+TEST(GeometricStart, IsRefusedWhereTheRingBursts) {
+    model::Parameters p = ring(84, {8.12e-3});
+    const double mass = 2.0 * p.half.mass + p.plate.count * p.plate.mass, stiffness = p.plate.count * p.plate.stiffness;
+    const double bursting = 2.0 * pi / p.chain.pins * std::sqrt(stiffness / mass);
+    p.start.ring_speed = 0.2 * bursting;
+    EXPECT_NO_THROW(static_cast<void>(model::start_state(p)));
+    p.start.ring_speed = 1.001 * bursting;
+    EXPECT_THROW(static_cast<void>(model::start_state(p)), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace cvtflow::claims
