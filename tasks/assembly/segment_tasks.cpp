@@ -17,18 +17,6 @@ using model::TipIndicator;
 
 [[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
-/// The state at the step's end, copied for an evaluation there.
-void fill_window_at_end(Workspace& w, const Segment& own, double* window) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    const int block = layout.link_block();
-    const auto copy = [&](int link, int links, double* out) {
-        std::memcpy(out, w.end_state + layout.link_begin(link), at(links * block) * sizeof(double));
-    };
-    copy(layout.previous(own.first), 1, window);
-    copy(own.first, own.size(), window + block);
-    copy(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
-}
-
 [[nodiscard]] model::SheaveMotion* sheaves_at(Workspace& w, double theta, double* tail, model::SheaveMotion* sheaves) noexcept {
     const model::ChainLayout& layout = w.layout();
     w.interpolant().evaluate(theta, layout.pulley_begin(), layout.pulley_begin() + layout.pulley_block(), tail);
@@ -173,13 +161,22 @@ void fill_window(Workspace& w, const Segment& own, double* window) noexcept {
     combine(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
 }
 
+void copy_window(const Workspace& w, const Segment& own, const double* state, double* window) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int block = layout.link_block();
+    const auto copy = [&](int link, int links, double* out) { std::memcpy(out, state + layout.link_begin(link), at(links * block) * sizeof(double)); };
+    copy(layout.previous(own.first), 1, window);
+    copy(own.first, own.size(), window + block);
+    copy(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
+}
+
 void evaluate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
     double* window = w.windows[at(segment)].data();
     if (w.evaluate_end) {
-        fill_window_at_end(w, own, window);
+        copy_window(w, own, w.end_state, window);
     } else {
         fill_window(w, own, window);
         if (w.row.keep >= 0) {

@@ -8,6 +8,9 @@ namespace cvtflow::tasks {
 /// Stage state of links first - 1 … last of a segment, as workspace.row combines it. @param window room for them
 void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
 
+/// The same of a state vector, as it is: at the step's end, say.
+void copy_window(const Workspace& workspace, const Segment& own, const double* state, double* window) noexcept;
+
 /// Stage state of the segment and its halo, forces, slope of its links.
 void evaluate_segment(void* workspace, int segment) noexcept;
 /// Result of the step for its links; their tips at the step's end.

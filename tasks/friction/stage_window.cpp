@@ -1,18 +1,12 @@
 #include "tasks/friction/stage_window.hpp"
 
-#include <cstring>
+#include "tasks/assembly/segment_tasks.hpp"
 
 namespace cvtflow::tasks {
 
 const double* window_of(Workspace& w, const double* state, int segment) noexcept {
     double* window = w.windows[static_cast<std::size_t>(segment)].data();
-    const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
-    const auto block = static_cast<std::size_t>(layout.link_block());
-    const auto copy = [&](int link, int links, double* to) { std::memcpy(to, state + layout.link_begin(link), static_cast<std::size_t>(links) * block * sizeof(double)); };
-    copy(layout.previous(own.first), 1, window);
-    copy(own.first, own.size(), window + block);
-    copy(layout.next(own.last - 1), 1, window + static_cast<std::size_t>(own.size() + 1) * block);
+    copy_window(w, w.partition[segment], state, window);
     return window;
 }
 
