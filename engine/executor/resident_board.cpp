@@ -20,19 +20,23 @@
 /// controller alone, and hands all of it on by the release of `open`. It also may write `unfinished` plainly: every subtraction of
 /// s has happened, and none of s + 1 can before `open` is stored.
 ///
-/// Progress. Nobody waits for a worker, only for a task that somebody has claimed and is running, or for the last finisher.
+/// Progress. Nobody waits for a worker, only for a task that somebody has claimed and is running, or for the last finisher. A worker
+/// that loses its processor to others leaves for a while (retreat.hpp), the last one at work never: at_work_ falls from n to n - 1 by
+/// a compare-and-swap only if n > 1.
 ///
 /// Shares and not single tasks carry the claims: a worker that looks for work reads one line per colleague rather than one per task,
 /// and a colleague's next claim has one line to win back instead of many (0.1 µs each).
 
 #include "engine/executor/resident_board.hpp"
 
+#include <chrono>
 #include <stdexcept>
+#include <thread>
 
 namespace cvtflow::engine {
 
 ResidentBoard::ResidentBoard(Run& run, const ExecutorOptions& options, int first)
-    : run_(run), untried_(options), workers_(options.threads), taken_(std::make_unique<Padded[]>(static_cast<std::size_t>(workers_))) {
+    : run_(run), untried_(options), workers_(options.threads), retreats_(options.wait != Wait::spin), taken_(std::make_unique<Padded[]>(static_cast<std::size_t>(workers_))) {
     const TaskGraph& graph = run.graph();
     for (int cycle = 0; cycle < graph.cycles(); ++cycle) {
         first_level_.push_back(levels_.size());
@@ -94,13 +98,31 @@ std::uint64_t ResidentBoard::finish(int worker, std::uint64_t open) noexcept {
     return open;
 }
 
+/// Sleeps while others work, until the time is over or the run is. Does nothing if nobody else is at work.
+void ResidentBoard::leave(Retreat& retreat) noexcept {
+    int at_work = at_work_.value.load(std::memory_order_relaxed);
+    do {
+        if (at_work == 1) return;
+    } while (!at_work_.value.compare_exchange_weak(at_work, at_work - 1, std::memory_order_relaxed));
+    const auto until = std::chrono::steady_clock::now() + retreat.length();
+    while (std::chrono::steady_clock::now() < until && Word::count(open_.value.load(std::memory_order_relaxed)) != Word::most) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    at_work_.value.fetch_add(1, std::memory_order_relaxed);
+    retreat.returned(ProcessorUse::now());
+}
+
 void ResidentBoard::work(int worker) noexcept {
     Patience patience = untried_;
+    Retreat retreat(ProcessorUse::now());
+    at_work_.value.fetch_add(1, std::memory_order_relaxed);
     std::uint64_t open = open_.value.load(std::memory_order_acquire);
-    while (Word::count(open) != Word::most) {
+    for (int round = 0; Word::count(open) != Word::most; ++round) {
+        if (retreats_ && round % rounds_per_look == 0 && retreat.due()) leave(retreat);
         const std::uint64_t next = finish(worker, open);
         open = next != open ? next : patience.change(open_.value, open);
     }
+    at_work_.value.fetch_sub(1, std::memory_order_relaxed);
 }
 
 }  // namespace cvtflow::engine

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/executor/patience.hpp"
+#include "engine/executor/retreat.hpp"
 #include "engine/executor/run.hpp"
 
 namespace cvtflow::engine {
@@ -35,26 +36,33 @@ private:
     struct alignas(apart) Padded {
         std::atomic<std::uint64_t> value{0};
     };
+    struct alignas(apart) Count {
+        std::atomic<int> value{0};
+    };
     struct Level {
         std::span<const int> tasks;
         int next;  ///< number of the level that follows, or last
     };
     static constexpr int last = -1;
+    static constexpr int rounds_per_look = 16;  // a look at the clock costs 25 ns, a level at least 300
 
     [[nodiscard]] std::uint64_t finish(int worker, std::uint64_t open) noexcept;
     [[nodiscard]] std::uint64_t run_share(int worker, int owner, std::uint64_t open) noexcept;
     [[nodiscard]] bool settle(std::uint64_t ran) noexcept;
     [[nodiscard]] std::uint64_t open_next(int worker, std::uint64_t finished) noexcept;
     std::uint64_t open_level(std::uint64_t sequence, std::uint64_t level) noexcept;
+    void leave(Retreat& retreat) noexcept;
 
     Run& run_;
     const Patience untried_;
     int workers_;
+    bool retreats_;                           ///< not on a machine of one's own
     std::vector<Level> levels_;               ///< of all cycles
     std::vector<std::uint64_t> first_level_;  ///< [cycle]
     std::unique_ptr<Padded[]> taken_;         ///< [worker] sequence and number of tasks taken of the worker's share
     Padded open_;                             ///< sequence and number of the open level
     Padded unfinished_;                       ///< tasks of the open level
+    Count at_work_;                           ///< workers that have come and are not away
 };
 
 }  // namespace cvtflow::engine
