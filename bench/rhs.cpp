@@ -117,7 +117,7 @@ void evaluate(const Case& c, const model::ChainKernels& kernels, model::Evaluati
     model::fill_window(c.variator(), c.simulation.state(), scratch);
     c.variator().pulleys().motions(tail, scratch.sheaves);
     kernels.slopes(c.variator().chain(), {0, c.layout().links, scratch.window.data(), scratch.sheaves, c.phases.data()}, slope, scratch.loads.data(), nullptr);
-    c.variator().close(0.0, tail, c.phases.data(), scratch.loads.data(), nullptr, slope + c.layout().pulley_begin());
+    c.variator().close(0.0, tail, c.variator().sheave_forces(c.phases.data(), scratch.loads.data()), nullptr, slope + c.layout().pulley_begin());
 }
 
 /// @param peak flops per second that are possible, 0: unknown
@@ -157,7 +157,7 @@ void pulleys(benchmark::State& run) {
     const Case& c = case_of("whole");
     std::vector<double> slope(static_cast<std::size_t>(c.layout().size() - c.layout().pulley_begin()));
     for (auto _ : run) {
-        c.variator().close(0.0, c.simulation.state() + c.layout().pulley_begin(), c.phases.data(), c.scratch.loads.data(), nullptr, slope.data());
+        c.variator().close(0.0, c.simulation.state() + c.layout().pulley_begin(), c.variator().sheave_forces(c.phases.data(), c.scratch.loads.data()), nullptr, slope.data());
         benchmark::DoNotOptimize(slope.data());
     }
     label(run, slope.data(), slope.size());

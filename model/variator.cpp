@@ -1,5 +1,6 @@
 #include "model/variator.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 namespace cvtflow::model {
@@ -24,24 +25,50 @@ void add(const SheaveLoad& load, int side, std::array<double, 6>& total) noexcep
 
 }  // namespace
 
-SheaveForces Variator::sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept {
-    SheaveForces forces{};
-    for (int link = 0; link < layout().links; ++link) {
+void Variator::add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum) const noexcept {
+    sum = {};
+    const int last = std::min(layout().links, links_per_sum * (group + 1));
+    for (int link = links_per_sum * group; link < last; ++link) {
         if (!touches(phases + tips_per_link * link)) continue;
         const LinkLoad& load = loads[link];
-        for (int side = 0; side < 2; ++side) add(load.load, side, forces[static_cast<std::size_t>(2 * load.shaft + side)]);
+        for (int side = 0; side < 2; ++side) add(load.load, side, sum.forces[static_cast<std::size_t>(2 * load.shaft + side)]);
+    }
+}
+
+namespace {
+
+void add(const SheaveSum& sum, SheaveForces& forces) noexcept {
+    for (std::size_t sheave = 0; sheave < forces.size(); ++sheave) {
+        for (std::size_t k = 0; k < forces[sheave].size(); ++k) forces[sheave][k] += sum.forces[sheave][k];
+    }
+}
+
+}  // namespace
+
+SheaveForces Variator::sheave_forces(const SheaveSum* sums) const noexcept {
+    SheaveForces forces{};
+    for (int group = 0; group < this->sums(); ++group) add(sums[group], forces);
+    return forces;
+}
+
+SheaveForces Variator::sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept {
+    SheaveForces forces{};
+    for (int group = 0; group < sums(); ++group) {
+        SheaveSum sum;
+        add_up(group, phases, loads, sum);
+        add(sum, forces);
     }
     return forces;
 }
 
-void Variator::close(double t, const double* tail, const Phase* phases, const LinkLoad* loads, const Account* accounts, double* tail_slope) const noexcept {
+void Variator::close(double t, const double* tail, const SheaveForces& chain, const Account* accounts, double* tail_slope) const noexcept {
     const ChainLayout& at = layout();
     Account total;
     WorkRates works{};
     if (at.pulley_size != 0) {
         const double* control = tail + at.pulley_block();
         const Inputs inputs = pulleys_.inputs(t, tail, at.control ? *control : 0.0);
-        pulleys_.slope(tail, inputs, sheave_forces(phases, loads), tail_slope, at.ledger ? &total : nullptr);
+        pulleys_.slope(tail, inputs, chain, tail_slope, at.ledger ? &total : nullptr);
         if (at.control) tail_slope[at.pulley_block()] = inputs.control_rate;
         works = pulleys_.works(tail, inputs);
     }
@@ -78,7 +105,7 @@ void right_hand_side(const Variator& variator, double t, const double* state, co
     } else {
         variator.chain().slopes(range, slope, scratch.loads.data());
     }
-    variator.close(t, state + at.pulley_begin(), phases, scratch.loads.data(), scratch.accounts.data(), slope + at.pulley_begin());
+    variator.close(t, state + at.pulley_begin(), variator.sheave_forces(phases, scratch.loads.data()), scratch.accounts.data(), slope + at.pulley_begin());
 }
 
 }  // namespace cvtflow::model

@@ -8,6 +8,14 @@
 
 namespace cvtflow::model {
 
+/// Links whose reactions are added up together.
+inline constexpr int links_per_sum = 4;
+
+/// Reactions of a group of links on the sheaves; on cache lines of its own.
+struct alignas(64) SheaveSum {
+    SheaveForces forces{};
+};
+
 class Variator {
 public:
     /// @param isa which kernels run; results do not depend on it
@@ -20,12 +28,18 @@ public:
     /// Puts values in place of the inputs' tables; between steps only.
     void hold(const HeldInputs& held) noexcept { pulleys_.hold(held); }
 
-    /// Forces of the chain on the sheaves: the links' reactions in the order of their numbers, whoever computed them.
+    /// Groups of links whose reactions are added up first: sums do not depend on who adds which group.
+    [[nodiscard]] int sums() const noexcept { return (layout().links + links_per_sum - 1) / links_per_sum; }
+    /// Reactions of the links of one group, in the order of their numbers. phases, loads: of all links
+    void add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum) const noexcept;
+    /// Forces of the chain on the sheaves from the sums of all groups, in their order.
+    [[nodiscard]] SheaveForces sheave_forces(const SheaveSum* sums) const noexcept;
+    /// The same from the links' reactions.
     [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept;
 
     /// Slope of everything behind the links (pulleys, control, ledger). `tail` and `tail_slope` begin at pulley_begin().
     /// `accounts` ([links * account_parts], from observed_slopes) is read only with a ledger.
-    void close(double t, const double* tail, const Phase* phases, const LinkLoad* loads, const Account* accounts, double* tail_slope) const noexcept;
+    void close(double t, const double* tail, const SheaveForces& chain, const Account* accounts, double* tail_slope) const noexcept;
 
 private:
     ChainModel chain_;

@@ -1,17 +1,19 @@
 #include "tasks/partition.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
 namespace cvtflow::tasks {
 
-Partition Partition::equal(int links, int segments) {
+Partition Partition::equal(int links, int segments, int grain) {
     if (segments < 1 || segments > links) {
         throw std::invalid_argument("run.segments: " + std::to_string(segments) + " segments for " + std::to_string(links) + " links; give 1 to " + std::to_string(links));
     }
     Partition partition;
+    const int unit = segments <= (links + grain - 1) / grain ? grain : 1, units = (links + unit - 1) / unit;
     for (int s = 0; s < segments; ++s) {
-        const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(links) * k / segments); };
+        const auto cut = [&](int k) { return std::min(links, unit * static_cast<int>((static_cast<long>(units) * k + (unit > 1 ? segments - 1 : 0)) / segments)); };
         partition.segments_.push_back({cut(s), cut(s + 1)});
     }
     return partition;

@@ -15,8 +15,9 @@ struct Segment {
 
 class Partition {
 public:
-    /// `segments` runs of equal length, up to one link. Throws std::invalid_argument unless 1 ≤ segments ≤ links.
-    static Partition equal(int links, int segments);
+    /// `segments` runs of equal length, up to `grain` links; they begin at multiples of it, as long as there are enough of those.
+    /// Throws std::invalid_argument unless 1 ≤ segments ≤ links.
+    static Partition equal(int links, int segments, int grain = 1);
 
     /// Segments between the given cuts: 0 = cuts[0] < cuts[1] < … = number of links. Throws std::invalid_argument otherwise.
     static Partition at(const std::vector<int>& cuts);

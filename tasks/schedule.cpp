@@ -109,9 +109,11 @@ std::unique_ptr<engine::Executor> make_executor(const Schedule& schedule, engine
 
 namespace {
 
-[[nodiscard]] double link_cost(const std::vector<model::Phase>& phases, int link, const LinkCosts& costs) noexcept {
-    const auto tips = phases.begin() + model::tips_per_link * link;
-    return std::any_of(tips, tips + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; }) ? costs.touching : costs.free;
+/// Links that are evaluated side by side cost what the dearest of them does, however few they are.
+[[nodiscard]] double unit_cost(const std::vector<model::Phase>& phases, int first, int last, const LinkCosts& costs) noexcept {
+    const auto tips = [&](int link) { return phases.begin() + model::tips_per_link * link; };
+    const bool touches = std::any_of(tips(first), tips(last), [](model::Phase phase) { return phase != model::Phase::free; });
+    return costs.grain * (touches ? costs.touching : costs.free);
 }
 
 }  // namespace
@@ -120,7 +122,7 @@ double longest_segment(const std::vector<model::Phase>& phases, std::span<const 
     double longest = 0.0;
     for (std::size_t s = 1; s < cuts.size(); ++s) {
         double cost = 0.0;
-        for (int link = cuts[s - 1]; link < cuts[s]; ++link) cost += link_cost(phases, link, costs);
+        for (int link = cuts[s - 1]; link < cuts[s]; link += costs.grain) cost += unit_cost(phases, link, std::min(link + costs.grain, cuts[s]), costs);
         longest = std::max(longest, cost);
     }
     return longest;
@@ -128,18 +130,22 @@ double longest_segment(const std::vector<model::Phase>& phases, std::span<const 
 
 void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs) noexcept {
     const int links = static_cast<int>(phases.size()) / model::tips_per_link, segments = static_cast<int>(cuts.size()) - 1;
+    const int units = (links + costs.grain - 1) / costs.grain;
+    if (segments > units) return balance(phases, cuts, {costs.free, costs.touching, 1});
+    const auto cost = [&](int unit) { return unit_cost(phases, costs.grain * unit, std::min(links, costs.grain * (unit + 1)), costs); };
     double total = 0.0;
-    for (int link = 0; link < links; ++link) total += link_cost(phases, link, costs);
-    double until = 0.0, before = 0.0;   // cost of the links before `at`, and before the one in front of it
+    for (int unit = 0; unit < units; ++unit) total += cost(unit);
+    double until = 0.0, before = 0.0;   // cost of the units before `at`, and before the one in front of it
     cuts.front() = 0;
-    for (int s = 1, at = 0; s < segments; ++s) {
+    for (int s = 1, at = 0, last = 0; s < segments; ++s) {
         const double wanted = total * s / segments;
-        for (; at < links && until < wanted; ++at) {
+        for (; at < units && until < wanted; ++at) {
             before = until;
-            until += link_cost(phases, at, costs);
+            until += cost(at);
         }
         const int nearest = at > 0 && wanted - before < until - wanted ? at - 1 : at;
-        cuts[static_cast<std::size_t>(s)] = std::clamp(nearest, cuts[static_cast<std::size_t>(s) - 1] + 1, links - (segments - s));
+        last = std::clamp(nearest, last + 1, units - (segments - s));
+        cuts[static_cast<std::size_t>(s)] = costs.grain * last;
     }
     cuts.back() = links;
 }

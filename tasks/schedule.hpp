@@ -53,6 +53,7 @@ struct Schedule {
 struct LinkCosts {
     double free = 1.0;
     double touching = 1.35;   ///< measured at full detail: tips are a third of what else a link costs (bench rhs)
+    int grain = 1;            ///< links that are evaluated side by side: segments begin at multiples of it, as long as there are enough
 };
 
 /// Contiguous segments of about equal cost, judged by which links touch now. @param phases [4 links]

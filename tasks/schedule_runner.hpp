@@ -52,6 +52,7 @@ private:
     std::vector<Slot> slots_;
     engine::StampRecorder* recorder_;
     std::vector<int> cuts_;   ///< room for balanced borders
+    LinkCosts costs_;         ///< by which they are balanced
     long moves_ = 0, rests_ = 0;
 };
 

@@ -7,9 +7,9 @@
 
 namespace cvtflow::tasks {
 
-void close_evaluation(Workspace& w, double time, const double* tail, double* slope) noexcept {
+void close_evaluation(Workspace& w, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept {
     ++w.evaluations;
-    w.variator.close(time, tail, w.phases.data(), w.loads.data(), w.accounts.data(), slope + w.layout().pulley_begin());
+    w.variator.close(time, tail, chain, w.accounts.data(), slope + w.layout().pulley_begin());
 }
 
 int StageMethod::begin() {
@@ -62,7 +62,7 @@ int StageMethod::start_stage(int stage) {
 }
 
 int StageMethod::next() {
-    close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.slope_out);
+    close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.sheave_forces(), w_.slope_out);
     if (stage_ + 1 < plan_->stages()) return start_stage(stage_ + 1);
     w_.row = plan_->result();
     slope_at_ = plan_->last_is_result() ? SlopeAt::last : SlopeAt::nowhere;

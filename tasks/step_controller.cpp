@@ -115,7 +115,7 @@ int StepController::next() noexcept {
             case State::method: return take(method_.next());
             case State::detect: return finish_detect();
             case State::end_slope:
-                close_evaluation(w_, w_.time + w_.h, w_.end_state + w_.layout().pulley_begin(), w_.end_slope);
+                close_evaluation(w_, w_.time + w_.h, w_.end_state + w_.layout().pulley_begin(), w_.sheave_forces(), w_.end_slope);
                 return start_locate();
             case State::locate: return finish_locate();
             case State::truncate: return finish_truncate();

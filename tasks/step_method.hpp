@@ -67,6 +67,6 @@ protected:
 
 /// Ends an evaluation of the right-hand side whose links are done: slope of everything behind the links, and counts it.
 /// @param tail state behind the links   @param slope whole slope vector
-void close_evaluation(Workspace& workspace, double time, const double* tail, double* slope) noexcept;
+void close_evaluation(Workspace& workspace, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept;
 
 }  // namespace cvtflow::tasks

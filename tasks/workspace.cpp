@@ -37,6 +37,8 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     const std::size_t links = static_cast<std::size_t>(layout().links);
     touching.resize(links);
     loads.resize(links);
+    sums.resize(static_cast<std::size_t>(variator.sums()));
+    split_sums.reserve(sums.size());
     link_errors.resize(links);
     error_scale.velocity = p.tip.friction.saturation_speed;
     if (layout().ledger) accounts.resize(model::account_parts * links);
@@ -63,14 +65,34 @@ void Workspace::repartition(Partition parts) {
     verdicts.resize(static_cast<std::size_t>(partition.size()));
     windows.resize(static_cast<std::size_t>(partition.size()));
     for (int s = 0; s < partition.size(); ++s) windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
+    split_sums.clear();
+    for (int s = 1; s < partition.size(); ++s) {
+        const int group = partition[s].first / model::links_per_sum;
+        const bool splits = partition[s].first % model::links_per_sum != 0;
+        if (splits && (split_sums.empty() || split_sums.back() != group)) split_sums.push_back(group);
+    }
     if (method != nullptr) method->repartitioned();
+}
+
+void Workspace::add_up(const Segment& own) noexcept {
+    constexpr int size = model::links_per_sum;
+    const int last = own.last == layout().links ? variator.sums() : own.last / size;
+    for (int group = (own.first + size - 1) / size; group < last; ++group) {
+        variator.add_up(group, phases.data(), loads.data(), sums[static_cast<std::size_t>(group)]);
+    }
+}
+
+model::SheaveForces Workspace::sheave_forces() noexcept {
+    if (staged_states) return variator.sheave_forces(phases.data(), loads.data());
+    for (const int group : split_sums) variator.add_up(group, phases.data(), loads.data(), sums[static_cast<std::size_t>(group)]);
+    return variator.sheave_forces(sums.data());
 }
 
 std::size_t Workspace::bytes() const noexcept {
     const auto of = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
     std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + tail.size();
     for (const auto& window : windows) doubles += window.size();
-    return doubles * sizeof(double) + of(loads) + of(accounts) + of(phases) + of(before) + of(after) + of(probes) + of(changed) + of(verdicts) + sizeof(*this);
+    return doubles * sizeof(double) + of(loads) + of(sums) + of(accounts) + of(phases) + of(before) + of(after) + of(probes) + of(changed) + of(verdicts) + sizeof(*this);
 }
 
 void Workspace::list_touching() noexcept {

@@ -73,6 +73,8 @@ public:
 
     // Fields over links and tips.
     std::vector<model::LinkLoad> loads;        ///< [links]
+    std::vector<model::SheaveSum> sums;        ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
+    std::vector<int> split_sums;               ///< those whose links several segments share
     std::vector<model::Account> accounts;      ///< [links * account_parts], only with a ledger
     std::vector<model::Phase> phases;          ///< [4 links]
     std::vector<model::TipIndicator> before;   ///< [4 links] at the step's start
@@ -104,6 +106,10 @@ public:
     void repartition(Partition parts);
     /// Brings the list of touching links up to date; after every change of phases.
     void list_touching() noexcept;
+    /// Adds up the reactions of a segment's links as far as nobody else's are in the same sum.
+    void add_up(const Segment& own) noexcept;
+    /// Forces of the chain on the sheaves after an evaluate cycle; called by the controller.
+    [[nodiscard]] model::SheaveForces sheave_forces() noexcept;
     /// The staged evaluation's view of this workspace.
     [[nodiscard]] model::StagedChain staged_chain() noexcept;
     [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }

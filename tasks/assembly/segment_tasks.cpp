@@ -192,6 +192,7 @@ void evaluate_segment(void* workspace, int segment) noexcept {
     } else {
         w.variator.chain().slopes(range, slope, w.loads.data() + own.first);
     }
+    if (layout.pulley_size != 0) w.add_up(own);
 }
 
 namespace {

@@ -62,7 +62,7 @@ int AdditiveMethod::next() {
 }
 
 int AdditiveMethod::after_evaluation() {
-    close_evaluation(w_, w_.time + table_.times[at(stage_)] * w_.h, w_.tail.data(), slope(stage_));
+    close_evaluation(w_, w_.time + table_.times[at(stage_)] * w_.h, w_.tail.data(), w_.variator.sheave_forces(w_.phases.data(), w_.loads.data()), slope(stage_));
     if (stage_ == 0) {   // friction of the first stage is not solved for
         at_ = At::record;
         return record_cycle;

@@ -68,7 +68,7 @@ void LeapfrogFrame::begin() {
 void LeapfrogFrame::end() {
     const model::ChainLayout& at = w_.layout();
     const int begin = at.pulley_begin(), half = at.pulley_size;
-    close_evaluation(w_, w_.time + 0.5 * w_.h, w_.tail.data(), w_.slopes[2]);
+    close_evaluation(w_, w_.time + 0.5 * w_.h, w_.tail.data(), w_.variator.sheave_forces(w_.phases.data(), w_.loads.data()), w_.slopes[2]);
     for (int k = begin + half; k < at.size(); ++k) w_.states[1][k] = w_.states[0][k] + w_.h * w_.slopes[2][k];
     for (int k = begin; k < begin + half; ++k) w_.states[1][k] = w_.states[0][k] + 0.5 * w_.h * (w_.states[0][k + half] + w_.states[1][k + half]);
     static constexpr engine::Term end{1, 1.0};

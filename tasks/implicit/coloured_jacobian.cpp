@@ -112,7 +112,7 @@ void ColouredJacobian::pulley_group(int index, const BasePoint& base, Scratch& o
     const double taken = (stood + step) - stood;
     variator_.pulleys().motions(own.tail.data(), own.evaluation.sheaves);
     variator_.chain().slopes({0, layout_.links, own.evaluation.window.data(), own.evaluation.sheaves, base.phases}, own.slope.data(), own.evaluation.loads.data());
-    variator_.close(base.time, own.tail.data(), base.phases, own.evaluation.loads.data(), base.accounts, own.slope.data() + layout_.pulley_begin());
+    variator_.close(base.time, own.tail.data(), variator_.sheave_forces(base.phases, own.evaluation.loads.data()), base.accounts, own.slope.data() + layout_.pulley_begin());
     own.tail[static_cast<std::size_t>(index)] = stood;
     const auto rate = [&](int at) { return (own.slope[static_cast<std::size_t>(at)] - base.slope[at]) / taken; };
     for (int link = 0; link < layout_.links; ++link) {

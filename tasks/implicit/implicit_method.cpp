@@ -105,7 +105,7 @@ int ImplicitMethod::evaluate(std::span<const engine::Term> states, double c, int
     return evaluate_cycle;
 }
 
-void ImplicitMethod::close_evaluate() noexcept { close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.slope_out); }
+void ImplicitMethod::close_evaluate() noexcept { close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.sheave_forces(), w_.slope_out); }
 
 int ImplicitMethod::take_jacobian(double c, int state_slot, int slope_slot) noexcept {
     base_ = {w_.time + c * w_.h, state(state_slot), slope(slope_slot), w_.phases.data(), w_.loads.data(), w_.accounts.data()};

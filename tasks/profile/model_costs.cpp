@@ -115,18 +115,20 @@ void measure_synchronisation(ProfileModel& model) {
     fit_synchronisation(model.synchronisation, model.costs);
 }
 
-Partition partition_of(const ScheduleResult& result, int links) { return Partition::equal(links, result.schedule.segments); }
+Partition partition_of(const ScheduleResult& result, const ProfileModel& model) {
+    return Partition::equal(static_cast<int>(model.touching.size()), result.schedule.segments, model.costs.lanes);
+}
 
 /// Measured evaluation tasks over those of the model, all segments together; 0: not recorded on all its threads.
 double stretch_of(const ScheduleResult& result, const ProfileModel& model) {
     const Recording& recording = result.recording;
-    const int threads = result.schedule.threads, links = static_cast<int>(model.touching.size());
+    const int threads = result.schedule.threads;
     if (threads == 1 || result.schedule.assembly.kind != Assembly::fused || result.schedule.balanced || recording.pass.active() < threads) return 0.0;
     const std::vector<double> times = median_task_times(recording.spans, static_cast<int>(recording.tasks.size()));
     double measured = 0.0;
     for (std::size_t task = 0; task < times.size(); ++task) measured += stage_of(recording.tasks[task]) == Stage::force ? times[task] : 0.0;
     double expected = 0.0;
-    const Partition partition = partition_of(result, links);
+    const Partition partition = partition_of(result, model);
     for (const Segment& segment : partition.segments()) {
         expected += evaluation_time(model.costs, lanes_of(segment, model.touching, model.costs.lanes));
     }
@@ -143,8 +145,7 @@ void measure_stretch(const std::vector<ScheduleResult>& results, ProfileModel& m
 }
 
 double fused_prediction(const ScheduleResult& result, const ProfileModel& model, double own_meeting) {
-    const int links = static_cast<int>(model.touching.size());
-    return model.serial_step / step_time(model.costs, partition_of(result, links), result.schedule.threads, model.touching, own_meeting);
+    return model.serial_step / step_time(model.costs, partition_of(result, model), result.schedule.threads, model.touching, own_meeting);
 }
 
 /// Tasks of serial:staged per step, as evenly as whole segments go, the controller's cycles, a meeting per level.
