@@ -1,26 +1,39 @@
 #include "model/variator.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 
 namespace cvtflow::model {
 
 namespace {
 
-void add(const SheaveLoad& load, int side, std::array<double, 6>& total) noexcept {
-    total[0] += load.fx[side];
-    total[1] += load.fy[side];
-    total[2] += load.mx[side];
-    total[3] += load.my[side];
-    total[4] += load.fz[side];
-    total[5] += load.mz[side];
+void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
+    for (int side = 0; side < 2; ++side) {
+        total.fx[side] += load.fx[side];
+        total.fy[side] += load.fy[side];
+        total.fz[side] += load.fz[side];
+        total.mx[side] += load.mx[side];
+        total.my[side] += load.my[side];
+        total.mz[side] += load.mz[side];
+    }
+}
+
+[[nodiscard]] SheaveForces forces_of(const SheaveSum& sum) noexcept {
+    SheaveForces forces;
+    for (std::size_t sheave = 0; sheave < forces.size(); ++sheave) {
+        const SheaveLoad& load = sum.of_shaft[sheave / 2];
+        const std::size_t side = sheave % 2;
+        forces[sheave] = {load.fx[side], load.fy[side], load.mx[side], load.my[side], load.fz[side], load.mz[side]};
+    }
+    return forces;
 }
 
 [[nodiscard]] bool touches(const Phase* phases) noexcept {
-    for (int tip = 0; tip < tips_per_link; ++tip) {
-        if (phases[tip] != Phase::free) return true;
-    }
-    return false;
+    static_assert(Phase::free == Phase{} && tips_per_link * sizeof(Phase) == sizeof(std::uint32_t));
+    std::uint32_t all;
+    std::memcpy(&all, phases, sizeof all);
+    return all != 0;
 }
 
 }  // namespace
@@ -29,36 +42,25 @@ void Variator::add_up(int group, const Phase* phases, const LinkLoad* loads, She
     sum = {};
     const int last = std::min(layout().links, links_per_sum * (group + 1));
     for (int link = links_per_sum * group; link < last; ++link) {
-        if (!touches(phases + tips_per_link * link)) continue;
-        const LinkLoad& load = loads[link];
-        for (int side = 0; side < 2; ++side) add(load.load, side, sum.forces[static_cast<std::size_t>(2 * load.shaft + side)]);
+        if (touches(phases + tips_per_link * link)) add(loads[link].load, sum.of_shaft[loads[link].shaft]);
     }
 }
-
-namespace {
-
-void add(const SheaveSum& sum, SheaveForces& forces) noexcept {
-    for (std::size_t sheave = 0; sheave < forces.size(); ++sheave) {
-        for (std::size_t k = 0; k < forces[sheave].size(); ++k) forces[sheave][k] += sum.forces[sheave][k];
-    }
-}
-
-}  // namespace
 
 SheaveForces Variator::sheave_forces(const SheaveSum* sums) const noexcept {
-    SheaveForces forces{};
-    for (int group = 0; group < this->sums(); ++group) add(sums[group], forces);
-    return forces;
+    SheaveSum total;
+    for (int group = 0; group < this->sums(); ++group) {
+        for (int shaft = 0; shaft < 2; ++shaft) add(sums[group].of_shaft[shaft], total.of_shaft[shaft]);
+    }
+    return forces_of(total);
 }
 
 SheaveForces Variator::sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept {
-    SheaveForces forces{};
+    SheaveSum total, sum;
     for (int group = 0; group < sums(); ++group) {
-        SheaveSum sum;
         add_up(group, phases, loads, sum);
-        add(sum, forces);
+        for (int shaft = 0; shaft < 2; ++shaft) add(sum.of_shaft[shaft], total.of_shaft[shaft]);
     }
-    return forces;
+    return forces_of(total);
 }
 
 void Variator::close(double t, const double* tail, const SheaveForces& chain, const Account* accounts, double* tail_slope) const noexcept {

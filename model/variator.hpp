@@ -13,7 +13,7 @@ inline constexpr int links_per_sum = 4;
 
 /// Reactions of a group of links on the sheaves; on cache lines of its own.
 struct alignas(64) SheaveSum {
-    SheaveForces forces{};
+    SheaveLoad of_shaft[2]{};
 };
 
 class Variator {

@@ -84,7 +84,7 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
 
 bool Simulation::fits(const Scene& scene) const { return scene.run.method == scene_.run.method && model::layout_of(scene.parameters) == workspace_->layout(); }
 
-void Simulation::reset(const Scene& scene, const engine::SavedState* saved) {
+void Simulation::reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed) {
     scene_ = scene;
     workspace_->adopt(scene.parameters);
     if (find_program(scene.run.method) != nullptr) {   // what a program has derived from the parameters
@@ -95,12 +95,14 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved) {
     start_differences_.clear();
     needs_settling_ = false;
     if (saved != nullptr) take_state(*saved);
+    else if (placed != nullptr) begin_at(*placed);
     else place_geometrically();
     rest_at_start();
 }
 
-void Simulation::place_geometrically() {
-    const model::StartState start = model::start_state(scene_.parameters);
+void Simulation::place_geometrically() { begin_at(model::start_state(scene_.parameters)); }
+
+void Simulation::begin_at(const model::StartState& start) {
     std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
     workspace_->phases = start.phases;
     needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "model/start_state.hpp"
 #include "tasks/checkpoint/integration_state.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/schedule_runner.hpp"
@@ -37,8 +38,9 @@ public:
     [[nodiscard]] bool fits(const Scene& scene) const;
     /// Becomes a simulation of another scene that fits, in the memory of this one; bit for bit as a new one.
     /// @param saved the state to start from, instead of the scene's file; nullptr: geometric start
+    /// @param placed that start, if it has been made already
     /// @throws as the constructor
-    void reset(const Scene& scene, const engine::SavedState* saved);
+    void reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed = nullptr);
 
     /// Whether the start is geometric and has to settle before t = 0.
     [[nodiscard]] bool needs_settling() const noexcept { return needs_settling_; }
@@ -98,6 +100,7 @@ private:
     [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
     void take_state(const engine::SavedState& saved);
     void place_geometrically();
+    void begin_at(const model::StartState& start);
     void rest_at_start();
     void end_settling();
     [[nodiscard]] StepSettings settling_settings() const;

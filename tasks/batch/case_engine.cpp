@@ -128,7 +128,7 @@ void CaseEngine::begin(const StartStates::State& saved) {
         serial_ = std::make_unique<Simulation>(geometric, Schedule{});
         serial_eye_ = std::make_unique<model::Observer>(serial_->variator());
     }
-    serial_->reset(scene_, saved.get());
+    serial_->reset(scene_, saved.get(), saved ? nullptr : starts_.placed(result_.number, scene_).get());
     simulation_ = serial_.get();
     eye_ = serial_eye_.get();
     simulation_->pause_on(&pause_);

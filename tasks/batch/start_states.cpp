@@ -17,6 +17,9 @@ constexpr std::string_view run_only[] = {"run.until", "run.state_interval", "run
 /// Sections that describe the machine; the others describe how it is operated.
 constexpr std::string_view machine[] = {"detail", "chain", "half", "plate", "joint", "tip", "pulley", "record"};
 
+/// Sections on which the geometric start does not depend: what is done to the variator once it stands.
+constexpr std::string_view operation[] = {"load", "clamping", "run"};
+
 [[nodiscard]] std::uint64_t content(const Scene& scene) {
     engine::Hash hash;
     for (const Parameter& parameter : parameter_table()) {
@@ -32,6 +35,10 @@ bool matters_for_settling(std::string_view key) noexcept {
     return !may_change(key) && std::find(std::begin(run_only), std::end(run_only), key) == std::end(run_only);
 }
 
+bool matters_for_placing(const Parameter& parameter) noexcept {
+    return std::find(std::begin(operation), std::end(operation), parameter.section()) == std::end(operation);
+}
+
 StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder) : sweep_(sweep), folder_(std::move(folder)) {
     shareable_ = sweep.start == StartMode::shared || (sweep.start == StartMode::settle && !std::all_of(sweep.axes.begin(), sweep.axes.end(), [this](const Axis& axis) { return matters(axis); }));
 }
@@ -45,8 +52,9 @@ bool StartStates::matters(const Axis& axis) const noexcept {
     return std::any_of(axis.keys.begin(), axis.keys.end(), matters);
 }
 
-/// The first of all cases that settle like this one.
-long StartStates::settling_case(long number) const noexcept {
+/// The first of all cases that are like this one in the axes that matter.
+template <class Matters>
+long StartStates::first_alike(long number, const Matters& matters) const noexcept {
     long first = 0;
     for (std::size_t axis = 0; axis < sweep_.axes.size(); ++axis) {
         first = first * static_cast<long>(sweep_.axes[axis].rows()) + (matters(sweep_.axes[axis]) ? static_cast<long>(sweep_.row(number, axis)) : 0);
@@ -62,7 +70,7 @@ std::string_view StartStates::kind(const Scene& scene) const noexcept {
 StartStates::State StartStates::of_case(long number, const Scene& scene, const engine::Cancellation& cancel) {
     if (sweep_.start == StartMode::scene) return scene.state_file.empty() ? nullptr : from_file(scene.state_file);
     if (!shareable_) return nullptr;
-    const long first = settling_case(number);
+    const long first = first_alike(number, [this](const Axis& axis) { return matters(axis); });
     const State known = gate_.through([&] {
         const auto found = of_settling_.find(first);
         return found == of_settling_.end() ? State() : found->second;
@@ -113,6 +121,22 @@ void StartStates::keep(const std::string& key, State state) {
         if (kept_.size() >= most_kept) kept_.erase(kept_.begin());
         kept_[key] = std::move(state);
     });
+}
+
+StartStates::Placed StartStates::placed(long number, const Scene& scene) {
+    const auto matters = [](const Parameter* key) { return matters_for_placing(*key); };
+    const long first = first_alike(number, [&](const Axis& axis) { return std::any_of(axis.keys.begin(), axis.keys.end(), matters); });
+    const Placed known = gate_.through([&] {
+        const auto found = placed_.find(first);
+        return found == placed_.end() ? Placed() : found->second;
+    });
+    if (known) return known;
+    auto made = std::make_shared<const model::StartState>(model::start_state(scene.parameters));
+    gate_.through([&] {
+        if (placed_.size() >= most_kept) placed_.erase(placed_.begin());
+        placed_[first] = made;
+    });
+    return made;
 }
 
 StartStates::State StartStates::from_file(const std::string& path) {

@@ -8,6 +8,7 @@
 
 #include "engine/executor/job_pool.hpp"
 #include "engine/record/state_file.hpp"
+#include "model/start_state.hpp"
 #include "tasks/batch/sweep.hpp"
 #include "tasks/simulation.hpp"
 
@@ -23,6 +24,7 @@ public:
 class StartStates {
 public:
     using State = std::shared_ptr<const engine::SavedState>;
+    using Placed = std::shared_ptr<const model::StartState>;
 
     /// @param folder  where settled states are kept, by the hash of all that they depend on; made when it is needed
     StartStates(const Sweep& sweep, std::filesystem::path folder);
@@ -30,6 +32,10 @@ public:
     /// The state that a case begins with; nullptr: it settles by itself. Any thread. Allocates nothing for a state that is kept.
     /// @param scene of the case   @throws StartFault, engine::RecordError
     [[nodiscard]] State of_case(long number, const Scene& scene, const engine::Cancellation& cancel);
+    /// The chain laid around the pulleys as a case wants it; one object for all cases that agree in what it depends on. Any thread.
+    /// @param scene of the case
+    /// @throws std::invalid_argument if the chain does not close
+    [[nodiscard]] Placed placed(long number, const Scene& scene);
     /// "scene", "geometric", "settled" or "shared"
     [[nodiscard]] std::string_view kind(const Scene& scene) const noexcept;
 
@@ -40,7 +46,8 @@ private:
     void keep(const std::string& key, State state);
     [[nodiscard]] Scene settling_scene(const Scene& scene) const;
     [[nodiscard]] bool matters(const Axis& axis) const noexcept;
-    [[nodiscard]] long settling_case(long number) const noexcept;
+    template <class Matters>
+    [[nodiscard]] long first_alike(long number, const Matters& matters) const noexcept;
 
     const Sweep& sweep_;
     std::filesystem::path folder_;
@@ -49,9 +56,12 @@ private:
     engine::OnceEach once_;
     std::map<std::string, State> kept_;   ///< the latest few, by file
     std::map<long, State> of_settling_;   ///< the same, by the first case that settles alike
+    std::map<long, Placed> placed_;       ///< geometric starts, by the first case that has the same
 };
 
 /// Whether the course of settling depends on a key.
 [[nodiscard]] bool matters_for_settling(std::string_view key) noexcept;
+/// Whether the geometric start depends on it.
+[[nodiscard]] bool matters_for_placing(const Parameter& parameter) noexcept;
 
 }  // namespace cvtflow::tasks
