@@ -24,10 +24,11 @@ TEST(StartStates, PlacingDependsOnMachineSpeedAndStart) {
     const model::StartState plain = model::start_state(claims::ready_scene("tiny").parameters);
     for (const char* section : {"detail", "chain", "half", "plate", "joint", "tip", "pulley", "drive", "control", "start", "record"}) {
         for (const Parameter& parameter : parameter_table()) {
-            if (parameter.section() == section) EXPECT_TRUE(matters_for_placing(parameter)) << parameter.key;
+            if (parameter.section() != section) continue;
+            EXPECT_TRUE(matters_for_placing(parameter)) << parameter.key;
         }
     }
-    for (const char* setting : {"start.ratio=1.2", "drive.speed=100 rad/s", "pulley.centre_distance=160 mm", "control.enabled=true"}) {
+    for (const char* setting : {"start.ratio=1.2", "drive.speed=100 rad/s", "tip.radius=100 mm", "control.enabled=true"}) {
         EXPECT_NE(start_with(setting).state, plain.state) << setting;
     }
 }
