@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <tuple>
 
 namespace cvtflow::model {
 
@@ -37,6 +38,12 @@ void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
 }
 
 }  // namespace
+
+void Variator::adopt(const Parameters& before, const Parameters& p) {
+    const auto machine = [](const Parameters& of) { return std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.pulley, of.control.enabled, of.ledger); };
+    if (machine(before) != machine(p)) chain_ = ChainModel(p, chain_.isa());
+    pulleys_.adopt(p);
+}
 
 void Variator::add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum) const noexcept {
     sum = {};

@@ -21,6 +21,10 @@ public:
     /// @param isa which kernels run; results do not depend on it
     explicit Variator(const Parameters& parameters, Isa isa = chosen_isa()) : chain_(parameters, isa), pulleys_(parameters) {}
 
+    /// Becomes the variator of other parameters, inputs released. Allocates nothing if the machine stays the same: chain, detail, pulleys' geometry.
+    /// @param before its parameters so far
+    void adopt(const Parameters& before, const Parameters& parameters);
+
     [[nodiscard]] const ChainLayout& layout() const noexcept { return chain_.layout(); }
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
     [[nodiscard]] const PulleyModel& pulleys() const noexcept { return pulleys_; }

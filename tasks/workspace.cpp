@@ -52,8 +52,8 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
 }
 
 void Workspace::adopt(const model::Parameters& other) {
+    variator.adopt(parameters, other);
     parameters = other;
-    variator = model::Variator(other);
     rule = rule_of(other);
     phases.assign(phases.size(), model::Phase::free);
     before.assign(before.size(), {});

@@ -14,9 +14,20 @@ enum Freedom { ux = 0, uy = 1, tilt_x = 2, tilt_y = 3, axial = 4, turn = 5 };
 
 }  // namespace
 
-PulleyModel::PulleyModel(const Parameters& p)
-    : pulley_(p.pulley), drive_(p.drive), load_(p.load), clamping_(p.clamping), control_(p.control), start_(p.start),
-      size_(layout_of(p).pulley_size), half_length_(0.5 * p.half.length) {
+PulleyModel::PulleyModel(const Parameters& p) { adopt(p); }
+
+void PulleyModel::adopt(const Parameters& p) {
+    pulley_ = p.pulley;
+    drive_ = p.drive;
+    load_ = p.load;
+    clamping_ = p.clamping;
+    control_ = p.control;
+    start_ = p.start;
+    held_ = {};
+    size_ = layout_of(p).pulley_size;
+    half_length_ = 0.5 * p.half.length;
+    inertia_.clear();
+    supports_.clear();
     const double polar = pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + drive_.inertia;
     const double frequency = 2.0 * std::numbers::pi * drive_.governor_frequency;
     governor_stiffness_ = polar * frequency * frequency;

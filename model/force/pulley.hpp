@@ -41,6 +41,8 @@ using WorkRates = std::array<double, work_kinds>;
 class PulleyModel {
 public:
     explicit PulleyModel(const Parameters& parameters);
+    /// Becomes the model of other parameters, inputs released; allocates only what does not fit into the memory it has.
+    void adopt(const Parameters& parameters);
 
     [[nodiscard]] int size() const noexcept { return size_; }
     /// Positions and velocities of the four sheaves from the pulleys' block [q | v].

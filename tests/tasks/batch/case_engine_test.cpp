@@ -40,14 +40,14 @@ protected:
     std::filesystem::path folder_;
 };
 
-/// States, slots, graph, executor, table row: all that grows with chain, method or steps is there after the first case. What is left are the model's constants
-/// (65 small ones) and the controller's; a geometric start is placed once for all.
-TEST_F(CaseOfAWorker, AllocatesAFewConstantsAfterTheFirst) {
+/// States, slots, graph, executor, table row, constants of the machine: all is there after the first case, and a geometric start is placed once for all. What
+/// is left is a controller's own, one for settling and one for the run.
+TEST_F(CaseOfAWorker, AllocatesNothingButControllersAfterTheFirst) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     const std::vector<long> shared = allocations(sweep("shared")), placed = allocations(sweep("settle"));
     EXPECT_GT(shared[0], 1000);
-    EXPECT_LE(shared[1], 70);
-    EXPECT_LE(placed[1], 70);
+    EXPECT_LE(shared[1], 2);
+    EXPECT_LE(placed[1], 3);
     for (const auto& counts : {shared, placed}) {
         for (std::size_t number = 2; number < counts.size(); ++number) EXPECT_EQ(counts[number], counts[1]) << number;
     }
