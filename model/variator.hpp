@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "model/basis/aligned.hpp"
 #include "model/chain_model.hpp"
 #include "model/force/pulley.hpp"
 
@@ -53,7 +54,7 @@ private:
 /// Memory of one serial evaluation.
 struct EvaluationScratch {
     explicit EvaluationScratch(const ChainLayout& layout);
-    std::vector<double> window;
+    LineVector<double> window;
     std::vector<LinkLoad> loads;
     std::vector<Account> accounts;
     SheaveMotion sheaves[4]{};

@@ -90,7 +90,7 @@ public:
     int touching_count = 0;
 
     // Per segment.
-    std::vector<std::vector<double>> windows;  ///< stage states of the segment's links and their two neighbours
+    std::vector<model::LineVector<double>> windows;  ///< stage states of the segment's links and their two neighbours
     std::vector<double> link_errors;  ///< [links] local error of the step, root mean square in units of error_scale
     std::vector<Verdict> verdicts;
 
