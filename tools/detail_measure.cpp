@@ -27,7 +27,7 @@ struct Means final : tasks::RunObserver {
         double tip = 0.0;
         for (const double axial : now.tip_axial) tip = std::max(tip, std::abs(axial));
         const double in = now.chain_torque[0] * now.speed[0], out = now.chain_torque[1] * now.speed[1];
-        const std::array values{now.tight, now.slack, tip, now.slip, std::abs(in), std::abs(out), now.ratio, now.clamping[0] / now.clamping[1]};
+        const std::array values{now.tight, now.slack, tip, now.slip, in, out, now.ratio, now.clamping[0] / now.clamping[1]};
         for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += values[k];
         if (count == 0) first_ratio = now.ratio;
         last_ratio = now.ratio;
@@ -83,7 +83,7 @@ void average(tasks::Simulation& simulation, double settle, double until, DetailO
     const auto both = [&](std::size_t k) { return 0.5 * (first.mean(k) + second.mean(k)); };
     outcome.tight = both(0), outcome.slack = both(1), outcome.tip = both(2), outcome.slip = both(3);
     outcome.ratio = both(6);
-    outcome.efficiency = both(5) / both(4);
+    outcome.efficiency = std::abs(both(5) / both(4));   // of mean powers: torques oscillate through zero
     outcome.shift = (second.last_ratio / first.first_ratio - 1.0) / (second.last_time - first.first_time);
     outcome.drift = second.mean(0) / first.mean(0) - 1.0;
     outcome.cost = cost_of(simulation);
