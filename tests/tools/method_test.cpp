@@ -31,6 +31,7 @@ TEST_F(MethodCommands, UnknownNamesAreExplained) {
     const std::vector<std::pair<std::string, std::string>> mistakes{
         {"rkc-s1", "cvtflow: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)\n"},
         {"rock2-s4", "cvtflow: no method 'rock2-s4': rock2-s<stages> takes 5 to 400 stages\n"},
+        {"rock4-s101", "cvtflow: no method 'rock4-s101': rock4-s<stages> takes 5 to 100 stages\n"},
         {"serk2-s15", "cvtflow: no method 'serk2-s15': serk2-s<stages> takes 10, 20, ... 250 stages\n"},
         {"fitted-l200", "cvtflow: no method 'fitted-l200': fitted-l<real>-w<imaginary>[-s<stages>][-p<order>][-r<ripple>] takes real 5 to 8000, imaginary "
                         "up to 50, 4 to 150 stages (the fewest if absent), order 2 or 3, ripple up to 1 (0.2 if absent)\n"},
