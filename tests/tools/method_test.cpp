@@ -24,7 +24,10 @@ TEST_F(MethodCommands, MethodShowsWhatTheTableImplies) {
                                  HasSubstr("to 4.66"), HasSubstr("times 567"), HasSubstr("--table prints the 28 stages")));
     EXPECT_THAT(run({"method", "dumka3-p5", "--table"}).out, HasSubstr("\n   27  K4 = f(t + 1 h, "));
     EXPECT_THAT(run({"method", "fitted-l100-w1"}).out, HasSubstr("order               3 to "));
-    EXPECT_THAT(run({"method", "dumka3"}).out, HasSubstr("as many as the step needs"));
+    EXPECT_THAT(run({"method", "dumka3"}).out, AllOf(HasSubstr("as many as the step needs"), HasSubstr("of the tables of stages that it chooses among")));
+    EXPECT_THAT(run({"method", "leapfrog-sdirk2"}).out, AllOf(HasSubstr("1 a step\n"), HasSubstr("2 a step, for friction"), HasSubstr("stable to h omega = 2\n"),
+                                                              HasSubstr("stable however far in h c")));
+    EXPECT_THAT(run({"method", "ros34pw2"}).out, AllOf(HasSubstr("4 a step, for the whole state"), HasSubstr("imaginary axis      stable however far")));
 }
 
 TEST_F(MethodCommands, UnknownNamesAreExplained) {
