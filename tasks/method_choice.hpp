@@ -12,6 +12,8 @@
 
 namespace cvtflow::tasks {
 
+struct ProgramStability;
+
 /// A method that is a program: what `list methods` says of it, the slots it needs, and how it is made.
 struct MethodProgram {
     std::string name, description, source;
@@ -21,6 +23,9 @@ struct MethodProgram {
     int slope_slots = 1;         ///< slot 0 included
     /// @throws std::invalid_argument if the method cannot be used with the workspace's scene
     std::unique_ptr<StepMethod> (*make)(Workspace& workspace) = nullptr;
+    std::string solves = "none"; ///< systems solved in a step, in words
+    /// On the test equation that it is made for (tasks/program_stability.hpp); nullptr: it chooses among tables of stages.
+    ProgramStability (*stability)() = nullptr;
 };
 
 /// All programs, each under a name of its own.

@@ -9,6 +9,7 @@
 #include "engine/method/method_name.hpp"
 #include "engine/method/near_optimal.hpp"
 #include "engine/method/rkc.hpp"
+#include "engine/method/rock4.hpp"
 
 namespace cvtflow::engine {
 
@@ -41,6 +42,12 @@ std::optional<StagePlan> rock2_by_name(std::string_view name) {
     return rock2(stages);
 }
 
+std::optional<StagePlan> rock4_by_name(std::string_view name) {
+    const int stages = stages_in(name, "rock4", fewest_rock4_stages, most_rock4_stages, 1);
+    if (stages == 0) return {};
+    return rock4(stages);
+}
+
 std::optional<StagePlan> serk2_by_name(std::string_view name) {
     const int stages = stages_in(name, "serk2", 10, 250, 10);
     if (stages == 0) return {};
@@ -51,6 +58,7 @@ constexpr std::array families{
     MethodFamily{"rkc", "rkc-s<stages>[-e<damping>]", "2 to 400 stages, damping 0 to 100 (2/13 if absent)",
                  "Runge-Kutta-Chebyshev of order 2", rkc_by_name},
     MethodFamily{"rock2", "rock2-s<stages>", "5 to 400 stages", "ROCK2 of order 2, near-optimal real interval", rock2_by_name},
+    MethodFamily{"rock4", "rock4-s<stages>", "5 to 100 stages", "ROCK4 of order 4, near-optimal real interval", rock4_by_name},
     MethodFamily{"serk2", "serk2-s<stages>", "10, 20, ... 250 stages", "SERK2 of order 2, near-optimal real interval", serk2_by_name},
     MethodFamily{"fitted", "fitted-l<real>-w<imaginary>[-s<stages>][-p<order>][-r<ripple>]",
                  "real 5 to 8000, imaginary up to 50, 4 to 150 stages (the fewest if absent), order 2 or 3, ripple up to 1 (0.2 if absent)",
@@ -93,6 +101,7 @@ std::span<const StagePlan> methods() {
         std::vector<StagePlan> list = tables();
         for (const int stages : {10, 20, 30, 50}) list.push_back(rkc(stages));
         for (const int stages : {10, 20, 40}) list.push_back(rock2(stages));
+        for (const int stages : {10, 20, 40}) list.push_back(rock4(stages));
         for (const int stages : {10, 20, 40}) list.push_back(serk2(stages));
         for (const char* name : {"fitted-l100-w1", "fitted-l200-w2", "fitted-l300-w3", "fitted-l400-w4"}) list.push_back(*fitted_by_name(name));
         return list;

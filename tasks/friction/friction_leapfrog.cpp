@@ -13,10 +13,9 @@ namespace {
 enum FrictionCycle : int { push_cycle = method_cycles, stage_cycle, finish_cycle };
 
 constexpr int result_slot = kick_state_slots;   ///< velocity slot of the result
-/// The spectrum moves with the tension: it is looked at every so many steps, and taken with a margin in between.
+/// The spectrum moves with the tension: it is looked at every so many steps.
 constexpr long steps_between_estimates = 64;
 constexpr int first_iterations = 50, next_iterations = 4;
-constexpr double margin = 1.1;
 
 [[nodiscard]] FrictionLeapfrog& method_of(void* workspace) noexcept {
     return *static_cast<FrictionLeapfrog*>(static_cast<Workspace*>(workspace)->method);
@@ -92,8 +91,7 @@ int FrictionLeapfrog::start_stage(int stage) {
     stage_ = stage;
     row_ = table_->plan.stage(stage);
     weight_ = table_->weights[static_cast<std::size_t>(stage)];
-    // From the mean of the stages to the end of the step: half a rise, and no impulse.
-    lean_ = 0.5 * frame_.rise() * (row_.time - table_->centre) / (1.0 - table_->centre);
+    lean_ = table_->lean(row_.time, frame_.rise());
     return stage_cycle;
 }
 

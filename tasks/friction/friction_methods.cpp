@@ -1,7 +1,10 @@
 #include "tasks/friction/friction_methods.hpp"
 
+#include <type_traits>
+
 #include "tasks/friction/additive_method.hpp"
 #include "tasks/friction/friction_leapfrog.hpp"
+#include "tasks/friction/friction_stability.hpp"
 #include "tasks/friction/implicit_leapfrog.hpp"
 
 namespace cvtflow::tasks {
@@ -23,10 +26,21 @@ std::unique_ptr<StepMethod> make_additive(Workspace& workspace) {
     return std::make_unique<AdditiveMethod>(workspace, table());
 }
 
+template <Kick kick>
+ProgramStability stability() {
+    return leapfrog_stability(kick);
+}
+
+template <auto table>
+ProgramStability stability_of() {
+    if constexpr (std::is_same_v<decltype(table()), DirkTable>) return leapfrog_stability(table());
+    else return additive_stability(table());
+}
+
 template <AdditiveTable (*table)()>
-MethodProgram additive(const char* description) {
+MethodProgram additive(const char* description, const char* solves) {
     const AdditiveTable t = table();
-    return {t.name, description, t.source, t.order, t.stages(), AdditiveMethod::state_slots, AdditiveMethod::slope_slots(t), make_additive<table>};
+    return {t.name, description, t.source, t.order, t.stages(), AdditiveMethod::state_slots, AdditiveMethod::slope_slots(t), make_additive<table>, solves, stability_of<table>};
 }
 
 }  // namespace
@@ -36,15 +50,15 @@ std::vector<MethodProgram> friction_methods() {
     constexpr int own_states = ImplicitLeapfrog::state_slots, own_slopes = ImplicitLeapfrog::slope_slots;
     return {
         {"leapfrog-rkc", "leapfrog, friction inside the step by damped RKC stages on velocities alone", "this project (tasks/friction)", 2, 1, states, slopes,
-         make<Kick::rkc>},
+         make<Kick::rkc>, "none", stability<Kick::rkc>},
         {"leapfrog-chebyshev", "the same with fewer, first-order stages that leave nothing stiff behind", "this project (tasks/friction)", 1, 1, states, slopes,
-         make<Kick::chebyshev>},
+         make<Kick::chebyshev>, "none", stability<Kick::chebyshev>},
         {"leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone", "this project (tasks/friction)", 1, 1, own_states, own_slopes,
-         make_implicit<backward_euler>},
+         make_implicit<backward_euler>, "1 a step, for friction", stability_of<backward_euler>},
         {"leapfrog-sdirk2", "the same with two stages of order 2 (SDIRK2)", "this project (tasks/friction); R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006-1021", 2, 1,
-         own_states, own_slopes, make_implicit<sdirk2>},
-        additive<ark436>("ARK4(3)6L[2]SA, additive Runge-Kutta: friction implicit, all else explicit"),
-        additive<ars343>("ARS(3,4,3), additive Runge-Kutta: friction implicit, all else explicit"),
+         own_states, own_slopes, make_implicit<sdirk2>, "2 a step, for friction", stability_of<sdirk2>},
+        additive<ark436>("ARK4(3)6L[2]SA, additive Runge-Kutta: friction implicit, all else explicit", "5 a step, for friction"),
+        additive<ars343>("ARS(3,4,3), additive Runge-Kutta: friction implicit, all else explicit", "3 a step, for friction"),
     };
 }
 

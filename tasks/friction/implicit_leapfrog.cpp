@@ -22,6 +22,11 @@ double DirkTable::centre() const noexcept {
     return sum;
 }
 
+double DirkTable::lean(int stage, double rise) const noexcept {
+    const double mean = centre();
+    return mean < 1.0 ? 0.5 * rise * (times[at(stage)] - mean) / (1.0 - mean) : 0.0;
+}
+
 DirkTable backward_euler() { return {1, 1.0, {1.0}, {{}}}; }
 
 DirkTable sdirk2() {
@@ -98,17 +103,11 @@ void ImplicitLeapfrog::base(int number) noexcept {
     predict(number);
 }
 
-/// The other forces at the stage at hand, in units of the difference between the last two: from their mean to the end of the step half a rise.
-double ImplicitLeapfrog::lean() const noexcept {
-    const double centre = table_.centre();
-    return centre < 1.0 ? 0.5 * frame_.rise() * (table_.times[at(stage_)] - centre) / (1.0 - centre) : 0.0;
-}
-
 /// Velocities of the stage at hand before its friction acts, and their slips.
 void ImplicitLeapfrog::predict(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
-    const double share = lean(), step = w_.h * table_.gamma;
+    const double share = table_.lean(stage_, frame_.rise()), step = w_.h * table_.gamma;
     for (int row = 0; row < w_.layout().link_size(); ++row) {
         for (int lane = 0; lane < model::slip_lanes; ++lane) {
             const double now = kick.base.at(row)[lane];

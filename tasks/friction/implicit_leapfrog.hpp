@@ -23,6 +23,8 @@ struct DirkTable {
     [[nodiscard]] double centre() const noexcept;
     /// b.
     [[nodiscard]] double weight(int stage) const noexcept;
+    /// As KickTable::lean().
+    [[nodiscard]] double lean(int stage, double rise) const noexcept;
 };
 /// Backward Euler: order 1, what friction holds is at rest after one step.
 [[nodiscard]] DirkTable backward_euler();
@@ -62,7 +64,6 @@ private:
     void predict(int group) noexcept;
     void end_stage(int group) noexcept;
     void react(int group) noexcept;
-    [[nodiscard]] double lean() const noexcept;
 
     LeapfrogFrame frame_;
     const DirkTable table_;

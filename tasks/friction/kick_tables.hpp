@@ -19,6 +19,10 @@ struct KickTable {
     std::vector<double> weights;   ///< of its stages in the result
     double centre;                 ///< Σ weight × time of the stages: where a slope that is linear in time has its mean
     double reach;                  ///< |h λ| on the real axis up to which it is stable
+
+    /// A slope at a stage's time, in units of the difference between its last two values: without an impulse, and half a rise at the end of the
+    /// step. @param rise how much it changes over the step, in the same units
+    [[nodiscard]] double lean(double time, double rise) const noexcept { return 0.5 * rise * (time - centre) / (1.0 - centre); }
 };
 
 class KickTables {

@@ -1,8 +1,10 @@
 #include "tasks/implicit/catalogue.hpp"
 
 #include <array>
+#include <string>
 #include <utility>
 
+#include "tasks/implicit/implicit_stability.hpp"
 #include "tasks/implicit/linear_method.hpp"
 #include "tasks/implicit/trapezoidal.hpp"
 
@@ -31,21 +33,28 @@ std::unique_ptr<StepMethod> make_linear(Workspace& workspace) {
     return std::make_unique<LinearMethod>(workspace, linear_plans()[Plan]);
 }
 
+template <std::size_t Plan>
+ProgramStability stability_of_linear() {
+    return linear_stability(linear_plans()[Plan]);
+}
+
 template <std::size_t... Variant>
 void add_trapezoidal(std::vector<MethodProgram>& all, std::index_sequence<Variant...>) {
     const auto program = [](const NewtonVariant& variant, auto make) {
         return MethodProgram{variant.name, std::string("trapezoidal rule, order 2, A-stable: ") + variant.description, "C. G. Broyden, Math. Comp. 19 (1965); L. K. Schubert, Math. Comp. 24 (1970)",
-                             2, 0, TrapezoidalMethod::state_slots, TrapezoidalMethod::slope_slots, make};
+                             2, 0, TrapezoidalMethod::state_slots, TrapezoidalMethod::slope_slots, make, "1 an iteration, for the whole state", trapezoidal_stability};
     };
     (all.push_back(program(variants[Variant], make_trapezoidal<Variant>)), ...);
 }
 
 template <std::size_t... Plan>
 void add_linear(std::vector<MethodProgram>& all, std::index_sequence<Plan...>) {
-    const auto program = [](const LinearPlan& plan, auto make) {
-        return MethodProgram{plan.name, plan.description, plan.source, plan.order, static_cast<int>(plan.stages.size()), LinearMethod::state_slots(plan), 2, make};
+    const auto program = [](const LinearPlan& plan, auto make, auto stability) {
+        const auto stages = static_cast<int>(plan.stages.size());
+        return MethodProgram{plan.name, plan.description, plan.source, plan.order, stages, LinearMethod::state_slots(plan), 2, make,
+                             std::to_string(stages) + " a step, for the whole state", stability};
     };
-    (all.push_back(program(linear_plans()[Plan], make_linear<Plan>)), ...);
+    (all.push_back(program(linear_plans()[Plan], make_linear<Plan>, stability_of_linear<Plan>)), ...);
 }
 
 }  // namespace

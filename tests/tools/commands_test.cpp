@@ -172,6 +172,18 @@ TEST_F(Commands, StabilityNeedsNoScene) {
     EXPECT_FALSE(exists("maps/stability.csv"));
 }
 
+TEST_F(Commands, StabilityOfMethodsThatAreNoTablesIsThatOnTheirOwnTestEquations) {
+    const Outcome outcome = run({"stability", "rk4", "leapfrog-rkc", "ark436", "sw2", "-q", "-o", "maps"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +4 +2\\.785 +2\\.828 "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  leapfrog-rkc +2 +1\\.732 "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  ark436 +4\\.001 .* any "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  sw2 +any +any +any +any "));
+    EXPECT_THAT(read("maps/stability-programs.csv"), HasSubstr("\nsw2,linear,,,,,inf,inf,inf,inf,1,"));
+    EXPECT_THAT(read("maps/stability-leapfrog-rkc.svg"), AllOf(HasSubstr("class=\"region\" d=\"M"), HasSubstr(">h ω</text>"), HasSubstr(">h c</text>")));
+    EXPECT_THAT(read("maps/stability-sw2.svg"), HasSubstr(">Im hλ</text>"));
+}
+
 TEST_F(Commands, PinEntryCountsAndMeasuresErrors) {
     const Outcome outcome = run(std::vector<std::string>{"pin-entry", "tiny", "rk4@50ns", "dumka3-p2@1us", "--time", "24us", "--reference", "rk4@25ns", "--rounds", "1",
                                                          "--pin", "0", "-q", "-o", "c"} + brief_settling);

@@ -24,13 +24,17 @@ TEST_F(MethodCommands, MethodShowsWhatTheTableImplies) {
                                  HasSubstr("to 4.66"), HasSubstr("times 567"), HasSubstr("--table prints the 28 stages")));
     EXPECT_THAT(run({"method", "dumka3-p5", "--table"}).out, HasSubstr("\n   27  K4 = f(t + 1 h, "));
     EXPECT_THAT(run({"method", "fitted-l100-w1"}).out, HasSubstr("order               3 to "));
-    EXPECT_THAT(run({"method", "dumka3"}).out, HasSubstr("as many as the step needs"));
+    EXPECT_THAT(run({"method", "dumka3"}).out, AllOf(HasSubstr("as many as the step needs"), HasSubstr("of the tables of stages that it chooses among")));
+    EXPECT_THAT(run({"method", "leapfrog-sdirk2"}).out, AllOf(HasSubstr("1 a step\n"), HasSubstr("2 a step, for friction"), HasSubstr("stable to h omega = 2\n"),
+                                                              HasSubstr("stable however far in h c")));
+    EXPECT_THAT(run({"method", "ros34pw2"}).out, AllOf(HasSubstr("4 a step, for the whole state"), HasSubstr("imaginary axis      stable however far")));
 }
 
 TEST_F(MethodCommands, UnknownNamesAreExplained) {
     const std::vector<std::pair<std::string, std::string>> mistakes{
         {"rkc-s1", "cvtflow: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)\n"},
         {"rock2-s4", "cvtflow: no method 'rock2-s4': rock2-s<stages> takes 5 to 400 stages\n"},
+        {"rock4-s101", "cvtflow: no method 'rock4-s101': rock4-s<stages> takes 5 to 100 stages\n"},
         {"serk2-s15", "cvtflow: no method 'serk2-s15': serk2-s<stages> takes 10, 20, ... 250 stages\n"},
         {"fitted-l200", "cvtflow: no method 'fitted-l200': fitted-l<real>-w<imaginary>[-s<stages>][-p<order>][-r<ripple>] takes real 5 to 8000, imaginary "
                         "up to 50, 4 to 150 stages (the fewest if absent), order 2 or 3, ripple up to 1 (0.2 if absent)\n"},

@@ -9,6 +9,7 @@
 #include "tasks/scene/spelling.hpp"
 #include "tools/command.hpp"
 #include "tools/method_text.hpp"
+#include "tools/program_stability_report.hpp"
 #include "tools/text.hpp"
 
 namespace cvtflow::tools {
@@ -24,8 +25,11 @@ struct MethodArguments {
 };
 
 std::string program_text(const tasks::MethodProgram& program) {
-    return field("source", program.source) + field("order", fmt::format("{}", program.order)) +
-           field("evaluations", program.evaluations > 0 ? fmt::format("{} a step", program.evaluations) : "as many as the step needs");
+    const std::string text = field("source", program.source) + field("order", fmt::format("{}", program.order)) +
+                             field("evaluations", program.evaluations > 0 ? fmt::format("{} a step", program.evaluations) : "as many as the step needs") +
+                             field("systems solved", program.solves);
+    if (program.stability == nullptr) return text + field("stability", "of the tables of stages that it chooses among");
+    return text + program_figures(program_result(program));
 }
 
 ExitStatus method(const MethodArguments& arguments) {

@@ -9,6 +9,7 @@
 #include "tasks/spectrum.hpp"
 #include "tools/command.hpp"
 #include "tools/output_folder.hpp"
+#include "tools/program_stability_report.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/settled_start.hpp"
 #include "tools/stability_report.hpp"
@@ -26,10 +27,28 @@ struct StabilityArguments {
     double step = 0.0;
 };
 
-engine::StagePlan plan_named(const std::string& name) {
-    require_method(name);
-    if (tasks::find_program(name) != nullptr) throw tasks::SceneError(fmt::format("{} is no table of stages: it has no stability function", name));
-    return *tasks::plan_for(name);
+/// Methods of both kinds.
+struct Chosen {
+    std::vector<engine::StagePlan> plans;
+    std::vector<tasks::MethodProgram> programs;
+};
+
+Chosen chosen(const StabilityArguments& arguments) {
+    Chosen all;
+    for (const std::string& name : arguments.methods) {
+        require_method(name);
+        const tasks::MethodProgram* program = tasks::find_program(name);
+        if (program == nullptr) {
+            all.plans.push_back(*tasks::plan_for(name));
+        } else if (program->stability == nullptr) {
+            throw tasks::SceneError(fmt::format("{} chooses among tables of stages: ask for one of them (cvtflow list methods)", name));
+        } else if (!arguments.scene.scene.empty()) {
+            throw tasks::SceneError(fmt::format("{} is no table of stages: eigenvalues of a scene do not say how far it is stable there", name));
+        } else {
+            all.programs.push_back(*program);
+        }
+    }
+    return all;
 }
 
 /// A scene's eigenvalues, and where its methods are tried.
@@ -62,12 +81,9 @@ void try_on(StabilityResult& result, const Ground& ground) {
     result.limit = limit;
 }
 
-ExitStatus stability(const StabilityArguments& arguments) {
-    std::vector<engine::StagePlan> plans;
-    for (const std::string& name : arguments.methods) plans.push_back(plan_named(name));
+std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments, OutputFolder& folder) {
     std::optional<Ground> ground;
     if (!arguments.scene.scene.empty()) ground = ground_of(arguments);
-    OutputFolder folder(arguments.output);
     std::vector<StabilityResult> results;
     for (const engine::StagePlan& plan : plans) {
         if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", plan.name);
@@ -77,8 +93,29 @@ ExitStatus stability(const StabilityArguments& arguments) {
         const std::string picture = fmt::format("stability-{}.svg", plan.name);
         if (folder.wants(picture)) folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : tasks::Eigenvalues{}, step, ground ? ground->scene : "")));
     }
-    folder.write("stability.csv", stability_csv(results));
-    fmt::print("{}{}", stability_table(results), folder.written());
+    if (!results.empty()) folder.write("stability.csv", stability_csv(results));
+    return results;
+}
+
+std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments, OutputFolder& folder) {
+    std::vector<ProgramResult> results;
+    for (const tasks::MethodProgram& program : programs) {
+        if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", program.name);
+        results.push_back(program_result(program));
+        const std::string picture = fmt::format("stability-{}.svg", program.name);
+        if (folder.wants(picture)) folder.write(picture, svg(program_map(results.back())));
+    }
+    if (!results.empty()) folder.write("stability-programs.csv", program_csv(results));
+    return results;
+}
+
+ExitStatus stability(const StabilityArguments& arguments) {
+    const Chosen methods = chosen(arguments);
+    OutputFolder folder(arguments.output);
+    const std::vector<StabilityResult> tables = look_at(methods.plans, arguments, folder);
+    const std::vector<ProgramResult> programs = look_at(methods.programs, arguments, folder);
+    if (!tables.empty()) fmt::print("{}{}", stability_table(tables), programs.empty() ? "" : "\n");
+    fmt::print("{}{}", program_table(programs), folder.written());
     return ExitStatus::finished;
 }
 
@@ -86,7 +123,10 @@ constexpr const char* explanation =
     "real, imag, ray: how far |R(z)| <= 1 reaches from 0 along the axes and along rays of that damping ratio. With --scene also:\n"
     "growth, gain: largest stage value, and largest factor on an error made in a stage, over the scene's decays at the largest stable step;\n"
     "the step itself, predicted by the eigenvalues and confirmed by steps about the state (cvtflow spectrum --help).\n"
-    "Maps show eigenvalues times the largest stable step, or times --step; --all also the inner ones (a minute or two at full detail).";
+    "Maps show eigenvalues times the largest stable step, or times --step; --all also the inner ones (a minute or two at full detail).\n"
+    "Methods that are no tables are looked at on what they are made for. Friction apart: q' = v, v' = -omega^2 q - c v, over h omega and h c;\n"
+    "'with friction': h omega that is stable with any c, and the h c that limits it. Solving for the whole state: u' = lambda u with the exact\n"
+    "Jacobian. growth, gain: as above, over all decays; left: what a step leaves of the stiffest. 'any': beyond 1e6.";
 
 }  // namespace
 

@@ -23,7 +23,7 @@ namespace {
 struct TradeoffArguments {
     SceneArguments scene;
     std::vector<std::string> choices{"rk4@50ns", "rk4@25ns", "dumka3-p4@2us", "dumka3-p5@2us", "dumka3-p5@3us", "dumka3-p7@3us", "rkc-s12@1us", "rock2-s9@1us",
-                                     "fitted-l130-w1.9@2us", "fitted-l270-w4@4us", "leapfrog-rkc@0.5us", "leapfrog-rkc@1us", "leapfrog-rkc@1.5us", "leapfrog-rkc@2us",
+                                     "rock4-s7@150ns", "fitted-l130-w1.9@2us", "fitted-l270-w4@4us", "leapfrog-rkc@0.5us", "leapfrog-rkc@1us", "leapfrog-rkc@1.5us", "leapfrog-rkc@2us",
                                      "leapfrog-chebyshev@1us", "leapfrog-chebyshev@2us"};
     std::string reference = "rk4@12.5ns", duration = "240us", interval = "12us";
     int rounds = 3;

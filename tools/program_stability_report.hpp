@@ -1,0 +1,36 @@
+#pragma once
+/// Stability of methods that are programs, for people, programs and eyes.
+
+#include <string>
+#include <vector>
+
+#include "tasks/method_choice.hpp"
+#include "tasks/program_stability.hpp"
+#include "tools/plot/plot.hpp"
+
+namespace cvtflow::tools {
+
+/// Reaches are infinite beyond tasks::far_away.
+struct ProgramResult {
+    tasks::MethodProgram program;
+    tasks::ProgramStability stability;
+    double first = 0.0, second = 0.0;      ///< oscillator: h ω without friction, h c at rest; linear: reach along the real, the imaginary axis
+    tasks::FrictionLimit any{};            ///< oscillator only: with whatever friction
+    double ray_1 = 0.0, ray_5 = 0.0;       ///< linear only: along rays of damping ratio 1 % and 5 %
+    tasks::StageFigures worst;             ///< over all decays that the method takes
+
+    [[nodiscard]] bool oscillator() const noexcept { return stability.equation == tasks::TestEquation::oscillator; }
+};
+
+/// @param program with a stability function
+[[nodiscard]] ProgramResult program_result(const tasks::MethodProgram& program);
+
+/// Lines for one method.
+[[nodiscard]] std::string program_figures(const ProgramResult& result);
+/// One table for each test equation.
+[[nodiscard]] std::string program_table(const std::vector<ProgramResult>& results);
+[[nodiscard]] std::string program_csv(const std::vector<ProgramResult>& results);
+/// Where a step does not grow: over (h ω, h c) or the complex plane of h λ.
+[[nodiscard]] Plot program_map(const ProgramResult& result);
+
+}  // namespace cvtflow::tools
