@@ -81,7 +81,7 @@ int FrictionLeapfrog::start_kick() {
     ++steps_;
     table_ = tables_.reaching(radius_margin * radius_ * w_.h);
     if (table_ == nullptr) {
-        fault_ = {FaultKind::too_stiff, w_.time, -1, radius_ * w_.h, tables_.longest_reach() / margin};
+        fault_ = {FaultKind::too_stiff, w_.time, -1, radius_ * w_.h, tables_.longest_reach() / radius_margin};
         return failed;
     }
     state_ = State::stages;
