@@ -52,13 +52,17 @@ void sort_by_decay(Eigenvalues& values) {
     std::sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return a.real() != b.real() ? a.real() < b.real() : a.imag() < b.imag(); });
 }
 
+Eigenvalues dense_eigenvalues(const double* matrix, int size) {
+    const Eigen::EigenSolver<Eigen::MatrixXd> solver(Eigen::Map<const Eigen::MatrixXd>(matrix, size, size), false);
+    if (solver.info() != Eigen::Success) return {};
+    const auto& found = solver.eigenvalues();
+    return {found.data(), found.data() + size};
+}
+
 Eigenvalues eigenvalues(std::vector<double> matrix, int size) {
     balance(matrix, size);
-    const Eigen::Map<const Eigen::MatrixXd> view(matrix.data(), size, size);
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(view, false);
-    if (solver.info() != Eigen::Success) throw std::runtime_error("eigenvalues: the iteration does not converge");
-    const auto& found = solver.eigenvalues();
-    Eigenvalues values(found.data(), found.data() + size);
+    Eigenvalues values = dense_eigenvalues(matrix.data(), size);
+    if (values.empty() && size > 0) throw std::runtime_error("eigenvalues: the iteration does not converge");
     sort_by_decay(values);
     return values;
 }

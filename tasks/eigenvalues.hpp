@@ -14,6 +14,10 @@ using Eigenvalues = std::vector<std::complex<double>>;   ///< [1/s] where the ma
 /// Source: Parlett, Reinsch, Numer. Math. 13 (1969) 293-304.
 void balance(std::vector<double>& matrix, int size);
 
+/// Eigenvalues as the dense QR iteration leaves them, neither balanced before nor sorted after; none if it does not converge. This is the only
+/// place where the iteration is compiled. @param matrix [size * size]
+[[nodiscard]] Eigenvalues dense_eigenvalues(const double* matrix, int size);
+
 /// All eigenvalues, by real part, most negative first, then by imaginary part. Dense QR: 25 size³ operations.
 /// @throws std::runtime_error if the iteration does not converge (entries that are not finite)
 [[nodiscard]] Eigenvalues eigenvalues(std::vector<double> matrix, int size);

@@ -1,13 +1,13 @@
 #include "tasks/step_advice.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "engine/method/catalogue.hpp"
 #include "engine/method/stability.hpp"
+#include "tasks/eigenvalues.hpp"
 
 namespace cvtflow::tasks {
 
@@ -89,9 +89,9 @@ std::vector<std::complex<double>> extreme_eigenvalues(const model::Variator& var
         if (!(rest > 0.0)) break;   // an invariant space: its eigenvalues are exact
         basis.col(done) = next / rest;
     }
-    const Eigen::EigenSolver<Eigen::MatrixXd> solver(hessenberg.topLeftCorner(done, done), false);
+    const Eigen::MatrixXd square = hessenberg.topLeftCorner(done, done);
     std::vector<std::complex<double>> values;
-    for (const std::complex<double>& value : solver.eigenvalues()) {
+    for (const std::complex<double>& value : dense_eigenvalues(square.data(), static_cast<int>(done))) {
         if (value.imag() >= 0.0) values.push_back(value);
     }
     std::sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });

@@ -15,7 +15,7 @@ using tasks::LocalError;
 
 constexpr std::array parts{&LocalError::positions, &LocalError::velocities, &LocalError::axial_force, &LocalError::tension};
 
-std::string cell(double error) {
+std::string error_text(double error) {
     if (std::isnan(error)) return "cut";
     return error > 0.0 ? fmt::format("{:.3e}", error) : "0";
 }
@@ -34,7 +34,7 @@ std::string error_table(const std::vector<LocalError>& errors) {
     for (std::size_t i = 0; i < errors.size(); ++i) {
         std::vector<std::string> cells{time_text(errors[i].step)};
         for (const auto part : parts) {
-            cells.push_back(cell(errors[i].*part));
+            cells.push_back(error_text(errors[i].*part));
             cells.push_back(i == 0 ? "" : slope(errors[i].*part, errors[i - 1].*part, errors[i - 1].step / errors[i].step));
         }
         table.add(cells);

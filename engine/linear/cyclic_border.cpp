@@ -18,15 +18,15 @@ void add(int rows, int columns, const double* part, int stride, double* into, in
     }
 }
 
-[[nodiscard]] std::vector<double> zeros(int count) { return std::vector<double>(static_cast<std::size_t>(count), 0.0); }
+[[nodiscard]] std::vector<double> zero_vector(int count) { return std::vector<double>(static_cast<std::size_t>(count), 0.0); }
 
 }  // namespace
 
 CyclicBorder::CyclicBorder(int blocks, int size, int border, int chunks)
     : blocks_(blocks), size_(size), border_(border), active_(static_cast<std::size_t>(chunks * border)), active_count_(static_cast<std::size_t>(chunks)),
-      all_border_(static_cast<std::size_t>(border)), separators_(zeros(chunks * size * (size + 2 * border))), ring_(chunks - 1, size, border),
-      corner_(zeros(border * border)), matrix_(zeros((size + border) * (size + border))), exchanges_(static_cast<std::size_t>(size + border)),
-      known_(zeros(chunks * size + border)), seen_(zeros(chunks * border)) {
+      all_border_(static_cast<std::size_t>(border)), separators_(zero_vector(chunks * size * (size + 2 * border))), ring_(chunks - 1, size, border),
+      corner_(zero_vector(border * border)), matrix_(zero_vector((size + border) * (size + border))), exchanges_(static_cast<std::size_t>(size + border)),
+      known_(zero_vector(chunks * size + border)), seen_(zero_vector(chunks * border)) {
     const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(blocks) * k / chunks); };
     for (int chunk = 0; chunk < chunks; ++chunk) {
         ranges_.push_back({cut(chunk), cut(chunk + 1)});

@@ -8,7 +8,7 @@ namespace cvtflow::engine {
 
 namespace {
 
-int slope_slot(int j) { return j == 0 ? 0 : 1 + (j - 1) % 2; }
+int basis_slope_slot(int j) { return j == 0 ? 0 : 1 + (j - 1) % 2; }
 
 }  // namespace
 
@@ -51,11 +51,11 @@ double ChebyshevBasis::derivative(int j, int p) const noexcept {
 
 /// Y_j from Y_0, Y_{j-1}, Y_{j-2} and their slopes; all stages stay in slots of their own until the end.
 Stage ChebyshevBasis::row(int j) const {
-    if (j == 1) return {{{0, 1.0}}, {{0, b(1) * w1_}}, 1, slope_slot(1)};
+    if (j == 1) return {{{0, 1.0}}, {{0, b(1) * w1_}}, 1, basis_slope_slot(1)};
     const double mu = 2.0 * b(j) * w0_ / b(j - 1), nu = -b(j) / b(j - 2);
     const double mu_slope = 2.0 * b(j) * w1_ / b(j - 1);
     const double a = 1.0 - b(j - 1) * t_[0][static_cast<std::size_t>(j - 1)];
-    Stage stage{{}, {{0, -a * mu_slope}, {slope_slot(j - 1), mu_slope}}, j, slope_slot(j)};
+    Stage stage{{}, {{0, -a * mu_slope}, {basis_slope_slot(j - 1), mu_slope}}, j, basis_slope_slot(j)};
     if (j == 2) {
         stage.states = {{0, 1.0 - mu}, {1, mu}};
     } else {
@@ -74,12 +74,12 @@ StagePlan ChebyshevBasis::plan(std::span<const double> alpha) const {
     for (const Term& term : highest.states) factors[static_cast<std::size_t>(term.slot)] += share * term.factor;
     factors[0] = 1.0;
     for (std::size_t j = 1; j < factors.size(); ++j) factors[0] -= factors[j];
-    Stage end{{}, highest.slopes, stages_, slope_slot(stages_)};
+    Stage end{{}, highest.slopes, stages_, basis_slope_slot(stages_)};
     for (Term& term : end.slopes) term.factor *= share;
     for (std::size_t j = 0; j < factors.size(); ++j) end.states.push_back({static_cast<int>(j), factors[j]});
     plan.stages.push_back(end);
     plan.result = {{{stages_, 1.0}}, {}};
-    plan.error = Combination{{{0, 0.8}, {stages_, -0.8}}, {{0, 0.4}, {slope_slot(stages_), 0.4}}};
+    plan.error = Combination{{{0, 0.8}, {stages_, -0.8}}, {{0, 0.4}, {basis_slope_slot(stages_), 0.4}}};
     return plan;
 }
 

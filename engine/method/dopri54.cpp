@@ -8,7 +8,7 @@ namespace {
 
 using Row = std::vector<double>;
 
-std::vector<Row> rows() {
+std::vector<Row> dopri54_rows() {
     return {
         {1.0 / 5.0},
         {3.0 / 40.0, 9.0 / 40.0},
@@ -25,7 +25,7 @@ StagePlan dopri54() {
     const Row weights{35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0, 0.0};
     const Row embedded{5179.0 / 57600.0, 0.0, 7571.0 / 16695.0, 393.0 / 640.0, -92097.0 / 339200.0, 187.0 / 2100.0, 1.0 / 40.0};
     return butcher_plan("dopri54", "Dormand and Prince 5(4), the last slope is the next first",
-                        "Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26", rows(), weights, embedded);
+                        "Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26", dopri54_rows(), weights, embedded);
 }
 
 }  // namespace cvtflow::engine

@@ -8,7 +8,7 @@ namespace {
 
 using Row = std::vector<double>;
 
-std::vector<Row> rows() {
+std::vector<Row> dopri65_rows() {
     return {
         {1.0 / 10.0},
         {-2.0 / 81.0, 20.0 / 81.0},
@@ -28,7 +28,7 @@ StagePlan dopri65() {
                       -37.0 / 1120.0, 1.0 / 10.0};
     const Row embedded{821.0 / 10800.0, 0.0, 19683.0 / 71825.0, 175273.0 / 912600.0, 395.0 / 3672.0, 785.0 / 2704.0, 3.0 / 50.0, 0.0};
     return butcher_plan("dopri65", "Prince and Dormand 6(5), eight stages", "Prince and Dormand, J. Comput. Appl. Math. 7 (1981) 67-75",
-                        rows(), weights, embedded);
+                        dopri65_rows(), weights, embedded);
 }
 
 }  // namespace cvtflow::engine

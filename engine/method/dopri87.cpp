@@ -8,7 +8,7 @@ namespace {
 
 using Row = std::vector<double>;
 
-std::vector<Row> rows() {
+std::vector<Row> dopri87_rows() {
     return {
         {1.0 / 18.0},
         {1.0 / 48.0, 1.0 / 16.0},
@@ -63,7 +63,7 @@ StagePlan dopri87() {
                        2.0 / 45.0,
                        0.0};
     return butcher_plan("dopri87", "Prince and Dormand 8(7), thirteen stages", "Prince and Dormand, J. Comput. Appl. Math. 7 (1981) 67-75",
-                        rows(), weights, embedded);
+                        dopri87_rows(), weights, embedded);
 }
 
 }  // namespace cvtflow::engine

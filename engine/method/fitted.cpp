@@ -157,13 +157,13 @@ private:
     double largest_ = 0.0;
 };
 
-bool within_limits(const FitRequest& r) {
+bool request_within_limits(const FitRequest& r) {
     return r.real >= least_fitted_real && r.real <= most_fitted_real && r.imaginary >= 0.0 && r.imaginary <= most_fitted_imaginary &&
                       (r.order == 2 || r.order == 3) && r.ripple > 0.0 && r.ripple <= 1.0 && r.damping_ratio >= 0.0 && r.damping_ratio <= 1.0;
 }
 
 void require_limits(const FitRequest& request) {
-    if (!within_limits(request)) throw std::invalid_argument("a fitted method has a real interval of 5 to 8000, an imaginary one up to 50, order 2 or 3 and a ripple of up to 1");
+    if (!request_within_limits(request)) throw std::invalid_argument("a fitted method has a real interval of 5 to 8000, an imaginary one up to 50, order 2 or 3 and a ripple of up to 1");
 }
 
 std::optional<FittedMethod> fit_points(const FitRequest& request, const std::vector<Point>& points, int stages) {
@@ -221,7 +221,7 @@ std::optional<StagePlan> fitted_by_name(std::string_view name) {
     const double order = value('p', usual.order), stages = value('s', 0.0);
     const FitRequest request{values->at('l'), values->at('w'), static_cast<int>(order), value('r', usual.ripple), usual.damping_ratio};
     const bool whole = order == request.order && stages == std::floor(stages) && std::abs(stages) <= most_fitted_stages;
-    if (!whole || !within_limits(request)) return {};
+    if (!whole || !request_within_limits(request)) return {};
     if (values->contains('s') && stages < fewest_fitted_stages) return {};
     std::optional<FittedMethod> fitted = values->contains('s') ? fit(request, static_cast<int>(stages)) : fit(request);
     if (!fitted) return {};

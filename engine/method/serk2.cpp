@@ -15,14 +15,14 @@ namespace cvtflow::engine {
 
 namespace {
 
-constexpr int blocks = 10;
+constexpr int block_count = 10;
 
-using Row = std::vector<long double>;
+using LongRow = std::vector<long double>;
 
 /// Coefficients of R in Chebyshev's polynomials of x = 1 + alpha z.
-Row chebyshev_coefficients(const NearOptimalPolynomial& p, long double alpha) {
+LongRow chebyshev_coefficients(const NearOptimalPolynomial& p, long double alpha) {
     const auto points = static_cast<std::size_t>(p.degree) + 1;
-    Row coefficients(points, 0.0L);
+    LongRow coefficients(points, 0.0L);
     for (std::size_t i = 0; i < points; ++i) {
         const long double angle = std::numbers::pi_v<long double> * (static_cast<long double>(i) + 0.5L) / static_cast<long double>(points);
         const long double value = p.value((std::cos(angle) - 1.0L) / alpha);
@@ -33,8 +33,8 @@ Row chebyshev_coefficients(const NearOptimalPolynomial& p, long double alpha) {
 }
 
 /// T_n times a sum of Chebyshev's polynomials: T_n T_k = (T_{n+k} + T_{|n-k|})/2.
-Row times(const Row& row, std::size_t n) {
-    Row product(row.size() + n, 0.0L);
+LongRow times(const LongRow& row, std::size_t n) {
+    LongRow product(row.size() + n, 0.0L);
     for (std::size_t k = 0; k < row.size(); ++k) {
         product[n + k] += 0.5L * row[k];
         product[n > k ? n - k : k - n] += 0.5L * row[k];
@@ -43,12 +43,12 @@ Row times(const Row& row, std::size_t n) {
 }
 
 /// Weights of the stages 0 … s: the stage of degree k = (i-1) m + j is T_m^(i-1) T_j, so weights follow from the highest degree down.
-Row stage_weights(Row rest, std::size_t m) {
-    std::vector<Row> starts{{1.0L}};
-    for (int block = 1; block < blocks; ++block) starts.push_back(times(starts.back(), m));
-    Row weights(rest.size(), 0.0L);
+LongRow stage_weights(LongRow rest, std::size_t m) {
+    std::vector<LongRow> starts{{1.0L}};
+    for (int block = 1; block < block_count; ++block) starts.push_back(times(starts.back(), m));
+    LongRow weights(rest.size(), 0.0L);
     for (std::size_t k = rest.size() - 1; k > 0; --k) {
-        const Row stage = times(starts[(k - 1) / m], (k - 1) % m + 1);
+        const LongRow stage = times(starts[(k - 1) / m], (k - 1) % m + 1);
         weights[k] = rest[k] / stage[k];
         for (std::size_t i = 0; i <= k; ++i) rest[i] -= weights[k] * stage[i];
     }
@@ -56,16 +56,16 @@ Row stage_weights(Row rest, std::size_t m) {
     return weights;
 }
 
-int slope_slot(int k) { return k == 0 ? 0 : 1 + k % 2; }
+int block_slope_slot(int k) { return k == 0 ? 0 : 1 + k % 2; }
 
 /// Stage k of blocks of m: an Euler step at the beginning of a block, Chebyshev's recurrence within.
 Stage recurrence(int k, int m, double length) {
-    if ((k - 1) % m == 0) return {{{k - 1, 1.0}}, {{slope_slot(k - 1), length}}, k, slope_slot(k)};
-    return {{{k - 1, 2.0}, {k - 2, -1.0}}, {{slope_slot(k - 1), 2.0 * length}}, k, slope_slot(k)};
+    if ((k - 1) % m == 0) return {{{k - 1, 1.0}}, {{block_slope_slot(k - 1), length}}, k, block_slope_slot(k)};
+    return {{{k - 1, 2.0}, {k - 2, -1.0}}, {{block_slope_slot(k - 1), 2.0 * length}}, k, block_slope_slot(k)};
 }
 
 /// The weighted sum of all stages, with the last one (never evaluated) written out; evaluated itself, for the next step and the error.
-Stage end(const Row& weights, const Stage& last) {
+Stage end(const LongRow& weights, const Stage& last) {
     const std::size_t s = weights.size() - 1;
     std::vector<double> factors(s, 0.0);
     const auto weight = static_cast<double>(weights[s]);
@@ -82,9 +82,9 @@ Stage end(const Row& weights, const Stage& last) {
 
 StagePlan serk2(int stages) {
     const NearOptimalPolynomial p = near_optimal_polynomial(stages);
-    const int m = stages / blocks;
+    const int m = stages / block_count;
     const long double alpha = 2.5L / (static_cast<long double>(stages) * stages);
-    const Row weights = stage_weights(chebyshev_coefficients(p, alpha), static_cast<std::size_t>(m));
+    const LongRow weights = stage_weights(chebyshev_coefficients(p, alpha), static_cast<std::size_t>(m));
     StagePlan plan{"serk2-s" + std::to_string(stages),
                    "SERK2, stabilised along the real axis, by restarted Chebyshev recurrences",
                    "Kleefeld, Martin-Vaquero, Numer. Methods PDE 29 (2013) 170-185",
@@ -97,7 +97,7 @@ StagePlan serk2(int stages) {
     for (int k = 1; k < stages; ++k) plan.stages.push_back(recurrence(k, m, length));
     plan.stages.push_back(end(weights, recurrence(stages, m, length)));
     plan.result = {{{stages, 1.0}}, {}};
-    plan.error = Combination{{{0, 0.8}, {stages, -0.8}}, {{0, 0.4}, {slope_slot(stages), 0.4}}};
+    plan.error = Combination{{{0, 0.8}, {stages, -0.8}}, {{0, 0.4}, {block_slope_slot(stages), 0.4}}};
     return plan;
 }
 

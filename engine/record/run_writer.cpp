@@ -11,7 +11,7 @@ namespace cvtflow::engine {
 namespace {
 
 /// Kept free beyond every write, for HDF5's own tables and for the status and attributes that close the file [byte].
-constexpr std::size_t spare_bytes = 65536;
+constexpr std::size_t spare_run_bytes = 65536;
 
 hdf5::RowBlock open_block(hid_t file, const hdf5::BlockShape& shape) {
     hdf5::RowBlock block(shape.rows);
@@ -76,7 +76,7 @@ void RunFile::Impl::fail(const std::string& reason) const {
 void RunFile::Impl::make_room(std::size_t growth) {
     hsize_t size = 0;
     hdf5::check(H5Fget_filesize(file.id(), &size), "cannot tell the file's size");
-    if (const int reason = part.reserve(size + growth + spare_bytes); reason != 0) {
+    if (const int reason = part.reserve(size + growth + spare_run_bytes); reason != 0) {
         fail(std::strerror(reason));
     }
 }
@@ -136,7 +136,7 @@ void RunFile::Impl::finish(const std::string& final_status) {
             bytes += attribute.name.size() + (text == nullptr ? 8 : text->size()) + 512;
         }
         // Spare space was kept by every write; only attributes of unusual size can need more.
-        make_room(bytes + 16384 > spare_bytes ? bytes : 0);
+        make_room(bytes + 16384 > spare_run_bytes ? bytes : 0);
         release();
         write_ending(final_status);
     });

@@ -3,15 +3,15 @@
 
 #include <array>
 
-#include "model/friction/slip_geometry.hpp"
+#include "model/friction/slip_rows.hpp"
 
 namespace cvtflow::model {
 namespace {
 
-template <int P, int Points>
-class SlipCoupling : public SlipGeometry<P, Points> {
+template <int Points>
+class SlipCoupling : public SlipRows<Points> {
 public:
-    using Base = SlipGeometry<P, Points>;
+    using Base = SlipRows<Points>;
     using typename Base::Point;
     using typename Base::Tip;
     using V = SlipV;

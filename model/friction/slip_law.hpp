@@ -2,7 +2,7 @@
 /// The friction law at a contact with two slips: force, its derivative as a product of roots, lanes over links. (model/EQUATIONS.md section 7)
 
 #include "model/friction/friction.hpp"
-#include "model/friction/slip_coupling.hpp"
+#include "model/friction/slip_rows.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -13,10 +13,10 @@ struct SlipLaw {
     SlipV root[4];
 };
 
-template <int P, int Points>
-class SlipLaws : public SlipCoupling<P, Points> {
+template <int Points>
+class SlipLaws : public SlipRows<Points> {
 public:
-    using Base = SlipCoupling<P, Points>;
+    using Base = SlipRows<Points>;
     using typename Base::Point;
     using typename Base::Tip;
     using V = SlipV;

@@ -6,10 +6,10 @@
 namespace cvtflow::model {
 namespace {
 
-template <int P, int Points>
-class SlipNewton : public SlipLaws<P, Points> {
+template <int Points>
+class SlipNewton : public SlipLaws<Points> {
 public:
-    using Base = SlipLaws<P, Points>;
+    using Base = SlipLaws<Points>;
     using V = SlipV;
     using Base::Base;
 

@@ -51,8 +51,8 @@ public:
         column[ContactComponents::frame_x] = here.tx;
         column[ContactComponents::frame_y] = here.ty;
         column[ContactComponents::inverse_length] = here.inverse_length;
-        with_lanes(c_.joint_points.width, [&]<int W>() { joint<W>(link, here, column); });
-        with_lanes(c_.plates.width, [&]<int W>() { plates<W>(link, column); });
+        joint(link, here, column);
+        plates(link, column);
         tips(link, here, column, load);
         const int links = chain_.layout().links;
         if (link == 0) column.repeat_at(links + 1);
@@ -64,17 +64,23 @@ private:
     [[nodiscard]] const double* velocity(int link) const noexcept { return state(link) + at<P>.link_size(); }
     [[nodiscard]] LinkFrame frame(int link) const noexcept { return link_frame<P>(state(link), velocity(link)); }
 
-    template <int W>
+    // No sums over lanes here: as many points and plates at a time as the processor's vectors hold.
+    static constexpr int W = native_lanes;
+
     void joint(int link, const LinkFrame& here, const Column& column) const noexcept {
         const JointFrames<double> frames(frame(link - 1), here);
-        const AxisPoints<P, W> points(c_.joint_points, 0);
-        const auto m = joint_motion<P, W>(c_.joint, frames, points, Difference<P>(state(link - 1), End::front, state(link), End::rear),
-                                          Difference<P>(velocity(link - 1), End::front, velocity(link), End::rear));
-        const auto line = line_contact<W>(c_.joint, load<W>(c_.joint_points.weight.data()), m.depth);
+        const Difference<P> gap(state(link - 1), End::front, state(link), End::rear), rate(velocity(link - 1), End::front, velocity(link), End::rear);
+        for (int first = 0; first < c_.joint_points.count; first += W) joint_points(first, frames, gap, rate, column);
+    }
+
+    void joint_points(int first, const JointFrames<double>& frames, const Difference<P>& gap, const Difference<P>& rate, const Column& column) const noexcept {
+        const AxisPoints<P, W> points(c_.joint_points, first);
+        const auto m = joint_motion<P, W>(c_.joint, frames, points, gap, rate);
+        const auto line = line_contact<W>(c_.joint, load<W>(&c_.joint_points.weight[static_cast<std::size_t>(first)]), m.depth);
         const Lanes<W> normal = positive_part<W>(line.elastic * (1.0 - c_.joint.damping * (m.nx * m.vx + m.ny * m.vy)));
-        for (int g = 0; g < c_.joint_points.count; ++g) {
+        for (int g = first; g < std::min(first + W, c_.joint_points.count); ++g) {
             const int row = field_.components.joint(g);
-            const auto lane = static_cast<std::size_t>(g);
+            const auto lane = static_cast<std::size_t>(g - first);
             column[row + Joint::normal_x] = m.nx[lane];
             column[row + Joint::normal_y] = m.ny[lane];
             column[row + Joint::lever_before] = m.lever_before[lane];
@@ -83,7 +89,6 @@ private:
         }
     }
 
-    template <int W>
     void plates(int link, const Column& column) const noexcept {
         const Difference<P> d(state(link), End::front, state(link), End::rear);
         const Difference<P> rate(velocity(link), End::front, velocity(link), End::rear);
@@ -176,9 +181,10 @@ void evaluate(const FrictionOperator& friction, const ContactField& field, const
               double weight, Columns* impulses) noexcept {
     const int links = range.last - range.first;
     const auto in_groups = [](int count, const auto& body) {
+        constexpr int most = std::min(8, 2 * native_lanes);
         int own = 0;
-        for (; own + 8 <= count; own += 8) body.template operator()<8>(own);
-        if (count - own >= 4) { body.template operator()<4>(own); own += 4; }
+        for (; own + most <= count; own += most) body.template operator()<most>(own);
+        if (most > 4 && count - own >= 4) { body.template operator()<4>(own); own += 4; }
         if (count - own >= 2) { body.template operator()<2>(own); own += 2; }
         if (count - own >= 1) body.template operator()<1>(own);
     };

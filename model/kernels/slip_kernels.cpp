@@ -1,4 +1,6 @@
 #include "model/friction/slip_chain.hpp"
+#include "model/friction/slip_coupling.hpp"
+#include "model/friction/slip_geometry.hpp"
 #include "model/friction/slip_newton.hpp"
 #include "model/kernels/kernels.hpp"
 
@@ -6,9 +8,9 @@ namespace cvtflow::model {
 
 namespace {
 
-template <int P, int Points>
+template <int Points>
 void gather(const SlipSpace& space, const ContactField& field, const Phase* phases, double g, SlipGroup& group) noexcept {
-    SlipCoupling<P, Points> links(space, group);
+    SlipCoupling<Points> links(space, group);
     links.gather(field, phases);
     links.couple(g);
 }
@@ -18,9 +20,9 @@ void slips(const SlipSpace& space, double time, SlipGroup& group, LaneRows& own)
     SlipGeometry<P, Points>(space, group).slips(time, own);
 }
 
-template <int P, int Points>
+template <int Points>
 void forces(const SlipSpace& space, SlipGroup& group) noexcept {
-    SlipNewton<P, Points>(space, group).forces();
+    SlipNewton<Points>(space, group).forces();
 }
 
 template <int P, int Points>
@@ -28,9 +30,9 @@ void accelerate(const SlipSpace& space, SlipGroup& group) noexcept {
     SlipGeometry<P, Points>(space, group).accelerate();
 }
 
-template <int P, int Points>
+template <int Points>
 void eliminate(const SlipSpace& space, SlipGroup& group) noexcept {
-    SlipNewton<P, Points>(space, group).eliminate();
+    SlipNewton<Points>(space, group).eliminate();
     SlipElimination<2 * Points>(group.chain).condense();
 }
 
@@ -42,16 +44,16 @@ void spread(SlipGroup& group) noexcept {
     }
 }
 
-template <int P, int Points>
+template <int Points>
 void substitute(const SlipSpace& space, SlipGroup& group) noexcept {
     SlipElimination<2 * Points>(group.chain).substitute();
     spread(group);
-    SlipNewton<P, Points>(space, group).substitute();
+    SlipNewton<Points>(space, group).substitute();
 }
 
-template <int P, int Points>
+template <int Points>
 void look(const SlipSpace& space, double share, SlipGroup& group) noexcept {
-    SlipNewton<P, Points>(space, group).look(share);
+    SlipNewton<Points>(space, group).look(share);
 }
 
 template <int Points>
@@ -61,7 +63,7 @@ void ring(SlipChain& chain) noexcept {
 
 template <int P, int Points>
 [[nodiscard]] SlipKernels kernels() noexcept {
-    return {gather<P, Points>, slips<P, Points>, forces<P, Points>, accelerate<P, Points>, eliminate<P, Points>, substitute<P, Points>, look<P, Points>, ring<Points>};
+    return {gather<Points>, slips<P, Points>, forces<Points>, accelerate<P, Points>, eliminate<Points>, substitute<Points>, look<Points>, ring<Points>};
 }
 
 template <int Points>

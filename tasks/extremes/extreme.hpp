@@ -44,6 +44,7 @@ struct Extreme {
 [[nodiscard]] const std::vector<Extreme>& extremes();
 
 // Parts of the catalogue.
+inline const std::vector<Ending> right_or_fault{Ending::right, Ending::fault};
 void add_friction_rows(std::vector<Extreme>& rows);
 void add_size_rows(std::vector<Extreme>& rows);
 void add_operation_rows(std::vector<Extreme>& rows);

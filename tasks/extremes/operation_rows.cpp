@@ -11,8 +11,6 @@ namespace cvtflow::tasks {
 
 namespace {
 
-const std::vector<Ending> right_or_fault{Ending::right, Ending::fault};
-
 /// Places of shaft 1's movable sheave in the state.
 struct Sheave {
     explicit Sheave(const Simulation& simulation, int shaft) {

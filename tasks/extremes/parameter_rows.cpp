@@ -14,8 +14,6 @@ namespace {
 
 using Settings = std::vector<std::string>;
 
-const std::vector<Ending> right_or_fault{Ending::right, Ending::fault};
-
 /// "key=factor times the default" for each key.
 Settings scaled(std::initializer_list<const char*> keys, double factor) {
     Settings settings;

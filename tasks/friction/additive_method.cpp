@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "tasks/friction/index.hpp"
 #include "tasks/friction/stage_window.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
-
-[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
 constexpr engine::Term start{0, 1.0}, kept{1, 1.0};
 

@@ -10,14 +10,14 @@ namespace cvtflow::tasks {
 
 namespace {
 
-enum FrictionCycle : int { push_cycle = method_cycles, stage_cycle, finish_cycle };
+enum FrictionCycle : int { push_cycle = method_cycles, kick_cycle, finish_kick_cycle };
 
 constexpr int result_slot = kick_state_slots;   ///< velocity slot of the result
 /// The spectrum moves with the tension: it is looked at every so many steps.
 constexpr long steps_between_estimates = 64;
 constexpr int first_iterations = 50, next_iterations = 4;
 
-[[nodiscard]] FrictionLeapfrog& method_of(void* workspace) noexcept {
+[[nodiscard]] FrictionLeapfrog& leapfrog_of(void* workspace) noexcept {
     return *static_cast<FrictionLeapfrog*>(static_cast<Workspace*>(workspace)->method);
 }
 
@@ -30,13 +30,13 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
         const auto own = [&] { return LinkAccesses(w_, s); };
-        graph.add({"push" + number, push_cycle, [](void* w, int segment) noexcept { method_of(w).push(segment); }, s,
+        graph.add({"push" + number, push_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).push(segment); }, s,
                    own().with_halo(Field::states_read).with_halo(Field::slopes_read).own(Field::phase, false).segment(Field::window, true).own(Field::contact, true)
                        .own(Field::velocity_read, true).own(Field::force, true).list()});
-        graph.add({"friction" + number, stage_cycle, [](void* w, int segment) noexcept { method_of(w).stage(segment); }, s,
+        graph.add({"friction" + number, kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).stage(segment); }, s,
                    own().with_halo(Field::contact).with_halo(Field::velocity_read).with_halo(Field::velocity_slope_read).own(Field::force, true)
                        .own(Field::phase, false).own(Field::velocity_kept, true).own(Field::velocity_slope, true).own(Field::impulse, true).list()});
-        graph.add({"finish" + number, finish_cycle, [](void* w, int segment) noexcept { method_of(w).finish(segment); }, s,
+        graph.add({"finish" + number, finish_kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).finish(segment); }, s,
                    own().own(Field::velocity_read, false).own(Field::velocity_slope_read, false).own(Field::impulse, false).own(Field::contact, false)
                        .own(Field::phase, false).own(Field::states_read, false).own(Field::velocity_kept, true).own(Field::state_kept, true).own(Field::load, true).list()});
     }
@@ -72,15 +72,15 @@ int FrictionLeapfrog::next() {
     if (stage_ + 1 < table_->plan.stages()) return start_stage(stage_ + 1);
     row_ = table_->plan.result();
     state_ = State::finishing;
-    return finish_cycle;
+    return finish_kick_cycle;
 }
 
 int FrictionLeapfrog::start_kick() {
     if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
-    table_ = tables_.reaching(margin * radius_ * w_.h);
+    table_ = tables_.reaching(radius_margin * radius_ * w_.h);
     if (table_ == nullptr) {
-        fault_ = {FaultKind::too_stiff, w_.time, -1, radius_ * w_.h, tables_.longest_reach() / margin};
+        fault_ = {FaultKind::too_stiff, w_.time, -1, radius_ * w_.h, tables_.longest_reach() / radius_margin};
         return failed;
     }
     state_ = State::stages;
@@ -92,7 +92,7 @@ int FrictionLeapfrog::start_stage(int stage) {
     row_ = table_->plan.stage(stage);
     weight_ = table_->weights[static_cast<std::size_t>(stage)];
     lean_ = table_->lean(row_.time, frame_.rise());
-    return stage_cycle;
+    return kick_cycle;
 }
 
 void FrictionLeapfrog::save(std::vector<double>& memory) const {

@@ -6,12 +6,11 @@
 #include <cstring>
 
 #include "tasks/assembly/segment_tasks.hpp"
+#include "tasks/friction/index.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
-
-[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
 }  // namespace
 

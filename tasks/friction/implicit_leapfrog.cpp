@@ -4,13 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "tasks/friction/index.hpp"
 #include "tasks/friction/stage_window.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
-
-[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
 }  // namespace
 

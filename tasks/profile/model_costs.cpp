@@ -9,7 +9,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double cycle_seconds = 0.02;
+constexpr double model_cycle_seconds = 0.02;
 constexpr int cycle_rounds = 3;
 
 /// Half the distance of quartiles of a normal distribution is 0.6745 standard deviations; quartiles do not see preemption.
@@ -37,13 +37,13 @@ std::vector<bool> touching_links(const Workspace& workspace) {
 }
 
 /// Evaluation tasks of recorded serial runs: median time of each, and the spread of a link's.
-struct Samples {
+struct SegmentSamples {
     std::vector<SegmentCost> segments;
     std::vector<double> jitter;   ///< [s per square root of links]
 };
 
 /// Adds the evaluation tasks of a recorded serial run with so many segments.
-void sample_segments(const Scene& scene, int segments, const MeasureOptions& options, Samples& samples, ProfileModel& model) {
+void sample_segments(const Scene& scene, int segments, const MeasureOptions& options, SegmentSamples& samples, ProfileModel& model) {
     Schedule schedule;
     schedule.segments = segments;
     engine::StampRecorder recorder(1, 200000);
@@ -103,7 +103,7 @@ void measure_synchronisation(ProfileModel& model) {
             Schedule flow;
             flow.executor = "flow";
             flow.threads = numbers[k];
-            const CycleCost cost = cycle_cost(flow, cycle_seconds);
+            const CycleCost cost = cycle_cost(flow, model_cycle_seconds);
             if (cost.active == numbers[k]) costs[k].push_back(cost.seconds);
         }
     }
@@ -181,7 +181,7 @@ ProfileModel measure_model(const Scene& scene, std::vector<ScheduleResult>& resu
     ProfileModel model;
     const ScheduleResult& serial = results.front();
     const int links = scene.parameters.chain.pins;
-    Samples samples;
+    SegmentSamples samples;
     for (const int segments : {24, 7}) sample_segments(scene, std::min(links, segments), options, samples, model);
     fit_links(samples.segments, model.costs);
     model.fit_error = rms_error(model.costs, samples.segments);

@@ -14,7 +14,7 @@ namespace cvtflow::host {
 namespace {
 
 /// Hash after a short run, on the calling thread.
-std::uint64_t serial_hash(const Scene& scene, double until) {
+std::uint64_t hash_of_serial_run(const Scene& scene, double until) {
     Simulation simulation(scene);
     simulation.advance_to(until);
     return simulation.hash();
@@ -22,7 +22,7 @@ std::uint64_t serial_hash(const Scene& scene, double until) {
 
 TEST(HostThreads, EightThreadsWithFourSimulationsEachGetTheSerialHash) {
     const Scene scene = tiny();
-    const std::uint64_t expected = serial_hash(scene, -2.5e-4);
+    const std::uint64_t expected = hash_of_serial_run(scene, -2.5e-4);
     for (const Threads threads : {Threads::caller(), Threads::own(2)}) {
         std::atomic<int> right = 0;
         {
@@ -49,7 +49,7 @@ TEST(HostThreads, ASimulationMayWanderFromThreadToThread) {
     const Scene scene = tiny();
     Simulation simulation(scene, Threads::own(2));
     for (int k = 1; k <= 5; ++k) std::jthread([&] { simulation.advance_to(-3e-4 + 1e-5 * k); });
-    EXPECT_EQ(simulation.hash(), serial_hash(scene, -2.5e-4));
+    EXPECT_EQ(simulation.hash(), hash_of_serial_run(scene, -2.5e-4));
 }
 
 TEST(HostThreads, ASecondCallIsRefusedWhileOneIsUnderWay) {
@@ -89,7 +89,7 @@ TEST(HostThreads, CancellationFromAnotherThreadEndsOneCallSoon) {
         EXPECT_EQ(code, ErrorCode::cancelled);
         EXPECT_LT(latency, 2.0) << "a step takes some tens of microseconds; the rest is the machine's";
         RecordProperty("latency_us", std::to_string(1e6 * latency));
-        const std::uint64_t there = serial_hash(scene, simulation.time());
+        const std::uint64_t there = hash_of_serial_run(scene, simulation.time());
         EXPECT_EQ(simulation.hash(), there);
         EXPECT_NO_THROW(simulation.step());   // one wish, one call
     }
@@ -105,7 +105,7 @@ TEST(HostThreads, AWishBeforeTheCallCountsForTheNextOne) {
 
 TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
     const Scene scene = tiny();
-    const std::uint64_t expected = serial_hash(scene, -2.8e-4);
+    const std::uint64_t expected = hash_of_serial_run(scene, -2.8e-4);
     for (const Threads threads : {Threads::present(2), Threads::own(2)}) {
         oneapi::tbb::task_arena arena(2);
         std::atomic<bool> stop = false;
@@ -142,7 +142,7 @@ TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
 
 TEST(HostThreads, OneSimulationPerTaskOfAHostsParallelLoop) {
     const Scene scene = tiny();
-    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
+    const std::uint64_t expected = hash_of_serial_run(scene, -2.9e-4);
     std::atomic<int> right = 0;
     oneapi::tbb::parallel_for(0, 12, [&](int k) {
         const Threads ways[] = {Threads::caller(), Threads::own(2), Threads::present(2)};
@@ -155,7 +155,7 @@ TEST(HostThreads, OneSimulationPerTaskOfAHostsParallelLoop) {
 
 TEST(HostThreads, AHostThatUsesOpenMp) {
     const Scene scene = tiny();
-    const std::uint64_t expected = serial_hash(scene, -2.9e-4);
+    const std::uint64_t expected = hash_of_serial_run(scene, -2.9e-4);
     int right = 0;
 #pragma omp parallel for num_threads(4) reduction(+ : right)
     for (int k = 0; k < 8; ++k) {

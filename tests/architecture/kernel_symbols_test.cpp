@@ -4,24 +4,15 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "source_tree_fixture.hpp"
+
 namespace cvtflow::architecture {
 namespace {
-
-std::string output_of(const std::string& command) {
-    std::FILE* pipe = popen(command.c_str(), "r");
-    if (pipe == nullptr) return "";
-    std::string output;
-    std::array<char, 4096> buffer;
-    while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
-    return pclose(pipe) == 0 ? output : "";
-}
 
 /// Letter of nm and name.
 struct Symbol {

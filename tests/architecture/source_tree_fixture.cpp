@@ -20,7 +20,8 @@ std::string read(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Output of a command, empty if it fails.
+}  // namespace
+
 std::string output_of(const std::string& command) {
     std::FILE* pipe = popen(command.c_str(), "r");
     if (pipe == nullptr) return "";
@@ -29,8 +30,6 @@ std::string output_of(const std::string& command) {
     while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
     return pclose(pipe) == 0 ? output : "";
 }
-
-}  // namespace
 
 std::vector<SourceFile> source_files() {
     const std::filesystem::path root = CVTFLOW_SOURCE_DIR;

@@ -34,6 +34,9 @@ struct FunctionBody {
 /// All .cpp and .hpp files below the source folders, ascending by path.
 [[nodiscard]] std::vector<SourceFile> source_files();
 
+/// Output of a command, empty if it fails.
+[[nodiscard]] std::string output_of(const std::string& command);
+
 /// Names on the top level that git tracks; empty where there is no git to ask.
 [[nodiscard]] std::set<std::string> tracked_top_level();
 

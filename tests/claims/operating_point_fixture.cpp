@@ -7,7 +7,7 @@ namespace cvtflow::claims {
 
 namespace {
 
-const engine::Cancellation never;
+const engine::Cancellation no_cancellation;
 
 /// Mean y of the rear halves in the middle of the upper strand: how it moves up and down.
 double height_of_strand(const tasks::Workspace& w) {
@@ -35,10 +35,10 @@ tasks::Scene ready_scene(const std::string& name, const std::vector<std::string>
 }
 
 Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(simulation_.variator()) {
-    if (simulation_.needs_settling()) fault = simulation_.settle(*this, never);
+    if (simulation_.needs_settling()) fault = simulation_.settle(*this, no_cancellation);
     if (fault) return;
     recording_ = true;
-    fault = simulation_.run(scene.run.until, *this, never);
+    fault = simulation_.run(scene.run.until, *this, no_cancellation);
     counters = simulation_.counters();
 }
 

@@ -15,23 +15,23 @@
 namespace cvtflow::claims {
 namespace {
 
-const engine::Cancellation never;
+const engine::Cancellation uncancelled;
 
-std::vector<std::string> choice(const std::string& method, const std::string& step) { return {"run.method=" + method, "run.step=" + step}; }
+std::vector<std::string> stepped(const std::string& method, const std::string& step) { return {"run.method=" + method, "run.step=" + step}; }
 
 /// 120 us from the settled state, tips free to enter and leave, against RK4 at 12.5 ns.
-const tasks::ErrorMeasure& baseline() {
-    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), tasks::MeasureSettings{}, never);
+const tasks::ErrorMeasure& baseline_measure() {
+    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), tasks::MeasureSettings{}, uncancelled);
     return measure;
 }
 
 double axial_error(const std::string& method, const std::string& step) {
-    const double error = baseline().errors(baseline().run(choice(method, step))).overall.axial_force;
+    const double error = baseline_measure().errors(baseline_measure().run(stepped(method, step))).overall.axial_force;
     testing::Test::RecordProperty(method + "@" + step, std::to_string(error));
     return error;
 }
 
-TEST(NightlyStabilised, TheRunHasTransitions) { EXPECT_GT(baseline().reference().counters.detected, 0); }
+TEST(NightlyStabilised, TheRunHasTransitions) { EXPECT_GT(baseline_measure().reference().counters.detected, 0); }
 
 TEST(NightlyStabilised, PolynomialFiveOfDumka3IsGoodAtTwoMicrosecondsAndNineIsNot) {
     EXPECT_LT(axial_error("dumka3-p5", "2us"), 1e-4);
@@ -57,8 +57,8 @@ TEST(NightlyStabilised, Rock4FailsAtLongStepsWhereFrictionSaturatesAndIsAccurate
 TEST(NightlyStabilised, PolynomialFiveOfDumka3IsFiveTimesFasterThanRk4) {
     double rk4 = std::numeric_limits<double>::infinity(), dumka3 = rk4;
     for (int round = 0; round < 3; ++round) {
-        rk4 = std::min(rk4, baseline().run(choice("rk4", "50ns")).wall_per_second());
-        dumka3 = std::min(dumka3, baseline().run(choice("dumka3-p5", "2us")).wall_per_second());
+        rk4 = std::min(rk4, baseline_measure().run(stepped("rk4", "50ns")).wall_per_second());
+        dumka3 = std::min(dumka3, baseline_measure().run(stepped("dumka3-p5", "2us")).wall_per_second());
     }
     RecordProperty("faster", std::to_string(rk4 / dumka3));
     EXPECT_GE(rk4 / dumka3, 5.0);
@@ -66,7 +66,7 @@ TEST(NightlyStabilised, PolynomialFiveOfDumka3IsFiveTimesFasterThanRk4) {
 
 /// Twice as long: six transitions.
 const tasks::ErrorMeasure& longer() {
-    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), {240e-6, 12e-6, choice("rk4", "12.5ns"), 1}, never);
+    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), {240e-6, 12e-6, stepped("rk4", "12.5ns"), 1}, uncancelled);
     return measure;
 }
 
@@ -80,7 +80,7 @@ Cheapest cheapest(const std::string& family, const std::vector<std::string>& met
     Cheapest fewest;
     for (const std::string& method : methods) {
         for (const char* step : {"0.5us", "1us", "1.5us", "2us", "3us", "4us"}) {
-            const tasks::Trajectory run = longer().run(choice(method, step));
+            const tasks::Trajectory run = longer().run(stepped(method, step));
             const double error = longer().errors(run).overall.axial_force;
             if (error <= 1e-3) fewest.rough = std::min(fewest.rough, run.evaluations_per_second());
             if (error <= 1e-4) fewest.fine = std::min(fewest.fine, run.evaluations_per_second());

@@ -6,13 +6,11 @@
 #include <set>
 #include <string>
 
-#include "tasks/scene/scene.hpp"
 #include "tests/claims/rig_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
-
-model::Parameters tiny() { return read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml").parameters; }
 
 /// Reads a channel into memory with a guard behind its width.
 std::vector<double> read(const Channel& channel, const Instant& now) {
@@ -42,13 +40,13 @@ void expect_finite(claims::Rig& rig, bool pulleys) {
 }
 
 TEST(Channels, AllAreFiniteAndOfTheirWidthOnAVariator) {
-    claims::Rig rig(tiny());
+    claims::Rig rig(tiny_parameters());
     ASSERT_FALSE(rig.run({-10e-3, -9e-3, 5e-8, 1e-4}));
     expect_finite(rig, true);
 }
 
 TEST(Channels, AllAreFiniteAndOfTheirWidthOnAFreeRing) {
-    model::Parameters p = tiny();
+    model::Parameters p = tiny_parameters();
     p.detail.pulleys = model::PulleyDetail::absent;
     p.start.layout = model::StartLayout::ring;
     claims::Rig rig(p);
@@ -62,7 +60,7 @@ TEST(Channels, HaveNamesOfTheirOwnUnitsAndDescriptions) {
         EXPECT_TRUE(names.emplace(channel.name).second) << channel.name;
         EXPECT_FALSE(channel.unit.empty()) << channel.name;
         EXPECT_FALSE(channel.description.empty()) << channel.name;
-        EXPECT_EQ(channel.width(model::layout_of(tiny())) > 1, !channel.axis.empty()) << channel.name;
+        EXPECT_EQ(channel.width(model::layout_of(tiny_parameters())) > 1, !channel.axis.empty()) << channel.name;
     }
 }
 

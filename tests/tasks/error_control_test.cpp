@@ -23,14 +23,14 @@ using test::settled_tiny;
 
 const engine::Cancellation never;
 
-struct Outcome {
+struct ControlledOutcome {
     std::uint64_t hash;
     Counters counters;
     LocalErrorStatistics errors;
     Fault fault;
 };
 
-Outcome outcome(const Scene& scene, const Schedule& schedule = {}) {
+ControlledOutcome controlled_outcome(const Scene& scene, const Schedule& schedule = {}) {
     Simulation simulation(scene, schedule);
     SilentObserver nobody;
     const Fault fault = simulation.run(simulation.time() + scene.run.until, nobody, never);
@@ -47,7 +47,7 @@ std::vector<std::string> with(const std::string& method, const std::string& step
 TEST(ReusedSlopes, SaveAnEvaluationInEveryStepThatIsNotCut) {
     for (const auto& [method, stages, reused] : {std::tuple{"rk4", 4, 0}, {"dopri54", 7, 1}, {"dumka3-p1", 7, 1}, {"rkc-s5", 6, 1}, {"serk2-s10", 11, 1},
                                                  {"fitted-l20-w1-s9", 10, 1}, {"rock2-s6", 6, 0}}) {
-        const Outcome run = outcome(settled_tiny(with(method, "50ns")));
+        const ControlledOutcome run = controlled_outcome(settled_tiny(with(method, "50ns")));
         ASSERT_FALSE(run.fault) << method;
         EXPECT_EQ(evaluations_per_step(method), stages - reused) << method;
         EXPECT_GE(run.counters.evaluations, (stages - reused) * run.counters.steps + reused + 2 * run.counters.truncated * reused) << method;
@@ -90,7 +90,7 @@ TEST(ErrorControl, TighterTolerancesAreMoreExact) {
 }
 
 TEST(ErrorControl, EndsStepsAtOutputsAndStaysBelowTheTolerance) {
-    const Outcome run = outcome(settled_tiny(with("dopri54", "10us", {"run.step_control=error", "run.tolerance=1e-3"})));
+    const ControlledOutcome run = controlled_outcome(settled_tiny(with("dopri54", "10us", {"run.step_control=error", "run.tolerance=1e-3"})));
     ASSERT_FALSE(run.fault) << run.fault.message();
     EXPECT_GT(run.counters.rejected, 0) << "the first step is far too long; largest error " << run.errors.largest << " in " << run.counters.steps;
     EXPECT_LE(run.errors.largest, 1e-3);
@@ -99,8 +99,8 @@ TEST(ErrorControl, EndsStepsAtOutputsAndStaysBelowTheTolerance) {
 }
 
 TEST(ErrorControl, ReportsTheErrorOfFixedStepsWithoutChangingThem) {
-    const Outcome fixed = outcome(settled_tiny(with("dopri54", "50ns")));
-    const Outcome reported = outcome(settled_tiny(with("dopri54", "50ns", {"run.step_control=report"})));
+    const ControlledOutcome fixed = controlled_outcome(settled_tiny(with("dopri54", "50ns")));
+    const ControlledOutcome reported = controlled_outcome(settled_tiny(with("dopri54", "50ns", {"run.step_control=report"})));
     EXPECT_EQ(reported.hash, fixed.hash);
     EXPECT_EQ(reported.counters, fixed.counters);
     EXPECT_EQ(fixed.errors.steps, 0);
@@ -119,7 +119,7 @@ TEST(ErrorControl, IsRefusedToMethodsWithoutAnEstimate) {
 
 TEST(ErrorControl, EndsWhenNoStepIsShortEnough) {
     // RKC's estimate is a difference of states: rounding alone is more than that.
-    const Outcome run = outcome(settled_tiny(with("rkc-s10", "1us", {"run.step_control=error", "run.tolerance=1e-12"})));
+    const ControlledOutcome run = controlled_outcome(settled_tiny(with("rkc-s10", "1us", {"run.step_control=error", "run.tolerance=1e-12"})));
     EXPECT_EQ(run.fault.kind, FaultKind::step_size);
     EXPECT_THAT(run.fault.message(), testing::HasSubstr("to meet run.tolerance"));
 }
@@ -158,7 +158,7 @@ TEST(SpectralMethods, StayStableAtStepsFarBeyondThoseOfRk4) {
 
 TEST(SpectralMethods, TakeStepsByError) {
     for (const char* method : {"dumka3", "rkc", "rock2", "fitted"}) {
-        const Outcome run = outcome(settled_tiny(with(method, "5us", {"run.step_control=error", "run.tolerance=0.1"})));
+        const ControlledOutcome run = controlled_outcome(settled_tiny(with(method, "5us", {"run.step_control=error", "run.tolerance=0.1"})));
         EXPECT_FALSE(run.fault) << method << ": " << run.fault.message();
         EXPECT_LE(run.errors.largest, 0.1) << method;
     }
@@ -179,13 +179,13 @@ TEST(EveryMethod, GivesTheSameBitsOnEveryExecutor) {
         std::vector<std::string> settings = with(method, "20ns", {"run.until=100ns", "run.output_interval=100ns", "run.state_interval=100ns"});
         if (estimates_error(method)) settings.push_back("run.step_control=error");
         const Scene scene = settled_tiny(settings);
-        const Outcome serial = outcome(scene);
+        const ControlledOutcome serial = controlled_outcome(scene);
         ASSERT_FALSE(serial.fault) << method << ": " << serial.fault.message();
         for (const engine::ExecutorRow& row : engine::executors()) {
             if (row.name.starts_with("omp")) continue;   // a contended OpenMP team takes minutes
             for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
                 const Schedule schedule{std::string(row.name), {assembly}, 5, row.parallel ? 2 : 1};
-                EXPECT_EQ(outcome(scene, schedule).hash, serial.hash) << method << ' ' << schedule.text();
+                EXPECT_EQ(controlled_outcome(scene, schedule).hash, serial.hash) << method << ' ' << schedule.text();
             }
         }
     }

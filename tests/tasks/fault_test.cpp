@@ -7,16 +7,13 @@
 #include <cmath>
 #include <limits>
 
-#include "tasks/scene/scene.hpp"
 #include "tests/claims/rig_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
 using claims::Rig;
-
-model::Parameters tiny() { return read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml").parameters; }
-constexpr double begin = -10e-3;
 
 void expect_state_before(const Rig& rig, const Fault& fault) {
     for (int k = 0; k < rig.variator().layout().size(); ++k) ASSERT_TRUE(std::isfinite(rig.state()[k])) << "the last accepted state stays";
@@ -24,8 +21,8 @@ void expect_state_before(const Rig& rig, const Fault& fault) {
 }
 
 TEST(Faults, AStepFarTooLongForTheChainIsReportedAtItsPin) {
-    Rig rig(tiny());
-    const Fault fault = rig.run({begin, 0.0, 5e-6, 5e-6});   // a hundred times the stable step
+    Rig rig(tiny_parameters());
+    const Fault fault = rig.run({settling_begin, 0.0, 5e-6, 5e-6});   // a hundred times the stable step
     EXPECT_TRUE(fault.kind == FaultKind::non_finite || fault.kind == FaultKind::left_sheave || fault.kind == FaultKind::penetration || fault.kind == FaultKind::blow_up) << fault.message();
     EXPECT_GE(fault.pin, 0) << fault.message();
     EXPECT_LT(fault.time, 0.0);
@@ -33,49 +30,49 @@ TEST(Faults, AStepFarTooLongForTheChainIsReportedAtItsPin) {
 }
 
 TEST(Faults, ALinkThatIsNotFiniteIsNamed) {
-    model::Parameters p = tiny();
+    model::Parameters p = tiny_parameters();
     p.detail.pulleys = model::PulleyDetail::absent;   // they would not be finite either, and come first
     p.start.layout = model::StartLayout::ring;
     Rig rig(p);
     const model::ChainLayout& at = rig.variator().layout();
     // Each of the four stages carries it to one link more on each side.
     rig.mutable_state()[at.link_begin(7) + at.link_size() + at.z(model::End::rear)] = std::numeric_limits<double>::infinity();
-    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-5});
+    const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-5});
     EXPECT_EQ(fault.kind, FaultKind::non_finite) << fault.message();
     EXPECT_GE(fault.pin, 3);
     EXPECT_LE(fault.pin, 11);
-    EXPECT_DOUBLE_EQ(fault.time, begin + 5e-8);
+    EXPECT_DOUBLE_EQ(fault.time, settling_begin + 5e-8);
     EXPECT_EQ(fault.name(), "non_finite");
 }
 
 TEST(Faults, ALinkFasterThanSoundIsNamedBeforeAnythingIsInfinite) {
-    Rig rig(tiny());
+    Rig rig(tiny_parameters());
     const model::ChainLayout& at = rig.variator().layout();
     rig.mutable_state()[at.link_begin(7) + at.link_size() + at.z(model::End::rear)] = 2e5;
-    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-5});
+    const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-5});
     EXPECT_EQ(fault.kind, FaultKind::blow_up) << fault.message();
     EXPECT_EQ(fault.limit, 1e4);
     EXPECT_GT(fault.value, 1e4);
-    EXPECT_DOUBLE_EQ(fault.time, begin + 5e-8);
+    EXPECT_DOUBLE_EQ(fault.time, settling_begin + 5e-8);
     expect_state_before(rig, fault);
 }
 
 TEST(Faults, PulleysThatAreNotFiniteAreNamed) {
-    model::Parameters p = tiny();
+    model::Parameters p = tiny_parameters();
     p.detail.pulleys = model::PulleyDetail::rigid;
     Rig rig(p);
     rig.mutable_state()[rig.variator().layout().pulley_begin() + 4] = std::numeric_limits<double>::infinity();   // speed of shaft 1
-    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-5});
+    const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-5});
     EXPECT_EQ(fault.kind, FaultKind::non_finite);
     EXPECT_EQ(fault.pin, -1) << fault.message();
     EXPECT_NE(fault.message().find("pulleys"), std::string::npos);
 }
 
 TEST(Faults, APenetrationBeyondTheLimitIsReportedWithDepthAndPin) {
-    model::Parameters p = tiny();
+    model::Parameters p = tiny_parameters();
     p.tip.deepest = 2e-6;   // the settled variator needs about 9 µm
     Rig rig(p);
-    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-4});
+    const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-4});
     ASSERT_EQ(fault.kind, FaultKind::penetration) << fault.message();
     EXPECT_GT(fault.value, 2e-6);
     EXPECT_LT(fault.value, 2.1e-6) << "found in the step in which it happens";
@@ -86,10 +83,10 @@ TEST(Faults, APenetrationBeyondTheLimitIsReportedWithDepthAndPin) {
 }
 
 TEST(Faults, APinInsideTheSheaveIsReportedWithItsRadius) {
-    model::Parameters p = tiny();
+    model::Parameters p = tiny_parameters();
     p.pulley.innermost = 15.9e-3;   // the arcs lie on 16 mm, links' middles a little inside
     Rig rig(p);
-    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-4});
+    const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-4});
     ASSERT_EQ(fault.kind, FaultKind::left_sheave) << fault.message();
     EXPECT_LT(fault.value, 15.9e-3);
     EXPECT_GT(fault.value, 14e-3);
@@ -98,10 +95,10 @@ TEST(Faults, APinInsideTheSheaveIsReportedWithItsRadius) {
 }
 
 TEST(Faults, ATouchingPinOutsideTheSheaveIsReportedWithItsRadius) {
-    model::Parameters p = tiny();
+    model::Parameters p = tiny_parameters();
     p.pulley.outermost = 15e-3;
     Rig rig(p);
-    const Fault fault = rig.run({begin, 0.0, 5e-8, 1e-4});
+    const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-4});
     ASSERT_EQ(fault.kind, FaultKind::left_sheave) << fault.message();
     EXPECT_GT(fault.value, 15e-3);
     EXPECT_LT(fault.value, 17e-3);

@@ -48,13 +48,13 @@ std::vector<Schedule> mixed() {
             {parallel(), {Assembly::staged, false, false}, 3, 2, true}};
 }
 
-struct Outcome {
+struct RunnerOutcome {
     std::uint64_t hash;
     Counters counters;
     long rests, moves;
 };
 
-Outcome outcome(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options) {
+RunnerOutcome runner_outcome(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options) {
     SilentObserver quiet;
     const engine::Cancellation never;
     Simulation simulation(scene, candidates, options);
@@ -65,8 +65,8 @@ Outcome outcome(const Scene& scene, const std::vector<Schedule>& candidates, con
 TEST(ScheduleRunner, ChangingTheScheduleEveryFewStepsDoesNotChangeTheBits) {
     for (const std::vector<std::string>& settings : {std::vector<std::string>{}, {"detail.stick_slip=true"}}) {
         const Scene scene = settled(settings);
-        const Outcome serial = outcome(scene, {Schedule{}}, {});
-        const Outcome changing = outcome(scene, mixed(), restless());
+        const RunnerOutcome serial = runner_outcome(scene, {Schedule{}}, {});
+        const RunnerOutcome changing = runner_outcome(scene, mixed(), restless());
         EXPECT_GT(serial.counters.detected, 0) << "the run should cross transitions";
         EXPECT_EQ(serial.rests, 0);
         EXPECT_GT(changing.rests, serial.counters.steps / 12);   // every four to eight steps
@@ -81,9 +81,9 @@ TEST(ScheduleRunner, BordersFollowTheLinksThatTouch) {
     const std::vector<Schedule> balanced{{parallel(), {Assembly::fused}, 9, 2, true}};
     ChooserOptions options;
     options.window = 0.0;
-    const Outcome moved = outcome(scene, balanced, options);
+    const RunnerOutcome moved = runner_outcome(scene, balanced, options);
     EXPECT_GT(moved.moves, 0);
-    EXPECT_EQ(moved.hash, outcome(scene, {Schedule{}}, {}).hash);
+    EXPECT_EQ(moved.hash, runner_outcome(scene, {Schedule{}}, {}).hash);
 }
 
 TEST(ScheduleRunner, NoMethodMindsOtherSegmentsBetweenItsSteps) {
@@ -105,7 +105,7 @@ TEST(ScheduleRunner, NoMethodMindsOtherSegmentsBetweenItsSteps) {
 }
 
 /// Counts allocations between outputs between which the run did not rest.
-class AllocationCounter final : public RunObserver {
+class QuietAllocations final : public RunObserver {
 public:
     void watch(const Simulation& simulation) { simulation_ = &simulation; }
     void output(double, const Workspace&, const Counters&) override {
@@ -130,7 +130,7 @@ TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     ChooserOptions options = restless();
     options.window = options.turn = 2e-3;   // some outputs
     Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::staged}, 5, 2}}, options);
-    AllocationCounter counter;
+    QuietAllocations counter;
     counter.watch(simulation);
     const engine::Cancellation never;
     EXPECT_FALSE(simulation.run(scene.run.until, counter, never));

@@ -14,9 +14,9 @@ namespace cvtflow::tasks {
 namespace {
 
 SilentObserver silent;
-const engine::Cancellation never;
+const engine::Cancellation uncancelled;
 
-Scene tiny() {
+Scene tiny_scene() {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
     scene.parameters.start.settling_time = 5e-4;
     scene.parameters.start.ramp_time = 5e-4;
@@ -25,8 +25,8 @@ Scene tiny() {
 }
 
 Fault settle_and_run(Simulation& simulation, double until) {
-    if (const Fault fault = simulation.settle(silent, never)) return fault;
-    return simulation.run(until, silent, never);
+    if (const Fault fault = simulation.settle(silent, uncancelled)) return fault;
+    return simulation.run(until, silent, uncancelled);
 }
 
 std::vector<double> slope_of(const Simulation& simulation, double t) {
@@ -40,7 +40,7 @@ TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
     std::uint64_t expected = 0;
     for (const bool stick_slip : {false, true}) {
         for (const int segments : {1, 2, 3, 5, 7, 14, 24}) {
-            Scene scene = tiny();
+            Scene scene = tiny_scene();
             scene.run.segments = segments;
             scene.parameters.detail.stick_slip = stick_slip;
             scene.parameters.ledger = stick_slip;
@@ -53,32 +53,32 @@ TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
 }
 
 TEST(Simulation, GoesThroughTransitionsInTheseRuns) {
-    Simulation simulation(tiny());
-    ASSERT_FALSE(simulation.settle(silent, never));
+    Simulation simulation(tiny_scene());
+    ASSERT_FALSE(simulation.settle(silent, uncancelled));
     EXPECT_GT(simulation.counters().detected, 100);
     EXPECT_GT(simulation.counters().truncated, 50);
 }
 
 TEST(Simulation, AnyNumberMayLiveSideBySide) {
-    Simulation alone(tiny());
+    Simulation alone(tiny_scene());
     ASSERT_FALSE(settle_and_run(alone, 1e-5));
-    Scene other = tiny();
+    Scene other = tiny_scene();
     other.parameters.detail.order = 2;
     other.run.segments = 3;
-    Simulation first(tiny()), second(other);
+    Simulation first(tiny_scene()), second(other);
     for (int part = 0; part < 2; ++part) {   // by turns
-        ASSERT_FALSE(part == 0 ? first.settle(silent, never) : first.run(1e-5, silent, never));
-        ASSERT_FALSE(part == 0 ? second.settle(silent, never) : second.run(1e-5, silent, never));
+        ASSERT_FALSE(part == 0 ? first.settle(silent, uncancelled) : first.run(1e-5, silent, uncancelled));
+        ASSERT_FALSE(part == 0 ? second.settle(silent, uncancelled) : second.run(1e-5, silent, uncancelled));
     }
     EXPECT_EQ(first.hash(), alone.hash());
     EXPECT_NE(second.hash(), alone.hash());
 }
 
 TEST(Simulation, RunsInOneGoAsInPieces) {
-    Simulation whole(tiny()), pieces(tiny());
+    Simulation whole(tiny_scene()), pieces(tiny_scene());
     ASSERT_FALSE(settle_and_run(whole, 4e-5));
     ASSERT_FALSE(settle_and_run(pieces, 2e-5));
-    ASSERT_FALSE(pieces.run(4e-5, silent, never));
+    ASSERT_FALSE(pieces.run(4e-5, silent, uncancelled));
     EXPECT_DOUBLE_EQ(pieces.time(), whole.time());
     // Times of steps may differ in their last digit.
     for (int k = 0; k < whole.variator().layout().size(); ++k) EXPECT_NEAR(pieces.state()[k], whole.state()[k], 1e-7 + 1e-7 * std::abs(whole.state()[k]));
@@ -102,7 +102,7 @@ private:
 TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
     for (const double saved_at : {0.0, 2e-5}) {
         for (const bool everything : {false, true}) {
-            Scene scene = tiny();
+            Scene scene = tiny_scene();
             scene.parameters.control.enabled = everything;
             scene.parameters.ledger = everything;
             scene.parameters.detail.stick_slip = everything;
@@ -116,8 +116,8 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
             EXPECT_EQ(continued.time(), simulation.time());
             EXPECT_EQ(continued.hash(), simulation.hash());
             EXPECT_EQ(slope_of(continued, continued.time()), slope_of(simulation, simulation.time()));
-            ASSERT_FALSE(continued.run(saved_at + 1e-5, silent, never));
-            ASSERT_FALSE(simulation.run(saved_at + 1e-5, silent, never));
+            ASSERT_FALSE(continued.run(saved_at + 1e-5, silent, uncancelled));
+            ASSERT_FALSE(simulation.run(saved_at + 1e-5, silent, uncancelled));
             EXPECT_EQ(continued.hash(), simulation.hash());
         }
     }
@@ -125,11 +125,11 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
 
 TEST(Simulation, TakesASavedStateWithOrWithoutControlAndLedger) {
     for (const bool had : {false, true}) {
-        Scene scene = tiny();
+        Scene scene = tiny_scene();
         scene.parameters.control.enabled = had;
         scene.parameters.ledger = had;
         Simulation simulation(scene);
-        ASSERT_FALSE(simulation.settle(silent, never));
+        ASSERT_FALSE(simulation.settle(silent, uncancelled));
         const StateFile file(simulation);
         scene.state_file = file.path();
         scene.parameters.control.enabled = !had;
@@ -143,15 +143,15 @@ TEST(Simulation, TakesASavedStateWithOrWithoutControlAndLedger) {
 
 TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
     for (const bool had : {false, true}) {
-        Scene scene = tiny();
+        Scene scene = tiny_scene();
         scene.parameters.detail.stick_slip = had;
         Simulation simulation(scene);
-        ASSERT_FALSE(simulation.settle(silent, never));
+        ASSERT_FALSE(simulation.settle(silent, uncancelled));
         const StateFile file(simulation);
         scene.state_file = file.path();
         scene.parameters.detail.stick_slip = !had;
         Simulation other(scene);
-        ASSERT_FALSE(other.run(1e-6, silent, never));
+        ASSERT_FALSE(other.run(1e-6, silent, uncancelled));
         int touching = 0, stick_or_slip = 0;
         for (const model::Phase phase : other.phases()) {
             touching += phase == model::Phase::touching ? 1 : 0;
@@ -163,7 +163,7 @@ TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
 }
 
 TEST(Simulation, SaysWhatDiffersFromTheSceneThatWasSettledAndRefusesAnotherDetail) {
-    Scene scene = tiny();
+    Scene scene = tiny_scene();
     Simulation simulation(scene);
     const StateFile file(simulation);
     scene.state_file = file.path();
@@ -174,7 +174,7 @@ TEST(Simulation, SaysWhatDiffersFromTheSceneThatWasSettledAndRefusesAnotherDetai
 }
 
 TEST(Simulation, RefusesAnUnknownMethod) {
-    Scene scene = tiny();
+    Scene scene = tiny_scene();
     scene.run.method = "rk17";
     EXPECT_THROW(Simulation{scene}, SimulationError);
 }
@@ -188,7 +188,7 @@ bool declares(const engine::Task& task, Field field, bool write) {
 
 TEST(FusedGraph, HasNoRacesForAnyNumberOfSegments) {
     for (const int segments : {1, 2, 3, 5, 7, 14, 24}) {
-        const Workspace workspace(tiny().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, segments));
+        const Workspace workspace(tiny_scene().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, segments));
         const engine::TaskGraph graph = step_graph(workspace, {});
         EXPECT_TRUE(engine::race_check(graph).empty()) << segments;
         EXPECT_EQ(graph.size(), 4 * segments);
@@ -198,7 +198,7 @@ TEST(FusedGraph, HasNoRacesForAnyNumberOfSegments) {
 }
 
 TEST(FusedGraph, EveryTaskDeclaresWhatItsCycleWrites) {
-    const Workspace workspace(tiny().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, 5));
+    const Workspace workspace(tiny_scene().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, 5));
     const engine::TaskGraph graph = step_graph(workspace, {});
     const std::vector<Field> written[] = {{Field::slope_written, Field::state_kept, Field::load, Field::account, Field::window},
                                           {Field::end_state, Field::after, Field::verdict},

@@ -10,16 +10,13 @@
 
 #include "engine/executor/serial.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tasks/scene/scene.hpp"
 #include "tests/claims/rig_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
 using claims::Rig;
-
-model::Parameters tiny() { return read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml").parameters; }
-constexpr double begin = -10e-3;   // of settling in the tiny scene
 
 std::vector<double> output_times(Rig& rig, const StepSettings& settings) {
     std::vector<double> times;
@@ -28,16 +25,16 @@ std::vector<double> output_times(Rig& rig, const StepSettings& settings) {
 }
 
 TEST(StepControllerOutputs, ComeExactlyAtMultiplesOfTheIntervalWhateverIsTruncatedBetween) {
-    Rig rig(tiny());
+    Rig rig(tiny_parameters());
     const double interval = 1e-5;
-    const std::vector<double> times = output_times(rig, {begin, begin + 50 * interval, 5e-8, interval});
+    const std::vector<double> times = output_times(rig, {settling_begin, settling_begin + 50 * interval, 5e-8, interval});
     EXPECT_GT(rig.counters().truncated, 10);
     ASSERT_EQ(times.size(), 51u);
-    for (std::size_t k = 0; k < times.size(); ++k) EXPECT_EQ(times[k], begin + static_cast<double>(k) * interval);
+    for (std::size_t k = 0; k < times.size(); ++k) EXPECT_EQ(times[k], settling_begin + static_cast<double>(k) * interval);
 }
 
 TEST(StepControllerOutputs, ComeFirstAndLastAlsoIfTheEndIsNoMultiple) {
-    Rig rig(tiny());
+    Rig rig(tiny_parameters());
     const std::vector<double> times = output_times(rig, {0.0, 2.52e-6, 1e-7, 1e-6});
     ASSERT_EQ(times.size(), 4u);
     EXPECT_EQ(times[0], 0.0);
@@ -50,7 +47,7 @@ TEST(StepControllerOutputs, ComeFirstAndLastAlsoIfTheEndIsNoMultiple) {
 }
 
 TEST(StepControllerOutputs, ShortenTheStepSoThatItDividesTheInterval) {
-    Rig rig(tiny());
+    Rig rig(tiny_parameters());
     EXPECT_EQ(output_times(rig, {0.0, 1e-5, 3e-8, 1e-6}).size(), 11u);
     EXPECT_EQ(rig.counters().steps - rig.counters().truncated, 10 * 34);   // 1 µs/30 ns rounded up
     EXPECT_GE(rig.counters().evaluations, 4 * rig.counters().steps + rig.counters().truncated);   // a cut needs the slope at the end
@@ -80,12 +77,12 @@ private:
 
 TEST(StepControllerTransitions, CutTheStepWhereTheTipReachesItsThreshold) {
     for (const bool stick_slip : {false, true}) {
-        model::Parameters p = tiny();
+        model::Parameters p = tiny_parameters();
         p.detail.stick_slip = stick_slip;
         Rig rig(p);
         CutWatcher watcher(rig.workspace());
         const engine::Cancellation never;
-        StepController controller(rig.workspace(), {begin, begin + 2e-3, 5e-8, 1e-4}, watcher, never);
+        StepController controller(rig.workspace(), {settling_begin, settling_begin + 2e-3, 5e-8, 1e-4}, watcher, never);
         engine::Serial().run(step_graph(rig.workspace(), {}), &rig.workspace(), controller);
         ASSERT_FALSE(controller.fault());
         ASSERT_EQ(static_cast<long>(watcher.depth_.size() + watcher.slip_.size()), controller.counters().detected);
@@ -100,22 +97,22 @@ TEST(StepControllerTransitions, CutTheStepWhereTheTipReachesItsThreshold) {
 }
 
 TEST(StepControllerTransitions, PutOffWhileATipHasJustChangedAreMadeUpForAndTheRunGoesOn) {
-    model::Parameters p = tiny();
+    model::Parameters p = tiny_parameters();
     Rig free_running(p);
-    ASSERT_FALSE(free_running.run({begin, begin + 1e-4, 5e-8, 1e-5}));
+    ASSERT_FALSE(free_running.run({settling_begin, settling_begin + 1e-4, 5e-8, 1e-5}));
     ASSERT_GT(free_running.counters().detected, 0);
     Rig rig(p);
-    std::fill(rig.workspace().changed.begin(), rig.workspace().changed.end(), begin + 3e-5);   // as if all had changed at that time
-    ASSERT_FALSE(rig.run({begin, begin + 1e-4, 5e-8, 1e-5}));
+    std::fill(rig.workspace().changed.begin(), rig.workspace().changed.end(), settling_begin + 3e-5);   // as if all had changed at that time
+    ASSERT_FALSE(rig.run({settling_begin, settling_begin + 1e-4, 5e-8, 1e-5}));
     EXPECT_GT(rig.counters().suppressed, 0);
     EXPECT_GT(rig.counters().detected, 0);
-    for (const auto& event : rig.transitions()) EXPECT_GE(event.time, begin + 3e-5);
+    for (const auto& event : rig.transitions()) EXPECT_GE(event.time, settling_begin + 3e-5);
     EXPECT_EQ(rig.counters().steps - rig.counters().truncated, 2000);
-    EXPECT_EQ(rig.time(), begin + 10 * 1e-5);
+    EXPECT_EQ(rig.time(), settling_begin + 10 * 1e-5);
 }
 
 TEST(StepControllerTransitions, AChatteringChainMakesProgress) {
-    model::Parameters p = tiny();   // undamped and suddenly clamped: everything rattles
+    model::Parameters p = tiny_parameters();   // undamped and suddenly clamped: everything rattles
     claims::make_conservative(p);
     p.start.settling_time = p.start.ramp_time = 0.0;
     Rig rig(p);
@@ -149,11 +146,11 @@ void expect_good_state(Rig& rig) {
 }
 
 TEST(StepControllerBudgets, StepsAreCountedAndTheStateIsLeftGood) {
-    Rig rig(tiny());
+    Rig rig(tiny_parameters());
     SilentObserver silent;
     const engine::Cancellation never;
     Counters counters;
-    const Fault fault = run_with(rig, {begin, 0.0, 5e-8, 1e-5, 137}, silent, never, &counters);
+    const Fault fault = run_with(rig, {settling_begin, 0.0, 5e-8, 1e-5, 137}, silent, never, &counters);
     EXPECT_EQ(fault.kind, FaultKind::max_steps);
     EXPECT_EQ(fault.limit, 137.0);
     EXPECT_EQ(fault.time, rig.time());
@@ -162,10 +159,10 @@ TEST(StepControllerBudgets, StepsAreCountedAndTheStateIsLeftGood) {
 }
 
 TEST(StepControllerBudgets, WallTimeEndsTheRunAndTheStateIsLeftGood) {
-    Rig rig(tiny());
+    Rig rig(tiny_parameters());
     SilentObserver silent;
     const engine::Cancellation never;
-    const Fault fault = run_with(rig, {begin, 10.0, 5e-8, 1e-5, 0, 0.02}, silent, never);
+    const Fault fault = run_with(rig, {settling_begin, 10.0, 5e-8, 1e-5, 0, 0.02}, silent, never);
     EXPECT_EQ(fault.kind, FaultKind::max_wall);
     EXPECT_GE(fault.value, 0.02);
     EXPECT_LT(fault.time, 0.0);
@@ -176,7 +173,7 @@ class Canceller final : public RunObserver {
 public:
     explicit Canceller(engine::Cancellation& cancel) : cancel_(cancel) {}
     void output(double time, const Workspace&, const Counters&) override {
-        if (time >= begin + 3e-6) cancel_.request();
+        if (time >= settling_begin + 3e-6) cancel_.request();
     }
     void transition(const TransitionRecord&) override {}
 
@@ -185,12 +182,12 @@ private:
 };
 
 TEST(StepControllerBudgets, CancellingEndsTheRunBeforeTheNextStep) {
-    Rig rig(tiny());
+    Rig rig(tiny_parameters());
     engine::Cancellation cancel;
     Canceller canceller(cancel);
-    const Fault fault = run_with(rig, {begin, 0.0, 5e-8, 1e-6}, canceller, cancel);
+    const Fault fault = run_with(rig, {settling_begin, 0.0, 5e-8, 1e-6}, canceller, cancel);
     EXPECT_EQ(fault.kind, FaultKind::cancelled);
-    EXPECT_EQ(fault.time, begin + 3 * 1e-6);
+    EXPECT_EQ(fault.time, settling_begin + 3 * 1e-6);
     expect_good_state(rig);
 }
 
@@ -198,7 +195,7 @@ class Thrower final : public RunObserver {
 public:
     explicit Thrower(bool at_transition) : at_transition_(at_transition) {}
     void output(double time, const Workspace&, const Counters&) override {
-        if (!at_transition_ && time > begin) throw std::runtime_error("disk full");
+        if (!at_transition_ && time > settling_begin) throw std::runtime_error("disk full");
     }
     void transition(const TransitionRecord&) override {
         if (at_transition_) throw std::runtime_error("disk full");
@@ -210,16 +207,16 @@ private:
 
 TEST(StepControllerObserver, WhatItThrowsEndsTheRunAndComesOut) {
     for (const bool at_transition : {false, true}) {
-        Rig rig(tiny());
+        Rig rig(tiny_parameters());
         Thrower thrower(at_transition);
         const engine::Cancellation never;
         try {
-            static_cast<void>(run_with(rig, {begin, 0.0, 5e-8, 1e-5}, thrower, never));
+            static_cast<void>(run_with(rig, {settling_begin, 0.0, 5e-8, 1e-5}, thrower, never));
             FAIL() << "nothing came out";
         } catch (const std::runtime_error& error) {
             EXPECT_STREQ(error.what(), "disk full");
         }
-        EXPECT_LT(rig.time(), begin + 1e-3);
+        EXPECT_LT(rig.time(), settling_begin + 1e-3);
         expect_good_state(rig);
     }
 }

@@ -25,7 +25,7 @@ struct NewtonArguments {
     std::vector<std::string> methods;
 };
 
-double read_time(const std::string& option, const std::string& word) {
+double time_of(const std::string& option, const std::string& word) {
     const auto parsed = tasks::parse_quantity(word);
     const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
     const bool time = quantity != nullptr && (!quantity->has_unit || quantity->dimension == tasks::dimension_of("s"));
@@ -72,9 +72,9 @@ std::vector<std::string> cells_of(const std::string& method, const tasks::TrialE
 }
 
 ExitStatus newton(const NewtonArguments& arguments) {
-    const double duration = read_time("--duration", arguments.duration), tight = read_time("--reference", arguments.reference);
+    const double duration = time_of("--duration", arguments.duration), tight = time_of("--reference", arguments.reference);
     std::vector<double> steps;
-    for (const std::string& word : CLI::detail::split(arguments.steps, ',')) steps.push_back(read_time("--steps", word));
+    for (const std::string& word : CLI::detail::split(arguments.steps, ',')) steps.push_back(time_of("--steps", word));
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
     const model::Parameters& parameters = loaded.scene.parameters;

@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "tasks/scene/units.hpp"
 #include "tools/command.hpp"
 #include "tools/comparison_report.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/method_choice_text.hpp"
 #include "tools/output_folder.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/settled_start.hpp"
@@ -25,20 +25,11 @@ struct PinEntryArguments {
     bool quiet = false;
 };
 
-/// A time above 0 [s]. @param where what to name in the error
-double read_time(const std::string& text, const std::string& where) {
-    const auto parsed = tasks::parse_quantity(text);
-    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
-    const bool time = quantity != nullptr && (!quantity->has_unit || quantity->dimension == tasks::dimension_of("s"));
-    if (!time || !(quantity->value > 0.0)) throw tasks::SceneError(fmt::format("{}: '{}' is not a time above 0, such as 40ns", where, text));
-    return quantity->value;
-}
-
 /// "rk4@50ns".
 tasks::Candidate read_candidate(const std::string& text) {
     const std::size_t at = text.find('@');
     if (at == std::string::npos) throw tasks::SceneError(fmt::format("{}: a method and its step are wanted, such as rk4@50ns", text));
-    const tasks::Candidate candidate{text.substr(0, at), read_time(text.substr(at + 1), text)};
+    const tasks::Candidate candidate{text.substr(0, at), read_time(text, text.substr(at + 1))};
     require_method(candidate.method);
     return candidate;
 }
@@ -57,8 +48,8 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
     for (const std::string& text : arguments.candidates) candidates.push_back(read_candidate(text));
     tasks::ComparisonOptions options;
     options.reference = read_candidate(arguments.reference);
-    options.duration = read_time(arguments.duration, "--time");
-    options.output_interval = read_time(arguments.interval, "--interval");
+    options.duration = read_time("--time", arguments.duration);
+    options.output_interval = read_time("--interval", arguments.interval);
     options.rounds = arguments.rounds;
     options.pin = arguments.pin;
     const LoadedScene loaded = load_scene(arguments.scene);
@@ -83,7 +74,7 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
     return ExitStatus::finished;
 }
 
-constexpr const char* explanation =
+constexpr const char* pin_entry_explanation =
     "Every candidate runs from the same start, with transitions. fewer by, faster by: evaluations and time of the first candidate over those of\n"
     "this one. err: ‖value - reference‖/‖reference‖ over all outputs, of the axial force of all tips, the tension of all links, and the axial\n"
     "force of the pin that enters the driving sheaves first (or --pin). Steps are shortened so that they divide the interval.\n"
@@ -103,7 +94,7 @@ Action declare_pin_entry(CLI::App& app) {
     declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress");
-    app.footer(explanation);
+    app.footer(pin_entry_explanation);
     return [arguments] { return pin_entry(*arguments); };
 }
 

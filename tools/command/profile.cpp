@@ -123,7 +123,7 @@ ExitStatus profile(const ProfileArguments& arguments) {
     return result.differences.empty() ? ExitStatus::finished : ExitStatus::error;
 }
 
-constexpr const char* explanation =
+constexpr const char* profile_explanation =
     "All schedules run in one process, in turns; serial:fused is always among them and is what speed-ups refer to.\n"
     "States are compared bit by bit after the same steps; a difference is an error (exit status 1).\n"
     "Columns:\n"
@@ -177,7 +177,7 @@ Action declare_profile(CLI::App& app) {
     app.add_option("--stages", arguments->stages, "Table of stages by thread: the published charts")->type_name("FILE");
     app.add_option("--curves", arguments->curves, "Table of the speed-up curves")->type_name("FILE");
     app.add_flag("-q,--quiet", arguments->quiet, "No progress");
-    app.footer(explanation);
+    app.footer(profile_explanation);
     return [arguments] { return profile(*arguments); };
 }
 

@@ -89,7 +89,7 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
     return ExitStatus::finished;
 }
 
-constexpr const char* explanation =
+constexpr const char* spectrum_explanation =
     "Phases are held; the Jacobian is taken by central differences. --extremal finds the eigenvalues with Re < -1e6 1/s and the pair that\n"
     "oscillates fastest, by Arnoldi's method, the others only the dense method.\n"
     "The largest stable step is the longest with which no eigenvalue leaves the method's region of stability. It is confirmed by steps of\n"
@@ -109,7 +109,7 @@ Action declare_spectrum(CLI::App& app) {
     app.add_flag("--attribute", arguments->attribute, "Tell which contacts make which eigenvalues, and what ten times their saturation speeds do");
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress");
-    app.footer(explanation);
+    app.footer(spectrum_explanation);
     return [arguments] { return spectrum(*arguments); };
 }
 

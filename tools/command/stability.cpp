@@ -119,7 +119,7 @@ ExitStatus stability(const StabilityArguments& arguments) {
     return ExitStatus::finished;
 }
 
-constexpr const char* explanation =
+constexpr const char* stability_explanation =
     "real, imag, ray: how far |R(z)| <= 1 reaches from 0 along the axes and along rays of that damping ratio. With --scene also:\n"
     "growth, gain: largest stage value, and largest factor on an error made in a stage, over the scene's decays at the largest stable step;\n"
     "the step itself, predicted by the eigenvalues and confirmed by steps about the state (cvtflow spectrum --help).\n"
@@ -140,7 +140,7 @@ Action declare_stability(CLI::App& app) {
     app.add_flag("--all", arguments->all, "All eigenvalues instead of those at the edge");
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress");
-    app.footer(explanation);
+    app.footer(stability_explanation);
     return [arguments] { return stability(*arguments); };
 }
 

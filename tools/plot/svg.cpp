@@ -69,7 +69,7 @@ std::string text_at(double x, double y, const std::string& text, const std::stri
 }
 
 /// The legend of a plot: series and regions that have names.
-struct Entry {
+struct LegendEntry {
     std::string name, drawing;   ///< drawn around the origin, 24 px wide
 };
 
@@ -90,7 +90,7 @@ public:
         left_ = 44.0 + letter * widest;
         top_ = plot.subtitle.empty() ? 44.0 : 62.0;
         double names = 0.0;
-        for (const Entry& entry : entries_) names = std::max(names, letters(entry.name));
+        for (const LegendEntry& entry : entries_) names = std::max(names, letters(entry.name));
         right_ = plot.width - (entries_.empty() ? 20.0 : 56.0 + letter * names);
         right_ = std::max(right_, left_ + 120.0);
         bottom_ = std::max(plot.height - 52.0, top_ + 80.0);
@@ -116,8 +116,8 @@ private:
     [[nodiscard]] double at_y(double value) const { return bottom_ - y_.place(value) * (bottom_ - top_); }
     [[nodiscard]] std::string colour(std::size_t k) const { return plot_.series[k].colour.empty() ? palette(k) : escaped(plot_.series[k].colour); }
 
-    [[nodiscard]] std::vector<Entry> legend() const {
-        std::vector<Entry> entries;
+    [[nodiscard]] std::vector<LegendEntry> legend() const {
+        std::vector<LegendEntry> entries;
         for (std::size_t k = 0; k < plot_.series.size(); ++k) {
             const Series& series = plot_.series[k];
             if (series.name.empty()) continue;
@@ -169,7 +169,7 @@ private:
     [[nodiscard]] std::string drawn_legend() const {
         std::string made;
         double y = top_ + 10.0;
-        for (const Entry& entry : entries_) {
+        for (const LegendEntry& entry : entries_) {
             made += fmt::format("<g transform=\"translate({} {})\">{}{}</g>\n", px(right_ + 26.0), px(y), entry.drawing,
                                 fmt::format("<text x=\"18\" y=\"4\" class=\"legend\">{}</text>", escaped(entry.name)));
             y += 20.0;
@@ -236,7 +236,7 @@ private:
 
     const Plot& plot_;
     const AxisScale x_, y_;
-    const std::vector<Entry> entries_;
+    const std::vector<LegendEntry> entries_;
     std::vector<Tick> x_ticks_, y_ticks_;
     double left_ = 0.0, right_ = 0.0, top_ = 0.0, bottom_ = 0.0;   ///< of the frame [px]
 };

@@ -39,7 +39,7 @@ std::vector<double> outcome(const Variator& variator, const oracle::RandomState&
     return all;
 }
 
-void expect_same_bits(const Parameters& p, const std::string& name, std::uint64_t seed) {
+void expect_lanes_equal_links(const Parameters& p, const std::string& name, std::uint64_t seed) {
     const auto random = oracle::random_state(p, seed);
     for (const Isa isa : usable_isas()) {
         const Variator variator(p, isa);
@@ -55,7 +55,7 @@ void expect_same_bits(const Parameters& p, const std::string& name, std::uint64_
 
 TEST(LanePass, LinksSideBySideGiveTheBitsOfLinksOneByOneAtEveryDetail) {
     std::uint64_t seed = 500;
-    for (const oracle::Case& one : oracle::all_details(oracle::small_scene())) expect_same_bits(one.parameters, one.name, ++seed);
+    for (const oracle::Case& one : oracle::all_details(oracle::small_scene())) expect_lanes_equal_links(one.parameters, one.name, ++seed);
 }
 
 TEST(LanePass, SoTheyDoWithEveryFrictionLawAndManyPlates) {
@@ -66,7 +66,7 @@ TEST(LanePass, SoTheyDoWithEveryFrictionLawAndManyPlates) {
             p.detail.stick_slip = law == FrictionLaw::piecewise;
             p.plate.count = plates;
             p.detail.joint_points = plates == 37 ? 16 : 5;
-            expect_same_bits(p, "plates " + std::to_string(plates), 77);
+            expect_lanes_equal_links(p, "plates " + std::to_string(plates), 77);
         }
     }
 }

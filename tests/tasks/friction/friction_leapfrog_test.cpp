@@ -11,12 +11,12 @@
 namespace cvtflow::tasks {
 namespace {
 
-const engine::Cancellation never;
+const engine::Cancellation uncancelled;
 
-std::uint64_t hash_of(const std::vector<std::string>& settings) {
+std::uint64_t leapfrog_hash(const std::vector<std::string>& settings) {
     Simulation simulation(claims::ready_scene("baseline", settings));
     SilentObserver nobody;
-    EXPECT_FALSE(simulation.run(60e-6, nobody, never)) << settings.back();
+    EXPECT_FALSE(simulation.run(60e-6, nobody, uncancelled)) << settings.back();
     EXPECT_GT(simulation.counters().steps, 29);
     return simulation.hash();
 }
@@ -26,7 +26,7 @@ TEST(FrictionLeapfrog, GivesTheSameBitsForEverySchedule) {
         const std::vector<std::string> common{method, "run.step=2us"};
         const auto with = [&](std::vector<std::string> more) {
             more.insert(more.begin(), common.begin(), common.end());
-            return hash_of(more);
+            return leapfrog_hash(more);
         };
         const std::uint64_t serial = with({"run.schedule=serial"});
         EXPECT_EQ(with({"run.schedule=barrier", "run.threads=2", "run.segments=3"}), serial);
@@ -52,7 +52,7 @@ TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
 TEST(FrictionLeapfrog, FrictionTooStiffForItIsAFaultThatSaysSo) {
     Simulation simulation(claims::ready_scene("baseline", {"run.method=leapfrog-rkc", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-6"}));
     SilentObserver nobody;
-    const Fault fault = simulation.run(1e-5, nobody, never);
+    const Fault fault = simulation.run(1e-5, nobody, uncancelled);
     EXPECT_EQ(fault.kind, FaultKind::too_stiff);
     EXPECT_GT(fault.value, fault.limit);
     EXPECT_NE(fault.message().find("friction is too stiff for the step at t = "), std::string::npos) << fault.message();

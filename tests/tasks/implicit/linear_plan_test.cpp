@@ -9,41 +9,41 @@
 namespace cvtflow::tasks {
 namespace {
 
-using Vector = Eigen::Vector3d;
-using Matrix = Eigen::Matrix3d;
+using SmallVector = Eigen::Vector3d;
+using SmallMatrix = Eigen::Matrix3d;
 
 /// y' = f(t, y), nonlinear and non-autonomous.
-Vector slope(double t, const Vector& y) { return {y(1) * y(2) + std::cos(t), -y(0) * y(2), -0.5 * y(0) * y(1) - y(2) * y(2) + 0.3 * t}; }
+SmallVector slope(double t, const SmallVector& y) { return {y(1) * y(2) + std::cos(t), -y(0) * y(2), -0.5 * y(0) * y(1) - y(2) * y(2) + 0.3 * t}; }
 
 /// One step of the table as it is written down, with any J.
-Vector step(const LinearPlan& plan, const Matrix& j, double t, double h, const Vector& y) {
+SmallVector step(const LinearPlan& plan, const SmallMatrix& j, double t, double h, const SmallVector& y) {
     const LinearTimes times = times_of(plan);
-    std::vector<Vector> u;
+    std::vector<SmallVector> u;
     const auto sum = [&](const std::vector<engine::Term>& terms) {
-        Vector total = Vector::Zero();
+        SmallVector total = SmallVector::Zero();
         for (const engine::Term& term : terms) total += term.factor * u[static_cast<std::size_t>(term.slot)];
         return total;
     };
     for (std::size_t i = 0; i < plan.stages.size(); ++i) {
         const LinearStage& stage = plan.stages[i];
-        const Matrix w = Matrix::Identity() - stage.gamma * h * j;
+        const SmallMatrix w = SmallMatrix::Identity() - stage.gamma * h * j;
         u.push_back(w.partialPivLu().solve(stage.gamma * (h * slope(t + times.stage[i] * h, y + sum(stage.states)) + sum(stage.right))));
     }
     return y + sum(plan.result);
 }
 
-Vector integrated(const LinearPlan& plan, const Matrix& j, int steps) {
-    Vector y{1.0, 0.5, -0.4};
+SmallVector integrated(const LinearPlan& plan, const SmallMatrix& j, int steps) {
+    SmallVector y{1.0, 0.5, -0.4};
     for (int k = 0; k < steps; ++k) y = step(plan, j, k * 1.0 / steps, 1.0 / steps, y);
     return y;
 }
 
 TEST(LinearPlan, HasItsOrderWithAnyJacobian) {
-    Matrix wrong;   // of the size of the true one, and nothing like it
+    SmallMatrix wrong;   // of the size of the true one, and nothing like it
     wrong << 0.7, -1.1, 0.4, 0.2, -0.5, 1.3, -0.8, 0.6, 0.1;
     for (const LinearPlan& plan : linear_plans()) {
-        for (const Matrix& j : {Matrix(Matrix::Zero()), wrong}) {
-            const Vector coarse = integrated(plan, j, 16), middle = integrated(plan, j, 32), fine = integrated(plan, j, 64);
+        for (const SmallMatrix& j : {SmallMatrix(SmallMatrix::Zero()), wrong}) {
+            const SmallVector coarse = integrated(plan, j, 16), middle = integrated(plan, j, 32), fine = integrated(plan, j, 64);
             EXPECT_NEAR(std::log2((coarse - middle).norm() / (middle - fine).norm()), plan.order, 0.2) << plan.name;
         }
     }

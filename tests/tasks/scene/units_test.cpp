@@ -14,7 +14,7 @@ namespace {
 
 double si(std::string_view text) { return std::get<Quantity>(parse_quantity(text)).value; }
 
-std::string complaint(std::string_view text) { return std::get<std::string>(parse_quantity(text)); }
+std::string quantity_complaint(std::string_view text) { return std::get<std::string>(parse_quantity(text)); }
 
 TEST(Units, PowersOfTenAreExact) {
     EXPECT_EQ(si("8.12 mm"), 8.12e-3);
@@ -81,16 +81,16 @@ TEST(Units, NumberAloneHasNoUnit) {
 }
 
 TEST(Units, WrongTextsAreNamed) {
-    EXPECT_EQ(complaint("mm"), "does not begin with a number");
-    EXPECT_EQ(complaint(""), "does not begin with a number");
-    EXPECT_EQ(complaint("nan m"), "is not a finite number");
-    EXPECT_EQ(complaint("1e999 m"), "is not a finite number");
-    EXPECT_EQ(complaint("1e308 Gm"), "is not a finite number");
-    EXPECT_EQ(complaint("8 mmm"), "has the unknown unit \"mmm\" (did you mean \"mm\"?)");
-    EXPECT_EQ(complaint("8 N*"), "has an incomplete unit");
-    EXPECT_EQ(complaint("8 m^0"), "has the unusable power \"^0\"");
-    EXPECT_EQ(complaint("8 m^0.3"), "has the unusable power \"^0.3\"");
-    EXPECT_EQ(complaint("8 mdeg").substr(0, 20), "has the unknown unit");
+    EXPECT_EQ(quantity_complaint("mm"), "does not begin with a number");
+    EXPECT_EQ(quantity_complaint(""), "does not begin with a number");
+    EXPECT_EQ(quantity_complaint("nan m"), "is not a finite number");
+    EXPECT_EQ(quantity_complaint("1e999 m"), "is not a finite number");
+    EXPECT_EQ(quantity_complaint("1e308 Gm"), "is not a finite number");
+    EXPECT_EQ(quantity_complaint("8 mmm"), "has the unknown unit \"mmm\" (did you mean \"mm\"?)");
+    EXPECT_EQ(quantity_complaint("8 N*"), "has an incomplete unit");
+    EXPECT_EQ(quantity_complaint("8 m^0"), "has the unusable power \"^0\"");
+    EXPECT_EQ(quantity_complaint("8 m^0.3"), "has the unusable power \"^0.3\"");
+    EXPECT_EQ(quantity_complaint("8 mdeg").substr(0, 20), "has the unknown unit");
 }
 
 TEST(Units, DimensionsHaveNames) {
