@@ -60,6 +60,23 @@ Settings ring(int pins) {
     return {fmt::format("chain.pins={}", pins), "detail.pulleys=absent", "start.layout=ring", "start.ring_speed=200"};
 }
 
+void add_belt_rows(std::vector<Extreme>& rows) {
+    for (const int pins : {3, 4, 5, 12, 84, 1000}) {
+        const bool few = pins < 12;   // longer links, lest the pulleys be smaller than any that scenes may have
+        rows.push_back({"pins", fmt::format("belt of {}{}", pins, few ? ", 45 mm each" : ""), belt(pins, few ? 45e-3 : 8.12e-3),
+                        {Ending::right, Ending::refused, Ending::fault}, {FaultKind::left_sheave, FaultKind::penetration}});
+        rows.back().geometric = true;
+        if (pins >= 1000) rows.back().steps = 20;
+    }
+    rows.push_back({"pins", "belt of 3 on pulleys too near each other", belt(3, 8.12e-3), {Ending::refused}});
+    rows.push_back({"pins", "belt of 10,000 on pulleys too far apart", belt(10000, 8.12e-3), {Ending::refused}});
+    rows.push_back({"pins", "belt of 10,000, 4 mm each", belt(10000, 4e-3), {Ending::right, Ending::refused}});
+    rows.back().settings.insert(rows.back().settings.end(), {"half.width=2e-3", "drive.speed=2"});
+    rows.back().geometric = true;
+    rows.back().steps = 10;
+    rows.back().nightly = true;
+}
+
 }  // namespace
 
 void add_friction_rows(std::vector<Extreme>& rows) {
@@ -95,19 +112,7 @@ void add_size_rows(std::vector<Extreme>& rows) {
     rows.back().nightly = true;
     rows.push_back({"pins", "free ring of 10,000 at 2.6 km/s, which bursts", ring(10000), {Ending::refused}});
     rows.back().nightly = true;
-    for (const int pins : {3, 4, 5, 12, 84, 1000}) {
-        const bool few = pins < 12;   // longer links, lest the pulleys be smaller than any that scenes may have
-        rows.push_back({"pins", fmt::format("belt of {}{}", pins, few ? ", 45 mm each" : ""), belt(pins, few ? 45e-3 : 8.12e-3), {Ending::right, Ending::refused, Ending::fault}, {FaultKind::left_sheave, FaultKind::penetration}});
-        rows.back().geometric = true;
-        if (pins >= 1000) rows.back().steps = 20;
-    }
-    rows.push_back({"pins", "belt of 3 on pulleys too near each other", belt(3, 8.12e-3), {Ending::refused}});
-    rows.push_back({"pins", "belt of 10,000 on pulleys too far apart", belt(10000, 8.12e-3), {Ending::refused}});
-    rows.push_back({"pins", "belt of 10,000, 4 mm each", belt(10000, 4e-3), {Ending::right, Ending::refused}});
-    rows.back().settings.insert(rows.back().settings.end(), {"half.width=2e-3", "drive.speed=2"});
-    rows.back().geometric = true;
-    rows.back().steps = 10;
-    rows.back().nightly = true;
+    add_belt_rows(rows);
     rows.push_back({"pins", "2 pins", ring(2), {Ending::refused}});
     const auto pitches = [&](const std::string& name, const std::string& list, std::vector<Ending> allowed) {
         rows.push_back({"pitch", name, {"chain.pitch=" + list}, std::move(allowed)});
