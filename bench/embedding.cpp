@@ -1,10 +1,15 @@
 /// Jitter of advance_to() in a host's control loop: how long a call for 100 µs of the scene takes, over and over, with the host idle and with
 /// k busy host threads, for each way of running. Then how long the first step of a new simulation takes, and how long after cancel() from
-/// another thread a call returns. A plain program, since what counts is the distribution and not the best.
+/// another thread a call returns, host idle. A plain program, since what counts is the distribution and not the best. The column "others" says how
+/// many processors other processes took meanwhile (a quiet machine: less than 0.05); where it says more, times are theirs as much as ours.
+/// Committed figures come from `bench_embedding --csv FILE` on a quiet machine.
 ///
-///     bench_embedding [--scene NAME] [--calls N] [--busy N,N,…] [--threads N]
+///     bench_embedding [--scene NAME] [--calls N] [--busy N,N,…] [--threads N] [--csv FILE]
 
 #include <fmt/format.h>
+#include <fmt/os.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -12,16 +17,22 @@
 #include <cmath>
 #include <cstring>
 #include <cvtflow/cvtflow.hpp>
+#include <fstream>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "engine/base/provenance.hpp"
+#include "engine/executor/runtimes.hpp"
+#include "tasks/profile/report.hpp"
+
 namespace {
 
 struct Arguments {
     std::string scene = "tiny";
-    int calls = 100;
+    std::string csv;
+    int calls = 200;
     int threads = 2;
     std::vector<int> busy{0, 1, 2, 4};
 };
@@ -48,67 +59,128 @@ private:
     std::vector<std::jthread> threads_;   // last: they end before the rest goes
 };
 
-/// Wall times of the calls [s], ascending.
-std::vector<double> measure(cvtflow::Simulation& simulation, int calls) {
-    constexpr double period = 1e-4;
+using Clock = std::chrono::steady_clock;
+[[nodiscard]] double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
+
+/// Processor time that all processes but this one have taken since the start of the machine [s]; zero where the system does not say.
+double time_of_others() {
+    std::ifstream file("/proc/stat");
+    std::string name;
+    double user = 0.0, nice = 0.0, system = 0.0;
+    if (!(file >> name >> user >> nice >> system)) return 0.0;
+    rusage own{};
+    getrusage(RUSAGE_SELF, &own);
+    const auto of = [](const timeval& time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); };
+    return (user + nice + system) / static_cast<double>(sysconf(_SC_CLK_TCK)) - of(own.ru_utime) - of(own.ru_stime);
+}
+
+struct Way {
+    std::string name;
+    cvtflow::Threads threads;
+};
+
+/// What was measured of one way of running.
+struct Row {
+    const char* quantity;
+    int busy = 0;
+    std::string way;
+    std::vector<double> times{};   ///< [s], ascending
+    double others = 0.0;           ///< processors that other processes took meanwhile
+    std::uint64_t hash = 0;
+
+    /// The part-quantile [s].
+    [[nodiscard]] double at(double part) const { return times[std::min(times.size() - 1, static_cast<std::size_t>(part * static_cast<double>(times.size())))]; }
+};
+
+/// Fills in `times` by what `one` returns, `rounds` times over, and `others`.
+template <class One>
+Row measured(const char* quantity, int busy, const std::string& way, int rounds, const One& one) {
+    Row row{quantity, busy, way};
+    const double others = time_of_others();
+    const Clock::time_point begun = Clock::now();
+    for (int round = 0; round < rounds; ++round) row.times.push_back(one());
+    row.others = std::max(0.0, (time_of_others() - others) / seconds(Clock::now() - begun));
+    std::sort(row.times.begin(), row.times.end());
+    return row;
+}
+
+/// Calls for 100 µs of the scene, one after the other.
+Row jitter(const cvtflow::Scene& scene, const cvtflow::State& start, const Way& way, int busy, int calls) {
+    cvtflow::Simulation simulation(scene, way.threads);
+    simulation.set_state(start);
     const double begin = simulation.time();
-    std::vector<double> times;
-    for (int k = 1; k <= calls; ++k) {
-        const auto started = std::chrono::steady_clock::now();
-        simulation.advance_to(begin + k * period);
-        times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count());
-    }
-    std::sort(times.begin(), times.end());
-    return times;
+    int call = 0;
+    Row row = measured("advance_100us", busy, way.name, calls, [&] {
+        const Clock::time_point begun = Clock::now();
+        simulation.advance_to(begin + 1e-4 * ++call);
+        return seconds(Clock::now() - begun);
+    });
+    row.hash = simulation.hash();
+    return row;
 }
 
-[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count(); }
-
-/// Wall times from nothing to the end of the first step [s], ascending.
-std::vector<double> first_steps(const cvtflow::Scene& scene, cvtflow::Threads threads, int rounds) {
-    std::vector<double> times;
-    for (int k = 0; k < rounds; ++k) {
-        const auto begun = std::chrono::steady_clock::now();
-        cvtflow::Simulation simulation(scene, threads);
+/// From a scene to the end of a new simulation's first step.
+Row first_step(const cvtflow::Scene& scene, const Way& way, int rounds) {
+    return measured("first_step", 0, way.name, rounds, [&] {
+        const Clock::time_point begun = Clock::now();
+        cvtflow::Simulation simulation(scene, way.threads);
         simulation.step();
-        times.push_back(seconds_since(begun));
-    }
-    std::sort(times.begin(), times.end());
-    return times;
+        return seconds(Clock::now() - begun);
+    });
 }
 
-/// Wall times from cancel() to the return of the call that it ends [s], ascending.
-std::vector<double> cancellations(const cvtflow::Scene& scene, cvtflow::Threads threads, const cvtflow::State& start, int rounds) {
-    std::vector<double> times;
-    cvtflow::Simulation simulation(scene, threads);
-    for (int k = 0; k < rounds; ++k) {
+/// From cancel() to the return of the call that it ends.
+Row cancellation(const cvtflow::Scene& scene, const cvtflow::State& start, const Way& way, int rounds) {
+    cvtflow::Simulation simulation(scene, way.threads);
+    return measured("cancellation", 0, way.name, rounds, [&] {
         simulation.set_state(start);
-        std::chrono::steady_clock::time_point returned;
+        Clock::time_point returned;
         std::jthread stepper([&] {
             try {
                 simulation.advance_to(simulation.time() + 1e3);
             } catch (const cvtflow::Error& end) {
-                returned = std::chrono::steady_clock::now();
+                returned = Clock::now();
                 if (end.code() != cvtflow::ErrorCode::cancelled) fmt::print(stderr, "bench_embedding: {}\n", end.what());
             }
         });
         std::this_thread::sleep_for(std::chrono::milliseconds(3));
-        const auto asked = std::chrono::steady_clock::now();
+        const Clock::time_point asked = Clock::now();
         simulation.cancel();
         stepper.join();
-        times.push_back(std::chrono::duration<double>(returned - asked).count());
-    }
-    std::sort(times.begin(), times.end());
-    return times;
+        return seconds(returned - asked);
+    });
 }
 
-double share(const std::vector<double>& sorted, double part) { return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(part * static_cast<double>(sorted.size())))]; }
+void print_head() {
+    fmt::print("{:<14} {:>5} {:<12} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>7}  {}\n", "wall time, ms", "busy", "way", "least", "median", "90 %", "99 %", "most", "99%/med.",
+               "others", "hash of the end state");
+}
+
+const Row& print(const Row& row) {
+    fmt::print("{:<14} {:>5} {:<12} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f} {:>7.2f}  {}\n", row.quantity, row.busy, row.way, 1e3 * row.times.front(),
+               1e3 * row.at(0.5), 1e3 * row.at(0.9), 1e3 * row.at(0.99), 1e3 * row.times.back(), row.at(0.99) / row.at(0.5), row.others,
+               row.hash != 0 ? fmt::format("{:016x}", row.hash) : "");
+    std::fflush(stdout);
+    return row;
+}
+
+void write_csv(const std::vector<Row>& rows, const Arguments& arguments) {
+    auto file = fmt::output_file(arguments.csv);
+    const cvtflow::engine::Provenance here = cvtflow::engine::current_provenance();
+    file.print("quantity,scene,busy,way,rounds,least_ms,median_ms,p90_ms,p99_ms,most_ms,others,hash,commit,compiler,flags,tbb,cpu,cores,date\n");
+    for (const Row& row : rows) {
+        file.print("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:016x},\"{}\",\"{} {}\",\"{}\",\"{}\",\"{}\",{},\"{}\"\n", row.quantity, arguments.scene, row.busy,
+                   row.way, row.times.size(), 1e3 * row.times.front(), 1e3 * row.at(0.5), 1e3 * row.at(0.9), 1e3 * row.at(0.99), 1e3 * row.times.back(), row.others, row.hash,
+                   here.commit, here.compiler, here.build_type, cvtflow::tasks::compiler_flags(), cvtflow::engine::tbb_version(), here.cpu, here.cores, here.date);
+    }
+}
 
 Arguments read(int argc, char** argv) {
     Arguments arguments;
     for (int k = 1; k + 1 < argc; k += 2) {
         const std::string option = argv[k];
         if (option == "--scene") arguments.scene = argv[k + 1];
+        if (option == "--csv") arguments.csv = argv[k + 1];
         if (option == "--calls") arguments.calls = std::max(1, std::atoi(argv[k + 1]));
         if (option == "--threads") arguments.threads = std::max(1, std::atoi(argv[k + 1]));
         if (option != "--busy") continue;
@@ -128,27 +200,20 @@ int main(int argc, char** argv) try {
     cvtflow::Simulation settled(scene);
     settled.advance_to(0.0);
     const cvtflow::State start = settled.state();
-    const std::pair<std::string, cvtflow::Threads> ways[] = {{"caller", cvtflow::Threads::caller()},
-                                                             {fmt::format("present({})", arguments.threads), cvtflow::Threads::present(arguments.threads)},
-                                                             {fmt::format("own({})", arguments.threads), cvtflow::Threads::own(arguments.threads)}};
-    fmt::print("advance_to(1e-4) on {}, {} calls each, {} processors; wall time in ms; hash of the end state\n", arguments.scene, arguments.calls, std::thread::hardware_concurrency());
-    fmt::print("{:>5} {:<12} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9}  {}\n", "busy", "way", "least", "median", "90 %", "99 %", "most", "99%/med.", "hash");
+    const Way ways[] = {{"caller", cvtflow::Threads::caller()},
+                        {fmt::format("present({})", arguments.threads), cvtflow::Threads::present(arguments.threads)},
+                        {fmt::format("own({})", arguments.threads), cvtflow::Threads::own(arguments.threads)}};
+    fmt::print("advance_to(1e-4) on {}, beside so many busy threads of the host; first steps and cancellations with the host idle; {} rounds each, {} processors\n",
+               arguments.scene, arguments.calls, std::thread::hardware_concurrency());
+    print_head();
+    std::vector<Row> rows;
     for (const int busy : arguments.busy) {
         const BusyHost host(busy);
-        for (const auto& [name, threads] : ways) {
-            cvtflow::Simulation simulation(scene, threads);
-            simulation.set_state(start);
-            const std::vector<double> times = measure(simulation, arguments.calls);
-            fmt::print("{:>5} {:<12} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f}  {:016x}\n", busy, name, 1e3 * times.front(), 1e3 * share(times, 0.5),
-                       1e3 * share(times, 0.9), 1e3 * share(times, 0.99), 1e3 * times.back(), share(times, 0.99) / share(times, 0.5), simulation.hash());
-        }
+        for (const Way& way : ways) rows.push_back(print(jitter(scene, start, way, busy, arguments.calls)));
     }
-    fmt::print("\nfirst step of a new simulation, and from cancel() to the call's return; wall time in ms, {} rounds each, host idle\n", arguments.calls);
-    fmt::print("{:<12} {:>12} {:>12} {:>14} {:>14}\n", "way", "first, median", "99 %", "cancel, median", "99 %");
-    for (const auto& [name, threads] : ways) {
-        const std::vector<double> first = first_steps(scene, threads, arguments.calls), cancelled = cancellations(scene, threads, start, arguments.calls);
-        fmt::print("{:<12} {:>12.3f} {:>12.3f} {:>14.3f} {:>14.3f}\n", name, 1e3 * share(first, 0.5), 1e3 * share(first, 0.99), 1e3 * share(cancelled, 0.5), 1e3 * share(cancelled, 0.99));
-    }
+    for (const Way& way : ways) rows.push_back(print(first_step(scene, way, arguments.calls)));
+    for (const Way& way : ways) rows.push_back(print(cancellation(scene, start, way, arguments.calls)));
+    if (!arguments.csv.empty()) write_csv(rows, arguments);
     return 0;
 } catch (const cvtflow::Error& error) {
     fmt::print(stderr, "bench_embedding: {}\n", error.what());

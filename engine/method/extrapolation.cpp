@@ -3,6 +3,7 @@
 /// Lagrange's formula at step zero: T = Σ_j T_j Π_{i≠j} n_j^q / (n_j^q - n_i^q), q = 1 for Euler's method, 2 for the midpoint rule,
 /// whose error has even powers only. Error estimate: the difference to the result without the coarsest sequence.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -35,10 +36,11 @@ struct Unrolling {
     std::vector<Row> results;
 
     /// The slope of the newest stage of all gets `factor` in a copy of the row.
-    [[nodiscard]] static Row with(Row row, std::size_t stage, double factor) {
-        row.resize(stage + 1, 0.0);
-        row[stage] += factor;
-        return row;
+    [[nodiscard]] static Row with(const Row& row, std::size_t stage, double factor) {
+        Row longer(stage + 1, 0.0);
+        std::copy(row.begin(), row.end(), longer.begin());
+        longer[stage] += factor;
+        return longer;
     }
 };
 
@@ -47,7 +49,7 @@ void add_euler(Unrolling& tableau, int n) {
     Row row = Unrolling::with({}, 0, 1.0 / n);
     for (int step = 1; step < n; ++step) {
         tableau.rows.push_back(row);
-        row = Unrolling::with(std::move(row), tableau.rows.size(), 1.0 / n);
+        row = Unrolling::with(row, tableau.rows.size(), 1.0 / n);
     }
     tableau.results.push_back(std::move(row));
 }
@@ -58,7 +60,7 @@ void add_midpoint(Unrolling& tableau, int n) {
     Row row = Unrolling::with({}, 0, 1.0 / n);
     for (int step = 1; step < n; ++step) {
         tableau.rows.push_back(row);
-        before = Unrolling::with(std::move(before), tableau.rows.size(), 2.0 / n);
+        before = Unrolling::with(before, tableau.rows.size(), 2.0 / n);
         std::swap(before, row);
     }
     tableau.results.push_back(std::move(row));

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "model/observation.hpp"
 #include "tasks/step_advice.hpp"
@@ -14,7 +15,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-const char* const methods[] = {"rk4", "dopri54", "dumka3-p3"};
+const char* const methods[] = {"rk4", "dopri54", "dumka3-p3", "leapfrog-chebyshev"};
 
 /// Levels of detail: rigid halves and sheaves; the scene itself; everything.
 const std::pair<const char*, std::vector<std::string>> details[] = {
@@ -242,7 +243,11 @@ std::string ExtremeVerdict::outcome() const {
         for (const ExtremeCase* one : like) steps = std::max(steps, one->steps);
         text += fmt::format("{}{} {}", text.empty() ? "" : "; ", like.size(), ending_name(ending));
         if (ending == Ending::right) text += fmt::format(" (balance {:.0e}, half step {:.0e})", worst(&ExtremeCase::balance), worst(&ExtremeCase::refinement));
-        if (ending == Ending::fault) text += fmt::format(" ({} after {} steps at most)", like.front()->fault.name(), steps);
+        if (ending == Ending::fault) {
+            std::set<std::string> names;
+            for (const ExtremeCase* one : like) names.insert(one->fault.name());
+            text += fmt::format(" ({} after {} steps at most)", fmt::join(names, ", "), steps);
+        }
         if (ending == Ending::announced) text += fmt::format(" (stable up to {:.2g} s)", worst(&ExtremeCase::stable_step));
         if (ending == Ending::refused || ending == Ending::wrong) text += fmt::format(" ({})", like.front()->message.substr(0, like.front()->message.find('\n')));
     }

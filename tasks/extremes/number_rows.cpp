@@ -14,8 +14,10 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Ends of a run whose step is far too long.
-const std::vector<FaultKind> diverged{FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up};
+/// Ends of a run whose step is far too long. Leapfrogs say before they begin if friction is too stiff for the step.
+const std::vector<FaultKind> diverged{FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up, FaultKind::too_stiff};
+/// Ends of a run from such a state.
+const std::vector<FaultKind> unsound{FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up};
 
 void put(const Simulation& simulation, IntegrationState& start, double value) {
     const model::ChainLayout& at = simulation.variator().layout();
@@ -24,6 +26,8 @@ void put(const Simulation& simulation, IntegrationState& start, double value) {
 void put_nan(const Simulation& simulation, double, IntegrationState& start) { put(simulation, start, std::numeric_limits<double>::quiet_NaN()); }
 void put_infinity(const Simulation& simulation, double, IntegrationState& start) { put(simulation, start, infinity); }
 void put_huge(const Simulation& simulation, double, IntegrationState& start) { put(simulation, start, 1e300); }
+/// Finite, its square is not.
+void put_half_of_huge(const Simulation& simulation, double, IntegrationState& start) { put(simulation, start, 1e154); }
 void put_sound(const Simulation& simulation, double, IntegrationState& start) { put(simulation, start, 2e4); }
 /// Every zero becomes the smallest denormal, as mistuned hosts leave them behind.
 void put_denormals(const Simulation&, double, IntegrationState& start) {
@@ -41,6 +45,7 @@ void put_late(const Simulation& simulation, double, IntegrationState& start) {
     }
     start.time = 1e4;
 }
+void put_early(const Simulation&, double, IntegrationState& start) { start.time = std::numeric_limits<double>::denorm_min(); }
 void put_very_late(const Simulation&, double, IntegrationState& start) { start.time = 1e300; }
 void put_last(const Simulation&, double, IntegrationState& start) { start.time = infinity; }
 void put_never(const Simulation&, double, IntegrationState& start) { start.time = std::numeric_limits<double>::quiet_NaN(); }
@@ -70,18 +75,20 @@ void add_number_rows(std::vector<Extreme>& rows) {
     };
     row("a NaN in the state", put_nan, {Ending::fault}, {FaultKind::non_finite});
     row("an infinity in the state", put_infinity, {Ending::fault}, {FaultKind::non_finite});
-    row("1e300 m/s", put_huge, {Ending::fault}, diverged);
-    row("a pin at 20 km/s", put_sound, {Ending::fault}, diverged);
+    row("1e300 m/s", put_huge, {Ending::fault}, unsound);
+    row("1e154 m/s, whose square overflows", put_half_of_huge, {Ending::fault}, unsound);
+    row("a pin at 20 km/s", put_sound, {Ending::fault}, unsound);
     row("denormals in the place of zeros", put_denormals, {Ending::right}, {});
+    row("t = 5e-324 s", put_early, {Ending::right}, {});
     row("t = 1e4 s", put_late, {Ending::right, Ending::fault}, {FaultKind::step_too_short}, 5e-8);
     row("t = 1e4 s with steps of 1e-12 s", put_late, {Ending::fault}, {FaultKind::step_too_short}, 1e-12);
     row("t = 1e300 s", put_very_late, {Ending::fault}, {FaultKind::step_too_short}, 5e-8);
     row("t = infinity", put_last, {Ending::fault}, {FaultKind::step_too_short}, 5e-8);
     row("t = NaN", put_never, {Ending::fault}, {FaultKind::step_too_short}, 5e-8);
     for (const char* value : {"1e308", "1e-308", "5e-324", "inf", "nan", "-0.0"}) {
-        const bool zero = std::string_view(value) == "-0.0";
         rows.push_back({"numbers", fmt::format("load.torque = {}", value), {fmt::format("load.torque={}", value)}, {Ending::right, Ending::refused}});
-        rows.push_back({"numbers", fmt::format("half.mass = {}", value), {fmt::format("half.mass={}", value)}, {zero ? Ending::refused : Ending::refused}});
+        rows.push_back({"numbers", fmt::format("half.mass = {}", value), {fmt::format("half.mass={}", value)}, {Ending::refused}});
+        rows.push_back({"numbers", fmt::format("run.step = {}", value), {fmt::format("run.step={}", value)}, {Ending::refused}});
     }
 }
 

@@ -59,6 +59,14 @@ void compress(const Simulation& simulation, double, IntegrationState& start) {
         for (const model::End end : {model::End::rear, model::End::front}) q[at.link_size() + at.x(end, 0)] -= std::copysign(10.0, q[at.x(end, 0)] - middle);
     }
 }
+/// The whole chain moves across both pulleys: by a millimetre within 10 us.
+void throw_aside(const Simulation& simulation, double, IntegrationState& start) {
+    const model::ChainLayout& at = simulation.variator().layout();
+    for (int link = 0; link < at.links; ++link) {
+        double* v = start.state.data() + at.link_begin(link) + at.link_size();
+        for (const model::End end : {model::End::rear, model::End::front}) v[at.y(end, 0)] += 100.0;
+    }
+}
 void open_wide(const Simulation& simulation, double, IntegrationState& start) { move_both(simulation, start, 1e-3, 0.0); }
 
 /// Opens both wedges about their pins: the movable sheaves by `distance`, the links between them by half of it, so that tips on both sides part.
@@ -152,6 +160,10 @@ void add_operation_rows(std::vector<Extreme>& rows) {
     row("free ring at 20,000 rpm", {"detail.pulleys=absent", "start.layout=ring", "start.ring_speed=20000 rpm"}, {Ending::right, Ending::refused});
     row("faster than the limit", {"drive.speed=40000 rpm"}, {Ending::refused});
     row("ratio beyond the sheaves", {"start.ratio=5"}, {Ending::refused}).geometric = true;
+    row("the chain leaves the sheaves at 100 m/s", {"pulley.innermost=14.5 mm", "pulley.outermost=17.5 mm"}, {Ending::fault}).prepare = throw_aside;
+    rows.back().faults = {FaultKind::left_sheave};
+    rows.back().geometric = true;
+    rows.back().steps = 1000;   // 50 us at most
     row("drive by a torque of 1e5 N m", {"drive.mode=torque", "drive.torque=1e5"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
     row("ratio control wound up", {"control.enabled=true", "control.ratio=5", "control.integral=1e12", "control.authority=1e6"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
 }

@@ -44,17 +44,35 @@ Settings heavier(double factor) {
                   factor);
 }
 
-/// A belt of so many pins of 8.12 mm around two equal pulleys that leave each other room.
-Settings belt(int pins) {
-    const double length = 8.12e-3 * pins;
+/// A belt of so many pins around two equal pulleys that leave each other room.
+/// @param pitch [m]
+Settings belt(int pins, double pitch) {
+    const double length = pitch * pins;
     const double distance = 0.24 * length;
     const double radius = (length - 2.0 * distance) / (2.0 * M_PI);
     return {fmt::format("chain.pins={}", pins), fmt::format("pulley.centre_distance={}", distance), fmt::format("pulley.arc_position={}", radius),
-            fmt::format("pulley.innermost={}", 0.6 * radius), fmt::format("pulley.outermost={}", 1.4 * radius)};
+            fmt::format("pulley.innermost={}", 0.6 * radius), fmt::format("pulley.outermost={}", 1.4 * radius), fmt::format("chain.pitch=[{}]", pitch)};
 }
 
 Settings ring(int pins) {
     return {fmt::format("chain.pins={}", pins), "detail.pulleys=absent", "start.layout=ring", "start.ring_speed=200"};
+}
+
+void add_belt_rows(std::vector<Extreme>& rows) {
+    for (const int pins : {3, 4, 5, 12, 84, 1000}) {
+        const bool few = pins < 12;   // longer links, lest the pulleys be smaller than any that scenes may have
+        rows.push_back({"pins", fmt::format("belt of {}{}", pins, few ? ", 45 mm each" : ""), belt(pins, few ? 45e-3 : 8.12e-3),
+                        {Ending::right, Ending::refused, Ending::fault}, {FaultKind::left_sheave, FaultKind::penetration}});
+        rows.back().geometric = true;
+        if (pins >= 1000) rows.back().steps = 20;
+    }
+    rows.push_back({"pins", "belt of 3 on pulleys too near each other", belt(3, 8.12e-3), {Ending::refused}});
+    rows.push_back({"pins", "belt of 10,000 on pulleys too far apart", belt(10000, 8.12e-3), {Ending::refused}});
+    rows.push_back({"pins", "belt of 10,000, 4 mm each", belt(10000, 4e-3), {Ending::right, Ending::refused}});
+    rows.back().settings.insert(rows.back().settings.end(), {"half.width=2e-3", "drive.speed=2"});
+    rows.back().geometric = true;
+    rows.back().steps = 10;
+    rows.back().nightly = true;
 }
 
 }  // namespace
@@ -92,11 +110,7 @@ void add_size_rows(std::vector<Extreme>& rows) {
     rows.back().nightly = true;
     rows.push_back({"pins", "free ring of 10,000 at 2.6 km/s, which bursts", ring(10000), {Ending::refused}});
     rows.back().nightly = true;
-    for (const int pins : {3, 4, 5, 12, 84, 1000}) {
-        rows.push_back({"pins", fmt::format("belt of {}", pins), belt(pins), {Ending::right, Ending::refused, Ending::fault}, {FaultKind::left_sheave, FaultKind::penetration}});
-        rows.back().geometric = true;
-        if (pins >= 1000) rows.back().steps = 20;
-    }
+    add_belt_rows(rows);
     rows.push_back({"pins", "2 pins", ring(2), {Ending::refused}});
     const auto pitches = [&](const std::string& name, const std::string& list, std::vector<Ending> allowed) {
         rows.push_back({"pitch", name, {"chain.pitch=" + list}, std::move(allowed)});
@@ -112,7 +126,7 @@ void add_size_rows(std::vector<Extreme>& rows) {
     pitches("one link twice as long", "[16.24e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3, 7.767e-3]", right_or_fault);
     pitches("longer list than links", "[8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3, 8e-3]", {Ending::refused});
     for (const int plates : {1, 2, 64}) rows.push_back({"plates", fmt::format("{} per link", plates), {fmt::format("plate.count={}", plates), "detail.plates=each"}, right_or_fault});
-    for (const int points : {1, 2, 16}) rows.push_back({"joints", fmt::format("{} points", points), {fmt::format("detail.joint_points={}", points)}});
+    for (const int points : {1, 2, 4, 8, 16}) rows.push_back({"joints", fmt::format("{} points", points), {fmt::format("detail.joint_points={}", points)}});
     rows.push_back({"joints", "Palmgren's law", {"joint.law=palmgren"}});
 }
 

@@ -1,6 +1,7 @@
 #include "tasks/friction/friction_leapfrog.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "tasks/assembly/link_accesses.hpp"
@@ -19,6 +20,16 @@ constexpr int first_iterations = 50, next_iterations = 4;
 
 [[nodiscard]] FrictionLeapfrog& leapfrog_of(void* workspace) noexcept {
     return *static_cast<FrictionLeapfrog*>(static_cast<Workspace*>(workspace)->method);
+}
+
+/// The first link with an unknown that is not finite, -1: none of the links.
+[[nodiscard]] int first_not_finite(const Workspace& w) noexcept {
+    const model::ChainLayout& at = w.layout();
+    for (int link = 0; link < at.links; ++link) {
+        const double* begin = w.states[0] + at.link_begin(link);
+        if (!std::all_of(begin, begin + 2 * at.link_size(), [](double x) { return std::isfinite(x); })) return link;
+    }
+    return -1;
 }
 
 }  // namespace
@@ -78,9 +89,10 @@ int FrictionLeapfrog::next() {
 int FrictionLeapfrog::start_kick() {
     if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
-    table_ = tables_.reaching(radius_margin * radius_ * w_.h);
+    table_ = tables_.reaching(margin * radius_ * w_.h);
     if (table_ == nullptr) {
-        fault_ = {FaultKind::too_stiff, w_.time, -1, radius_ * w_.h, tables_.longest_reach() / radius_margin};
+        fault_ = std::isfinite(radius_) ? Fault{FaultKind::too_stiff, w_.time, -1, radius_ * w_.h, tables_.longest_reach() / margin}
+                                        : Fault{FaultKind::non_finite, w_.time, first_not_finite(w_), 0.0, 0.0};
         return failed;
     }
     state_ = State::stages;

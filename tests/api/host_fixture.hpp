@@ -12,6 +12,23 @@
 
 namespace cvtflow::host {
 
+#if defined(__SANITIZE_THREAD__)
+inline constexpr bool thread_sanitizer = true;   ///< it sees into neither oneTBB nor OpenMP, and reports what is no race
+#else
+inline constexpr bool thread_sanitizer = false;
+#endif
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr bool address_sanitizer = true;   ///< it keeps more on the stack and owns malloc
+#else
+inline constexpr bool address_sanitizer = false;
+#endif
+
+/// On the caller alone, and on threads of the simulation's own where they can be checked.
+inline std::vector<Threads> ways() {
+    if (thread_sanitizer) return {Threads::caller()};
+    return {Threads::caller(), Threads::own(2)};
+}
+
 /// 24 pins; settles for 0.3 ms only: cheap, and full of transitions.
 inline Scene tiny(std::vector<std::string> more = {}) {
     more.insert(more.begin(), {"start.settling_time=0.3 ms", "start.ramp_time=0.3 ms", "run.step=100 ns"});
