@@ -6,7 +6,8 @@
 namespace cvtflow::model {
 namespace {
 
-template <int P, int Points>
+/// Touching: whether a tip of the group touches; else its tips count for nothing.
+template <int P, int Points, bool Touching>
 class SlipNewton : public SlipLaws<P, Points> {
 public:
     using Base = SlipLaws<P, Points>;
@@ -84,8 +85,8 @@ private:
     static constexpr int most_joint_slips = 4 * (Points > 0 ? Points : most_joint_lanes);
 
     /// Contacts inside the links, and their slips: plates only where no tip touches.
-    [[nodiscard]] int locals() const noexcept { return this->g_.touching ? SlipContacts::first_joint : SlipContacts::first_tip; }
-    [[nodiscard]] int local() const noexcept { return 2 * locals(); }
+    [[nodiscard]] static constexpr int locals() noexcept { return Touching ? SlipContacts::first_joint : SlipContacts::first_tip; }
+    [[nodiscard]] static constexpr int local() noexcept { return 2 * locals(); }
     [[nodiscard]] static V symmetric(const LaneRows& rows, int row, int column) noexcept {
         return get(rows, row >= column ? triangle(row, column) : triangle(column, row));
     }

@@ -20,7 +20,7 @@ void slips(const SlipSpace& space, double time, SlipGroup& group, LaneRows& own)
 
 template <int P, int Points>
 void forces(const SlipSpace& space, SlipGroup& group) noexcept {
-    SlipNewton<P, Points>(space, group).forces();
+    SlipNewton<P, Points, true>(space, group).forces();
 }
 
 template <int P, int Points>
@@ -30,7 +30,11 @@ void accelerate(const SlipSpace& space, SlipGroup& group) noexcept {
 
 template <int P, int Points>
 void eliminate(const SlipSpace& space, SlipGroup& group) noexcept {
-    SlipNewton<P, Points>(space, group).eliminate();
+    if (group.touching) {
+        SlipNewton<P, Points, true>(space, group).eliminate();
+    } else {
+        SlipNewton<P, Points, false>(space, group).eliminate();
+    }
     SlipElimination<2 * Points>(group.chain).condense();
 }
 
@@ -46,12 +50,20 @@ template <int P, int Points>
 void substitute(const SlipSpace& space, SlipGroup& group) noexcept {
     SlipElimination<2 * Points>(group.chain).substitute();
     spread(group);
-    SlipNewton<P, Points>(space, group).substitute();
+    if (group.touching) {
+        SlipNewton<P, Points, true>(space, group).substitute();
+    } else {
+        SlipNewton<P, Points, false>(space, group).substitute();
+    }
 }
 
 template <int P, int Points>
 void look(const SlipSpace& space, double share, SlipGroup& group) noexcept {
-    SlipNewton<P, Points>(space, group).look(share);
+    if (group.touching) {
+        SlipNewton<P, Points, true>(space, group).look(share);
+    } else {
+        SlipNewton<P, Points, false>(space, group).look(share);
+    }
 }
 
 template <int Points>
