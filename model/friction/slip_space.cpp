@@ -26,6 +26,7 @@ SlipGroup::SlipGroup(const ChainModel& model, int first_link, int last_link)
     rest = LaneRows(local);
     panel = LaneRows(local * joints_slips);
     joint_coupling = LaneRows(triangle(joints_slips, 0));
+    entries = LaneRows(2 * chain.size * chain.condensed.width);
     for (LaneRows* rows : {&joint_rest, &unknowns}) *rows = LaneRows(joints_slips);
 }
 

@@ -106,6 +106,7 @@ struct SlipGroup {
     LaneRows root, intercept;               ///< R [contact][4], c
     LaneRows factor, rest, panel;           ///< elimination inside a link: L, L⁻¹ Rᵀ t, L⁻¹ Rᵀ g W
     LaneRows joint_coupling, joint_rest;    ///< g W' and its right-hand side
+    LaneRows entries;                       ///< of the chain's elements [row][column], zero where nothing belongs
     LaneRows unknowns;                      ///< x of both joints
     SlipChain chain;
     double widening = 1.0;                  ///< saturation speeds are taken so many times as high

@@ -169,7 +169,8 @@ void FrictionSolve::keep_forces(int number) noexcept {
     const model::Coefficients& c = space_.chain().coefficients();
     const double ratio = widening_ / widened_before_;
     for (int contact = 0; contact < space_.contacts().count(); ++contact) {
-        const model::FrictionCurve& curve = contact == model::SlipContacts::plates ? c.plate_friction : contact < model::SlipContacts::first_joint ? space_.tip_curve() : c.joint.friction;
+        const bool joint = contact >= model::SlipContacts::first_joint;
+        const model::FrictionCurve& curve = joint ? c.joint.friction : contact == model::SlipContacts::plates ? c.plate_friction : space_.tip_curve();
         const double stuck = widened_before_ * curve.saturation_speed;
         for (int lane = 0; lane < g.last - g.first; ++lane) {
             double &first = g.slip.at(2 * contact)[lane], &second = g.slip.at(2 * contact + 1)[lane];

@@ -30,9 +30,10 @@ DirkTable sdirk2() {
 }
 
 ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)) {
-    const int size = w_.layout().link_size();
+    const int size = w_.layout().link_size(), slips = solve_.space().contacts().slips();
     for (int k = 0; k < solve_.groups(); ++k) {
-        kicks_.push_back({model::LaneRows(size), model::LaneRows(size), model::LaneRows(size), {}, model::LaneRows(solve_.space().contacts().slips()), model::LaneRows(2 * model::tips_per_link)});
+        kicks_.push_back({model::LaneRows(size), model::LaneRows(size), model::LaneRows(size), {}, model::LaneRows(slips),
+                          model::LaneRows(2 * model::tips_per_link)});
         for (std::size_t stage = 0; stage < table_.times.size(); ++stage) kicks_.back().slopes.emplace_back(size);
     }
 }
