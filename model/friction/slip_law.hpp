@@ -24,6 +24,17 @@ public:
 
     /// @param w the contact's two slips
     [[nodiscard]] SlipLaw law(int contact, const V* w) const noexcept {
+        if (this->g_.widening == 1.0) return narrow(contact, w);
+        const double inverse = 1.0 / this->g_.widening;
+        const V less[2] = {inverse * w[0], inverse * w[1]};
+        SlipLaw wide = narrow(contact, less);
+        for (V& root : wide.root) root = __builtin_sqrt(inverse) * root;
+        return wide;
+    }
+
+private:
+    /// The law with the saturation speeds that it has.
+    [[nodiscard]] SlipLaw narrow(int contact, const V* w) const noexcept {
         if (contact == SlipContacts::plates) return of_plates(w);
         if (contact < SlipContacts::first_joint) return of_tip(contact - SlipContacts::first_tip, w);
         const int number = contact - SlipContacts::first_joint;
@@ -31,7 +42,6 @@ public:
         return isotropic(this->c_.joint.friction, grip, w, V(0.0));
     }
 
-private:
     /// Secant and tangent of s(v/v0) over speed.
     struct Slopes {
         V secant, tangent;

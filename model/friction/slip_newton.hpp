@@ -6,7 +6,8 @@
 namespace cvtflow::model {
 namespace {
 
-template <int Points>
+/// Touching: whether a tip of the group touches; else its tips count for nothing.
+template <int Points, bool Touching>
 class SlipNewton : public SlipLaws<Points> {
 public:
     using Base = SlipLaws<Points>;
@@ -84,8 +85,8 @@ private:
     static constexpr int most_joint_slips = 4 * (Points > 0 ? Points : most_joint_lanes);
 
     /// Contacts inside the links, and their slips: plates only where no tip touches.
-    [[nodiscard]] int locals() const noexcept { return this->g_.touching ? SlipContacts::first_joint : SlipContacts::first_tip; }
-    [[nodiscard]] int local() const noexcept { return 2 * locals(); }
+    [[nodiscard]] static constexpr int locals() noexcept { return Touching ? SlipContacts::first_joint : SlipContacts::first_tip; }
+    [[nodiscard]] static constexpr int local() noexcept { return 2 * locals(); }
     [[nodiscard]] static V symmetric(const LaneRows& rows, int row, int column) noexcept {
         return get(rows, row >= column ? triangle(row, column) : triangle(column, row));
     }
@@ -195,6 +196,7 @@ private:
     /// Rᵀ g W' R and Rᵀ (ŵ' - g W' c), link by link into the chain's elements.
     void enter() noexcept {
         const int contacts = 2 * this->points(), joints_slips = 2 * contacts, size = contacts, first = SlipContacts::first_joint;
+        const int width = 2 * SlipElement::block(size);
         const auto column = [&](int slip) { return slip < size ? slip : SlipElement::block(size) + slip - size; };
         for (int a = 0; a < contacts; ++a) {
             V t[2];
@@ -203,24 +205,38 @@ private:
                 for (int l = 0; l < joints_slips; ++l) t[k] = t[k] - symmetric(this->g_.joint_coupling, 2 * a + k, l) * get(this->g_.intercept, local_end + l);
             }
             for (int i = 0; i < 2; ++i) {
-                scatter(2 * a + i, size, root(first + a, 0, i) * t[0] + root(first + a, 1, i) * t[1]);
+                put(this->g_.entries, (2 * a + i) * width + size, root(first + a, 0, i) * t[0] + root(first + a, 1, i) * t[1]);
                 for (int b = 0; b <= a; ++b) {
                     V left[2];
                     for (int l = 0; l < 2; ++l)
                         left[l] = root(first + a, 0, i) * symmetric(this->g_.joint_coupling, 2 * a, 2 * b + l) + root(first + a, 1, i) * symmetric(this->g_.joint_coupling, 2 * a + 1, 2 * b + l);
                     for (int j = 0; j < 2; ++j) {
                         const V value = left[0] * root(first + b, 0, j) + left[1] * root(first + b, 1, j);
-                        scatter(2 * a + i, column(2 * b + j), value);
-                        if (b < a) scatter(2 * b + j, column(2 * a + i), value);
+                        put(this->g_.entries, (2 * a + i) * width + column(2 * b + j), value);
+                        if (b < a) put(this->g_.entries, (2 * b + j) * width + column(2 * a + i), value);
                     }
                 }
             }
         }
+        for (int row = 0; row < joints_slips; ++row) {
+            for (int begin = 0; begin < width; begin += slip_lanes) scatter(row, begin, row * width + begin);
+        }
     }
-    void scatter(int row, int column, const V& value) noexcept {
-        alignas(64) double lanes[slip_lanes];
-        value.copy_to(lanes);
-        for (int lane = 0; lane < this->g_.last - this->g_.first; ++lane) this->g_.chain.elements[static_cast<std::size_t>(lane)].row(row)[column] = lanes[lane];
+
+    /// Columns [begin, begin + 8) of a row to each link's element. @param entry of the first
+    void scatter(int row, int begin, int entry) noexcept {
+        const int links = this->g_.last - this->g_.first;
+        if constexpr (slip_lanes <= native_lanes) {
+            V values[slip_lanes];
+            for (int k = 0; k < slip_lanes; ++k) values[k] = get(this->g_.entries, entry + k);
+            transpose<slip_lanes>(values);
+            for (int lane = 0; lane < links; ++lane) values[lane].copy_to(this->g_.chain.elements[static_cast<std::size_t>(lane)].row(row) + begin);
+        } else {
+            for (int lane = 0; lane < links; ++lane) {
+                double* to = this->g_.chain.elements[static_cast<std::size_t>(lane)].row(row) + begin;
+                for (int k = 0; k < slip_lanes; ++k) to[k] = this->g_.entries.at(entry + k)[lane];
+            }
+        }
     }
 
     /// λ = R x + c of one contact.

@@ -20,12 +20,13 @@ SlipGroup::SlipGroup(const ChainModel& model, int first_link, int last_link)
     plates = LaneRows(model.coefficients().plates.count);
     coupling = LaneRows(triangle(slips, 0));
     for (LaneRows* rows : {&velocity, &acceleration}) *rows = LaneRows(model.layout().link_size());
-    for (LaneRows* rows : {&predicted, &own, &slip, &force, &law_force, &next_slip, &next_force, &intercept}) *rows = LaneRows(slips);
+    for (LaneRows* rows : {&predicted, &own, &own_start, &slip, &force, &law_force, &next_slip, &next_force, &solved_slip, &intercept}) *rows = LaneRows(slips);
     root = LaneRows(4 * contacts.count());
     factor = LaneRows(triangle(local, 0));
     rest = LaneRows(local);
     panel = LaneRows(local * joints_slips);
     joint_coupling = LaneRows(triangle(joints_slips, 0));
+    entries = LaneRows(2 * chain.size * chain.condensed.width);
     for (LaneRows* rows : {&joint_rest, &unknowns}) *rows = LaneRows(joints_slips);
 }
 

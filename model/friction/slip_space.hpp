@@ -99,14 +99,17 @@ struct SlipGroup {
     LaneRows velocity;                      ///< v̂, or whatever slips are asked for [link_size]
     LaneRows acceleration;                  ///< -A⁻¹ Tᵀ λ [link_size]
     LaneRows predicted;                     ///< this link's part of ŵ
-    LaneRows own;                           ///< this link's part of a slip
+    LaneRows own, own_start;                ///< this link's part of a slip; of one where the step begins
     LaneRows slip, force, law_force;        ///< w, λ at hand, φ(w)
     LaneRows next_slip, next_force;         ///< of a whole Newton step
+    LaneRows solved_slip;                   ///< w of the last solution with higher saturation speeds
     LaneRows root, intercept;               ///< R [contact][4], c
     LaneRows factor, rest, panel;           ///< elimination inside a link: L, L⁻¹ Rᵀ t, L⁻¹ Rᵀ g W
     LaneRows joint_coupling, joint_rest;    ///< g W' and its right-hand side
+    LaneRows entries;                       ///< of the chain's elements [row][column], zero where nothing belongs
     LaneRows unknowns;                      ///< x of both joints
     SlipChain chain;
+    double widening = 1.0;                  ///< saturation speeds are taken so many times as high
     double slope_before = 0.0, slope_after = 0.0;   ///< of the energy along the Newton step, at its start and where it was looked at
     double residual = 0.0;                  ///< largest change of slip that a contact's force is off [m/s]
 };

@@ -22,7 +22,7 @@ void slips(const SlipSpace& space, double time, SlipGroup& group, LaneRows& own)
 
 template <int Points>
 void forces(const SlipSpace& space, SlipGroup& group) noexcept {
-    SlipNewton<Points>(space, group).forces();
+    SlipNewton<Points, true>(space, group).forces();
 }
 
 template <int P, int Points>
@@ -32,7 +32,11 @@ void accelerate(const SlipSpace& space, SlipGroup& group) noexcept {
 
 template <int Points>
 void eliminate(const SlipSpace& space, SlipGroup& group) noexcept {
-    SlipNewton<Points>(space, group).eliminate();
+    if (group.touching) {
+        SlipNewton<Points, true>(space, group).eliminate();
+    } else {
+        SlipNewton<Points, false>(space, group).eliminate();
+    }
     SlipElimination<2 * Points>(group.chain).condense();
 }
 
@@ -48,12 +52,20 @@ template <int Points>
 void substitute(const SlipSpace& space, SlipGroup& group) noexcept {
     SlipElimination<2 * Points>(group.chain).substitute();
     spread(group);
-    SlipNewton<Points>(space, group).substitute();
+    if (group.touching) {
+        SlipNewton<Points, true>(space, group).substitute();
+    } else {
+        SlipNewton<Points, false>(space, group).substitute();
+    }
 }
 
 template <int Points>
 void look(const SlipSpace& space, double share, SlipGroup& group) noexcept {
-    SlipNewton<Points>(space, group).look(share);
+    if (group.touching) {
+        SlipNewton<Points, true>(space, group).look(share);
+    } else {
+        SlipNewton<Points, false>(space, group).look(share);
+    }
 }
 
 template <int Points>

@@ -74,7 +74,7 @@ int AdditiveMethod::after_evaluation() {
 int AdditiveMethod::after_gathering() {
     if (stage_ == 0) return start_stage();
     at_ = At::solve;
-    return solve_.begin();
+    return solve_.begin(w_.h);
 }
 
 int AdditiveMethod::after_solve(int cycle) {

@@ -15,6 +15,13 @@ constexpr double flat = 0.5;
 constexpr int most_searches = 12;
 /// Where in the bracket a share may lie.
 constexpr double margin = 0.05;
+/// Iterations after which saturation speeds are changed: by which factor upwards, and how far at most; by which at first downwards. A stride
+/// that fails is repeated shorter and with twice the iterations.
+constexpr int first_patience = 10, most_patience = 320;
+constexpr double widening_step = 10.0, most_widening = 1e5, first_stride = 2.0, least_stride = 1.01;
+/// A stride that took no more iterations than these is followed by a longer one.
+constexpr int few_tries = 5;
+constexpr double longer = 1.3;
 
 [[nodiscard]] int group_count(int links) { return (links + model::slip_lanes - 1) / model::slip_lanes; }
 
@@ -24,6 +31,7 @@ std::string text(const SolveStatistics& s) {
     const double solves = s.solves > 0 ? static_cast<double>(s.solves) : 1.0;
     std::string line = fmt::format("{:.2f} iterations per friction solve (most {}), {:.2f} searches", static_cast<double>(s.iterations) / solves, s.most,
                                    static_cast<double>(s.searches) / solves);
+    if (s.widened > 0) line += fmt::format(", {} solves by way of higher saturation speeds", s.widened);
     if (s.unconverged > 0) line += fmt::format("; {} of {} solves did not converge and went on with the last iterate (residual up to {:.2g} m/s)", s.unconverged, s.solves, s.worst);
     return line;
 }
@@ -34,9 +42,20 @@ FrictionSolve::FrictionSolve(const Workspace& w)
     for (int k = 0; k < count; ++k) groups_.emplace_back(w.variator.chain(), links * k / count, links * (k + 1) / count);
 }
 
-int FrictionSolve::begin() noexcept {
+double FrictionSolve::tolerance(double step) noexcept {
+    const double share = std::min(step / usual_step, 1.0);
+    return std::max(usual_tolerance * share * share, least_tolerance);
+}
+
+int FrictionSolve::begin(double step) noexcept {
     ++statistics_.solves;
-    iterations_ = 0;
+    tolerance_ = tolerance(step);
+    iterations_ = tries_ = 0;
+    widening_ = widened_before_ = 1.0;
+    solved_ = 0.0;
+    stride_ = first_stride;
+    patience_ = first_patience;
+    keeps_ = returns_ = false;
     steps_ = searching_ = false;
     share_ = 1.0;
     return iterate_cycle;
@@ -53,6 +72,9 @@ int FrictionSolve::next() noexcept {
     if (!std::isfinite(residual_)) return StepMethod::failed;
     if (!searching_) {
         ++iterations_;
+        ++tries_;
+        widened_before_ = widening_;
+        keeps_ = returns_ = false;
         low_ = searches_ = 0;
         high_ = 1.0;
         slope_low_ = before;
@@ -62,7 +84,7 @@ int FrictionSolve::next() noexcept {
         (after > 0.0 ? slope_high_ : slope_low_) = after;
     }
     // The first step starts from slips that belong to no forces: it is taken whole.
-    const bool good = residual_ <= tolerance || (iterations_ == 1 && !searching_) || std::abs(after) <= flat * std::abs(before) || after <= 0.0;
+    const bool good = residual_ <= tolerance_ || (tries_ == 1 && !searching_) || std::abs(after) <= flat * std::abs(before) || after <= 0.0;
     return good || searches_ >= most_searches ? accept() : judge();
 }
 
@@ -81,10 +103,43 @@ int FrictionSolve::accept() noexcept {
     steps_ = true;
     searching_ = false;
     settled_ = std::exchange(share_, 1.0);
-    const bool converged = residual_ <= tolerance;
-    if (!converged && iterations_ < most_iterations) return iterate_cycle;
+    const bool converged = residual_ <= tolerance_, ends = converged && widening_ == 1.0;
+    if (ends || iterations_ >= most_iterations) return finish(ends);
+    if (converged) return narrow();
+    return tries_ < patience_ ? iterate_cycle : widen();
+}
+
+/// From a solution with higher saturation speeds towards those that are asked for.
+int FrictionSolve::narrow() noexcept {
+    if (solved_ > 0.0 && tries_ <= few_tries) stride_ = std::min(std::pow(stride_, longer), widening_step);
+    solved_ = widening_;
+    widening_ = std::max(widening_ / stride_, 1.0);
+    keeps_ = true;
+    patience_ = first_patience;
+    tries_ = 0;
+    return iterate_cycle;
+}
+
+/// No solution was found: to higher saturation speeds, or back to the last solution and on from there by a shorter stride.
+int FrictionSolve::widen() noexcept {
+    tries_ = 0;
+    if (solved_ == 0.0) {
+        widening_ = std::min(widening_step * widening_, most_widening);
+        return iterate_cycle;
+    }
+    stride_ = std::max(std::sqrt(stride_), least_stride);
+    patience_ = std::min(2 * patience_, most_patience);
+    widening_ = std::max(solved_ / stride_, 1.0);
+    widened_before_ = solved_;
+    returns_ = true;
+    return iterate_cycle;
+}
+
+int FrictionSolve::finish(bool converged) noexcept {
     statistics_.iterations += iterations_;
     statistics_.most = std::max<long>(statistics_.most, iterations_);
+    if (solved_ > 0.0) ++statistics_.widened;
+    for (model::SlipGroup& group : groups_) group.widening = 1.0;
     if (!converged) {
         ++statistics_.unconverged;
         statistics_.worst = std::max(statistics_.worst, residual_);
@@ -108,8 +163,36 @@ void FrictionSolve::settle(int number) noexcept {
     }
 }
 
+/// Where a contact sticks and its saturation speed changes, its slip changes with it, so that its force stays what it is.
+void FrictionSolve::keep_forces(int number) noexcept {
+    model::SlipGroup& g = group(number);
+    const model::Coefficients& c = space_.chain().coefficients();
+    const double ratio = widening_ / widened_before_;
+    for (int contact = 0; contact < space_.contacts().count(); ++contact) {
+        const bool joint = contact >= model::SlipContacts::first_joint;
+        const model::FrictionCurve& curve = joint ? c.joint.friction : contact == model::SlipContacts::plates ? c.plate_friction : space_.tip_curve();
+        const double stuck = widened_before_ * curve.saturation_speed;
+        for (int lane = 0; lane < g.last - g.first; ++lane) {
+            double &first = g.slip.at(2 * contact)[lane], &second = g.slip.at(2 * contact + 1)[lane];
+            if (first * first + second * second > stuck * stuck) continue;
+            first *= ratio;
+            second *= ratio;
+        }
+    }
+}
+
+void FrictionSolve::change_speeds(int number) noexcept {
+    model::SlipGroup& g = group(number);
+    const int numbers = space_.contacts().slips() * model::slip_lanes;
+    if (keeps_) std::copy_n(g.slip.at(0), numbers, g.solved_slip.at(0));
+    if (returns_) std::copy_n(g.solved_slip.at(0), numbers, g.slip.at(0));
+    if (widening_ != widened_before_) keep_forces(number);
+    g.widening = widening_;
+}
+
 void FrictionSolve::eliminate(int number) noexcept {
     settle(number);
+    change_speeds(number);
     model::SlipGroup& g = group(number);
     space_.eliminate(g);
     ring_.elements[static_cast<std::size_t>(number)].entries = g.chain.condensed.entries;
@@ -127,7 +210,7 @@ void FrictionSolve::look(int number) noexcept {
     space_.look(share_, group(number));
 }
 
-void FrictionSolve::share(int number, model::LaneRows& slips) noexcept {
+void FrictionSolve::share(int number, model::LaneRows& slips, model::LaneRows model::SlipGroup::* parts) noexcept {
     const int last = groups() - 1;
     model::SlipGroup& g = group(number);
     const model::SlipGroup &before = group(number == 0 ? last : number - 1), &after = group(number == last ? 0 : number + 1);
@@ -135,10 +218,10 @@ void FrictionSolve::share(int number, model::LaneRows& slips) noexcept {
     const int size = contacts.joint_slips(), links = g.last - g.first;
     const int rear = 2 * contacts.joint(model::End::rear, 0), front = rear + size;
     for (int k = 0; k < size; ++k) {
-        const double *own_rear = g.own.at(rear + k), *own_front = g.own.at(front + k);
+        const double *own_rear = (g.*parts).at(rear + k), *own_front = (g.*parts).at(front + k);
         for (int lane = 0; lane < links; ++lane) {
-            const double other_front = lane > 0 ? own_front[lane - 1] : before.own.at(front + k)[before.last - before.first - 1];
-            const double other_rear = lane + 1 < links ? own_rear[lane + 1] : after.own.at(rear + k)[0];
+            const double other_front = lane > 0 ? own_front[lane - 1] : (before.*parts).at(front + k)[before.last - before.first - 1];
+            const double other_rear = lane + 1 < links ? own_rear[lane + 1] : (after.*parts).at(rear + k)[0];
             slips.at(rear + k)[lane] = own_rear[lane] + other_front;
             slips.at(front + k)[lane] = other_rear + own_front[lane];
         }

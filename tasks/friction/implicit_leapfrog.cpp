@@ -34,9 +34,10 @@ DirkTable sdirk2() {
 }
 
 ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)) {
-    const int size = w_.layout().link_size();
+    const int size = w_.layout().link_size(), slips = solve_.space().contacts().slips();
     for (int k = 0; k < solve_.groups(); ++k) {
-        kicks_.push_back({model::LaneRows(size), model::LaneRows(size), model::LaneRows(size), {}, model::LaneRows(2 * model::tips_per_link)});
+        kicks_.push_back({model::LaneRows(size), model::LaneRows(size), model::LaneRows(size), {}, model::LaneRows(slips),
+                          model::LaneRows(2 * model::tips_per_link)});
         for (std::size_t stage = 0; stage < table_.times.size(); ++stage) kicks_.back().slopes.emplace_back(size);
     }
 }
@@ -57,7 +58,7 @@ int ImplicitLeapfrog::next() {
         case At::evaluate: at_ = At::record; return record_cycle;
         case At::record: at_ = At::gather; return gather_cycle;
         case At::gather:
-        case At::stage: at_ = At::solve; return solve_.begin();
+        case At::stage: at_ = At::solve; return solve_.begin(w_.h);
         case At::solve: return after_solve(solve_.next());
         case At::finish: frame_.end(); return done;
     }
@@ -77,29 +78,44 @@ int ImplicitLeapfrog::after_solve(int cycle) {
 
 void ImplicitLeapfrog::record(int segment) noexcept { record_window(segment, stage_window(w_, segment), frame_.drift()); }
 
-/// Contacts, and the slips of the velocities with which the other forces were evaluated.
+/// Contacts, and the slips of the velocities with which the other forces were evaluated and of those with which the step begins.
 void ImplicitLeapfrog::gather(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     read(w_.slopes[2], 0, number, g.velocity);
     solve_.space().gather(field_, w_.phases.data(), table_.gamma * w_.h, g);
     solve_.space().slips(0.0, g, g.own);
+    read(w_.states[0], w_.layout().link_size(), number, g.velocity);
+    std::copy_n(g.velocity.at(0), model::slip_lanes * w_.layout().link_size(), kicks_[at(number)].start.at(0));
+    solve_.space().slips(-0.5, g, g.own_start);
 }
 
-/// All forces but friction; then the first stage, whose solve starts from the slips at hand.
+/// All forces but friction; then the first stage.
 void ImplicitLeapfrog::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
-    std::copy_n(g.own.at(0), model::slip_lanes * model::SlipContacts::local_slips, g.slip.at(0));
+    constexpr int local = model::slip_lanes * model::SlipContacts::local_slips;
+    std::copy_n(g.own.at(0), local, g.slip.at(0));
     solve_.share(number, g.slip);
     solve_.space().forces(g);
     solve_.space().accelerate(g);
+    std::copy_n(g.own_start.at(0), local, kick.begun.at(0));
+    solve_.share(number, kick.begun, &model::SlipGroup::own_start);
+    guess(number, std::min(2.0 * table_.times[0], 1.0));   // slips at hand belong to the middle; beyond it they are no better when extrapolated
     read(w_.slopes[2], w_.layout().link_size(), number, kick.base);
-    read(w_.states[0], w_.layout().link_size(), number, kick.start);
     for (int row = 0; row < w_.layout().link_size(); ++row) {
         for (int lane = 0; lane < model::slip_lanes; ++lane) kick.base.at(row)[lane] -= g.acceleration.at(row)[lane];
     }
     std::fill_n(kick.impulses.at(0), 2 * model::tips_per_link * model::slip_lanes, 0.0);
     predict(number);
+}
+
+/// Where the solve of a stage starts: slips at hand, as many times as far from those where the step begins.
+void ImplicitLeapfrog::guess(int number, double share) noexcept {
+    model::SlipGroup& g = solve_.group(number);
+    const model::LaneRows& begun = kicks_[at(number)].begun;
+    for (int row = 0; row < solve_.space().contacts().slips(); ++row) {
+        for (int lane = 0; lane < model::slip_lanes; ++lane) g.slip.at(row)[lane] = begun.at(row)[lane] + share * (g.slip.at(row)[lane] - begun.at(row)[lane]);
+    }
 }
 
 /// Velocities of the stage at hand before its friction acts, and their slips.
@@ -138,6 +154,7 @@ void ImplicitLeapfrog::end_stage(int number) noexcept {
 
 void ImplicitLeapfrog::stage(int number) noexcept {
     end_stage(number);
+    guess(number, table_.times[at(stage_)] / table_.times[at(stage_ - 1)]);
     predict(number);
 }
 

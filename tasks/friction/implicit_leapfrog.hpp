@@ -57,10 +57,12 @@ private:
     struct Kick {
         model::LaneRows start, base, before;    ///< v; accelerations by all but friction, of this step and of the one before
         std::vector<model::LaneRows> slopes;    ///< [stage]
+        model::LaneRows begun;                  ///< slips where the step begins
         model::LaneRows impulses;               ///< mean force of the tips' friction along their tangents [8]
     };
 
     int after_solve(int cycle);
+    void guess(int group, double share) noexcept;
     void predict(int group) noexcept;
     void end_stage(int group) noexcept;
     void react(int group) noexcept;

@@ -9,6 +9,7 @@
 
 #include "engine/graph/race_check.hpp"
 #include "tasks/friction/stage_window.hpp"
+#include "tasks/implicit/method_trial.hpp"
 #include "tasks/method_choice.hpp"
 #include "tasks/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
@@ -68,7 +69,7 @@ public:
     }
     /// All cycles of a solve, one after the other. @return what it ended with
     int run() {
-        int cycle = solve.begin();
+        int cycle = solve.begin(0.0);
         for (; cycle >= 0; cycle = solve.next()) {
             const auto each = [&](void (FrictionSolve::*body)(int) noexcept) { for (int k = 0; k < solve.groups(); ++k) (solve.*body)(k); };
             if (cycle == iterate_cycle) {
@@ -172,8 +173,30 @@ TEST(FrictionSolve, SolvesTheEquationOfAStageWhateverItStartsFrom) {
 
 TEST(FrictionSolve, SaysHowItFared) {
     EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 5, .searches = 2}), "2.50 iterations per friction solve (most 5), 0.50 searches");
-    EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 50, .searches = 2, .unconverged = 1, .worst = 2e-4}),
-              "2.50 iterations per friction solve (most 50), 0.50 searches; 1 of 4 solves did not converge and went on with the last iterate (residual up to 0.0002 m/s)");
+    EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 50, .searches = 2, .widened = 3, .unconverged = 1, .worst = 2e-4}),
+              "2.50 iterations per friction solve (most 50), 0.50 searches, 3 solves by way of higher saturation speeds; 1 of 4 solves did not converge and went on with the last iterate (residual up to 0.0002 m/s)");
+}
+
+/// A finer step is not spoiled by what a solve leaves.
+TEST(FrictionSolve, LeavesLessInShorterSteps) {
+    EXPECT_EQ(FrictionSolve::tolerance(5e-6), FrictionSolve::tolerance(2e-6));
+    EXPECT_NEAR(FrictionSolve::tolerance(1e-6) / FrictionSolve::tolerance(2e-6), 0.25, 1e-12);
+    EXPECT_EQ(FrictionSolve::tolerance(1e-12), FrictionSolve::least_tolerance);
+}
+
+/// Tolerances are no saturation speeds: at a thousandth of the usual ones friction is Coulomb's but for 5 to 10 µm/s.
+TEST(FrictionImplicit, ConvergesHoweverLowSaturationSpeedsAre) {
+    for (const std::string& method : methods) {
+        for (const double factor : {1.0, 0.1, 0.01, 0.001}) {
+            const auto speed = [&](double usual) { return std::to_string(usual * factor * 1e9) + "e-9"; };
+            const Scene scene = claims::ready_scene("baseline", {"joint.saturation_speed=" + speed(5e-3), "plate.saturation_speed=" + speed(1e-2), "tip.saturation_speed=" + speed(1e-2)});
+            const bool leapfrog = method.starts_with("leapfrog");
+            const TrialEnd end = try_method(scene.parameters, frozen_start(Simulation(scene)), method, 1e-6, leapfrog ? 50e-6 : 10e-6);
+            EXPECT_FALSE(end.fault) << method << " " << factor;
+            EXPECT_GE(end.counters.steps, leapfrog ? 50 : 10);
+            EXPECT_EQ(end.report.find("did not converge"), std::string::npos) << method << " " << factor << ": " << end.report;
+        }
+    }
 }
 
 std::uint64_t hash_of(const std::vector<std::string>& settings) {
