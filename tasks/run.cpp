@@ -10,6 +10,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/record/state_file.hpp"
+#include "model/kernels/contraction.hpp"
 #include "tasks/run_recorder.hpp"
 #include "tasks/step_advice.hpp"
 
@@ -115,6 +116,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.step_control = scene.run.step_control;
     report.tolerance = scene.run.tolerance;
     report.kernels = model::name_of(simulation.variator().chain().isa());
+    if (model::fuses_multiply_add()) report.kernels += " with fused multiply-adds";
     report.working_set = simulation.workspace().bytes();
     report.start_differences = simulation.start_differences();
     if (options.from != nullptr) restore(*options.from, simulation, recorder, report);

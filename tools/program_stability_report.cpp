@@ -12,7 +12,7 @@ namespace cvtflow::tools {
 namespace {
 
 /// The complex plane is drawn so far; friction without end so far.
-constexpr double left = -15.0, right = 25.0, high = 15.0, much_friction = 1e4;
+constexpr double map_left = -15.0, map_right = 25.0, map_height = 15.0, much_friction = 1e4;
 
 std::string reach_text(double reach) { return std::isinf(reach) ? "any" : fmt::format("{:.4g}", reach); }
 
@@ -112,8 +112,8 @@ Plot program_map(const ProgramResult& r) {
         plot.regions.push_back({"spectral radius ≤ 1", stable});
     } else {
         plot.subtitle = "u' = λ u, exact Jacobian";
-        plot.x = {"Re hλ", Scale::linear, 1.0, left, right};
-        plot.y = {"Im hλ", Scale::linear, 1.0, -high, high};
+        plot.x = {"Re hλ", Scale::linear, 1.0, map_left, map_right};
+        plot.y = {"Im hλ", Scale::linear, 1.0, -map_height, map_height};
         plot.regions.push_back({"|R(hλ)| ≤ 1", stable});
     }
     return plot;

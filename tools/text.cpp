@@ -9,14 +9,14 @@
 namespace cvtflow::tools {
 
 std::string time_text(double seconds) {
-    struct Scale {
+    struct TimeUnit {
         double size;
         std::string_view unit;
     };
-    constexpr std::array<Scale, 3> scales{{{1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}}};
+    constexpr std::array<TimeUnit, 3> scales{{{1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}}};
     const double magnitude = std::abs(seconds);
     if (magnitude == 0.0 || magnitude >= 0.99995) return fmt::format("{:.4g} s", seconds);
-    for (const Scale& scale : scales) {
+    for (const TimeUnit& scale : scales) {
         if (magnitude >= 0.99995 * scale.size) return fmt::format("{:.4g} {}", seconds / scale.size, scale.unit);
     }
     return fmt::format("{:.4g} s", seconds);

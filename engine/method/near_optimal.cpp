@@ -13,7 +13,7 @@ namespace {
 
 /// a = 1 + 0.13/degree² gives a ripple of 0.96; a real part of 1 - 3.15/degree² the longest interval whose first bump stays below 1.
 /// Both are nearly independent of the degree.
-constexpr long double damping = 0.13L;
+constexpr long double damping_2 = 0.13L;
 constexpr long double first_bump = 3.15L;
 
 /// Of order 4: a ripple of 0.90 and a bump of 0.945 for every degree.
@@ -140,7 +140,7 @@ void add_recurrence(StagePlan& plan, const std::vector<RecurrenceRow>& rows) {
 NearOptimalPolynomial near_optimal_polynomial(int degree) {
     require_degree(degree);
     const long double square = static_cast<long double>(degree) * degree;
-    NearOptimalPolynomial p{degree, 1.0L + damping / square, 1.0L, {{1.0L - first_bump / square, 0.0L}}, {}, {}};
+    NearOptimalPolynomial p{degree, 1.0L + damping_2 / square, 1.0L, {{1.0L - first_bump / square, 0.0L}}, {}, {}};
     // Secant from where the zero is for long polynomials.
     long double previous = 3.2L / square, current = 3.4L / square;
     long double before = defect(p, previous), now = defect(p, current);

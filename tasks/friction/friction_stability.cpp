@@ -7,12 +7,11 @@
 #include <memory>
 
 #include "tasks/friction/friction_leapfrog.hpp"
+#include "tasks/friction/index.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
-
-[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
 constexpr int undisturbed = -1;
 
@@ -68,11 +67,11 @@ double implicit_kick(const DirkTable& table, Kicked& kicked) {
 }
 
 /// (q, v, push of the step before) after one step.
-[[nodiscard]] Eigen::Vector3d leapfrog(const KickFunction& kick, double oscillation, double friction, const Eigen::Vector3d& start) {
-    const double push = -oscillation * oscillation * (start(0) + 0.5 * start(1));
-    Kicked kicked{start(1), push, push - start(2), friction};
+[[nodiscard]] Eigen::Vector3d leapfrog(const KickFunction& kick, double oscillation, double friction, const Eigen::Vector3d& from) {
+    const double push = -oscillation * oscillation * (from(0) + 0.5 * from(1));
+    Kicked kicked{from(1), push, push - from(2), friction};
     const double v = kick(kicked);
-    return {start(0) + 0.5 * (start(1) + v), v, push};
+    return {from(0) + 0.5 * (from(1) + v), v, push};
 }
 
 [[nodiscard]] StageFigures stage_figures(const KickFunction& kick, double friction) {
@@ -103,14 +102,14 @@ struct AdditiveStep {
     int disturbed = undisturbed;   ///< the stage whose velocity is off by 1 before its friction acts
     double largest = 0.0;          ///< velocity of a stage, afterwards
 
-    [[nodiscard]] Eigen::Vector2d from(const AdditiveTable& table, const Eigen::Vector2d& start);
+    [[nodiscard]] Eigen::Vector2d from(const AdditiveTable& table, const Eigen::Vector2d& begin);
 };
 
-Eigen::Vector2d AdditiveStep::from(const AdditiveTable& table, const Eigen::Vector2d& start) {
+Eigen::Vector2d AdditiveStep::from(const AdditiveTable& table, const Eigen::Vector2d& begin) {
     std::vector<Eigen::Vector2d> elastic, frictional;
-    Eigen::Vector2d end = start;
+    Eigen::Vector2d end = begin;
     for (int stage = 0; stage < table.stages(); ++stage) {
-        Eigen::Vector2d y = start;
+        Eigen::Vector2d y = begin;
         for (int other = 0; other < stage; ++other)
             y += table.explicit_part[at(stage)][at(other)] * elastic[at(other)] + table.implicit_part[at(stage)][at(other)] * frictional[at(other)];
         if (stage == disturbed) y(1) += 1.0;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "model/start_state.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -17,12 +19,10 @@ constexpr double poor_contraction = 0.5;
 constexpr int patience_with_old = 3, patience_with_new = 10;
 constexpr int most_updates = 30;
 
-[[nodiscard]] double link_mass(const model::Parameters& p) { return 2.0 * p.half.mass + p.plate.count * p.plate.mass; }
-
 }  // namespace
 
 TrapezoidalMethod::TrapezoidalMethod(Workspace& workspace, const NewtonOptions& options)
-    : ImplicitMethod(workspace), options_(options), link_mass_(link_mass(workspace.parameters)),
+    : ImplicitMethod(workspace), options_(options), link_mass_(model::link_mass(workspace.parameters)),
       broyden_(matrix_.unknowns(), options.matrix == NewtonMatrix::broyden ? most_updates : 0), energies_(static_cast<std::size_t>(w_.layout().links)),
       residual_(right_side_), residual_before_(right_side_), step_(right_side_), change_(right_side_) {
     exact_ = options.exact;

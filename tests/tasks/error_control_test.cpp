@@ -21,7 +21,7 @@ namespace {
 
 using test::settled_tiny;
 
-const engine::Cancellation never;
+const engine::Cancellation not_cancelled;
 
 struct ControlledOutcome {
     std::uint64_t hash;
@@ -33,7 +33,7 @@ struct ControlledOutcome {
 ControlledOutcome controlled_outcome(const Scene& scene, const Schedule& schedule = {}) {
     Simulation simulation(scene, schedule);
     SilentObserver nobody;
-    const Fault fault = simulation.run(simulation.time() + scene.run.until, nobody, never);
+    const Fault fault = simulation.run(simulation.time() + scene.run.until, nobody, not_cancelled);
     return {simulation.hash(), simulation.counters(), simulation.local_errors(), fault};
 }
 
@@ -60,10 +60,10 @@ TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
     Simulation simulation(settled_tiny(with("dumka3-p1", "50ns", {"run.output_interval=1us", "run.state_interval=1us"})));
     SilentObserver nobody;
     FrozenStart start = frozen_start(simulation);
-    ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, never));
+    ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, not_cancelled));
     for (int window = 0; simulation.counters().truncated > 0 && window < 40; ++window) {   // until one has no transition
         start = frozen_start(simulation);
-        ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, never));
+        ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, not_cancelled));
     }
     ASSERT_EQ(simulation.counters().truncated, 0);
     ASSERT_EQ(simulation.counters().steps, 20);
@@ -75,7 +75,7 @@ TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
 TEST(ErrorControl, TighterTolerancesAreMoreExact) {
     MeasureSettings settings;
     settings.duration = 24e-6;
-    const ErrorMeasure measure(settled_tiny(), settings, never);
+    const ErrorMeasure measure(settled_tiny(), settings, not_cancelled);
     for (const char* method : {"dopri54", "dumka3-p3", "rkc-s10"}) {
         double last = 1e300;
         for (const char* tolerance : {"1", "1e-2", "1e-4"}) {
@@ -148,7 +148,7 @@ TEST(SpectralBound, IsTheExtentOfTheSpectrum) {
 TEST(SpectralMethods, StayStableAtStepsFarBeyondThoseOfRk4) {
     MeasureSettings settings;
     settings.duration = 24e-6;
-    const ErrorMeasure measure(settled_tiny(), settings, never);
+    const ErrorMeasure measure(settled_tiny(), settings, not_cancelled);
     for (const char* method : {"dumka3", "rkc", "rock2", "fitted"}) {
         const Trajectory run = measure.run(with(method, "500ns"));
         ASSERT_FALSE(run.fault) << method << ": " << run.fault.message();
