@@ -51,14 +51,19 @@ TEST(Order, InconsistentTimesAreNotForgiven) {
 }
 
 /// Methods of order 5 and more leave the pre-asymptotic steps only three halvings before rounding: their measure is read as near rounding as
-/// each problem allows and may be off by 0.3. The derived order is what counts for them. Long chains amplify rounding and are read earlier;
-/// so are sums of stages with large weights (serk2) and fitted methods, whose condition b·c² = 1/3 holds to some 1e-5 only.
+/// each problem allows and may be off by 0.3. The derived order is what counts for them. Long chains amplify rounding and are read earlier,
+/// as does ROCK4's finish, by 1e4 with ten stages (down to 1e-10 it shows 4.26 on cut steps, down to 1e-9 3.98); so are
+/// sums of stages with large weights (serk2) and fitted methods, whose condition b·c² = 1/3 holds to some 1e-5 only.
+double clear_of_rounding(const StagePlan& plan) {
+    if (plan.name.starts_with("serk2") || plan.name.starts_with("fitted")) return 1e-7;
+    return plan.stages.size() > 20 || plan.name.starts_with("rock4") ? 1e-9 : 1e-10;
+}
+
 void expect_measured(const StagePlan& plan) {
-    const bool sum = plan.name.starts_with("serk2") || plan.name.starts_with("fitted");
     const int order = order_of(plan, plan.name.starts_with("fitted") ? 4e-5 : 1e-10);
     const bool high = order >= 5;
     const double tolerance = high ? 0.3 : 0.15;
-    const double clear = sum ? 1e-7 : plan.stages.size() > 20 ? 1e-9 : 1e-10;
+    const double clear = clear_of_rounding(plan);
     EXPECT_NEAR(measured_order(plan, test::kepler(), high ? 2e-13 : clear), order, tolerance) << plan.name << ", autonomous";
     EXPECT_NEAR(measured_order(plan, test::driven(), high ? 5e-12 : clear), order, tolerance) << plan.name << ", non-autonomous";
 }
@@ -70,9 +75,8 @@ TEST(Order, MeasuredIsDerivedForEveryMethodOfTheCatalogue) {
 /// The cubic through both ends of a cut step is wrong by h⁴: with transitions, no method has an order above 4.
 TEST(Order, CutStepsKeepTheOrderUpToFour) {
     for (const StagePlan& plan : methods()) {
-        const bool sum = plan.name.starts_with("serk2") || plan.name.starts_with("fitted");
         const int order = std::min(4, order_of(plan, plan.name.starts_with("fitted") ? 4e-5 : 1e-10));
-        const double clear = sum ? 1e-7 : plan.stages.size() > 20 ? 1e-9 : 1e-10;
+        const double clear = clear_of_rounding(plan);
         EXPECT_NEAR(measured_order(plan, test::kepler(), clear, test::integrate_with_cuts), order, 0.15) << plan.name << ", autonomous";
         EXPECT_NEAR(measured_order(plan, test::driven(), clear, test::integrate_with_cuts), order, 0.15) << plan.name << ", non-autonomous";
     }
