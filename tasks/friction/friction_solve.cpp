@@ -84,14 +84,14 @@ int FrictionSolve::next() noexcept {
         (after > 0.0 ? slope_high_ : slope_low_) = after;
     }
     // The first step starts from slips that belong to no forces: it is taken whole.
-    const bool good = residual_ <= tolerance_ || (tries_ == 1 && !searching_) || std::abs(after) <= flat * std::abs(before) || after <= 0.0;
+    const bool good = residual_ <= tolerance_ || (tries_ == 1 && !searching_) || std::abs(after) <= flat * std::abs(before) || (after <= 0.0 && !searching_);
     return good || searches_ >= most_searches ? accept() : judge();
 }
 
-/// The secant's zero of the slope within the bracket.
+/// The secant's zero of the slope within the bracket; every other time its middle: slopes have kinks, past which a secant creeps.
 int FrictionSolve::judge() noexcept {
     const double width = high_ - low_;
-    const double zero = low_ - slope_low_ * width / (slope_high_ - slope_low_);
+    const double zero = searches_ % 2 == 0 ? low_ - slope_low_ * width / (slope_high_ - slope_low_) : low_ + 0.5 * width;
     share_ = std::clamp(zero, low_ + margin * width, high_ - margin * width);
     ++searches_;
     ++statistics_.searches;
