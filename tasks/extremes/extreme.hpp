@@ -31,6 +31,8 @@ struct Extreme {
     std::vector<FaultKind> faults{};          ///< that may be among `allowed`; empty: any
     /// Largest relative error of the energy balance, and ten times less strict of the state against half the step.
     double bound = 1e-3;
+    /// What leapfrogs may be off in the energy balance on top: theirs is that of a neighbouring system and swings about ours by (h omega)^2 / 4.
+    double swing = 0.0;
     double step = 0.0;                        ///< [s]; 0: 50 ns, or a tenth of what is stable if that is less: the stiffest mode may hold all the energy
     long steps = 200;
     bool geometric = false;                   ///< begins with the geometric start even where the settled state of `tiny` would fit

@@ -104,6 +104,7 @@ void add_limit_rows(std::vector<Extreme>& rows) {
             rows.push_back({"limits", fmt::format("{} = {}", parameter.key, text), {setting}, {Ending::right, Ending::refused, Ending::fault}});
             rows.back().steps = 100;
             rows.back().bound = 5e-3;   // the start may put all energy into the stiffest mode, which methods damp by 3e-5 a step at a tenth of stability
+            rows.back().swing = 0.02;   // and there h omega = 0.28, a tenth of 2 sqrt 2
         }
     }
 }

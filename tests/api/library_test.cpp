@@ -33,9 +33,9 @@ public:
     Library& operator=(const Library&) = delete;
 
     [[nodiscard]] bool loaded() const { return handle_ != nullptr; }
-    /// The function of the header with this name.
+    /// The function of the header with this name. It is not named itself: unoptimised code would want it linked.
     template <class Function>
-    [[nodiscard]] Function* function(Function& /*type*/, const char* name) const {
+    [[nodiscard]] Function* function(const char* name) const {
         return reinterpret_cast<Function*>(dlsym(handle_, name));
     }
 
@@ -43,7 +43,7 @@ private:
     void* handle_;
 };
 
-#define FROM(library, name) (library).function(name, #name)
+#define FROM(library, name) (library).function<decltype(name)>(#name)
 
 /// A short run through the C interface on two threads of the library's own. @return hash, 0 if something fails
 std::uint64_t run_in(const Library& library) {
