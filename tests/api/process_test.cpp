@@ -103,10 +103,10 @@ TEST(HostProcess, AForkAfterThreadedStepsIsAClearErrorAndTheCallerAloneCanGoOn) 
                   return in_child([&] {
                       const ErrorCode code = code_of([&] { simulation.advance_to(-2.8e-4); });
                       if (code != ErrorCode::forked) return 1;
-                      Simulation here(scene);
-                      here.set_state(simulation.state());
-                      here.advance_to(-2.8e-4);
-                      return here.hash() == serial_hash(scene, -2.8e-4) ? 0 : 2;
+                      Simulation anew(scene);
+                      anew.set_state(simulation.state());
+                      anew.advance_to(-2.8e-4);
+                      return anew.hash() == serial_hash(scene, -2.8e-4) ? 0 : 2;
                   });
               }),
               0);
