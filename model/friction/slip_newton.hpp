@@ -224,17 +224,18 @@ private:
     }
 
     /// Columns [begin, begin + 8) of a row to each link's element. @param entry of the first
+    template <int W = slip_lanes>
     void scatter(int row, int begin, int entry) noexcept {
         const int links = this->g_.last - this->g_.first;
-        if constexpr (slip_lanes <= native_lanes) {
-            V values[slip_lanes];
-            for (int k = 0; k < slip_lanes; ++k) values[k] = get(this->g_.entries, entry + k);
-            transpose<slip_lanes>(values);
+        if constexpr (W <= native_lanes) {
+            Lanes<W> values[W];
+            for (int k = 0; k < W; ++k) values[k] = get(this->g_.entries, entry + k);
+            transpose<W>(values);
             for (int lane = 0; lane < links; ++lane) values[lane].copy_to(this->g_.chain.elements[static_cast<std::size_t>(lane)].row(row) + begin);
         } else {
             for (int lane = 0; lane < links; ++lane) {
                 double* to = this->g_.chain.elements[static_cast<std::size_t>(lane)].row(row) + begin;
-                for (int k = 0; k < slip_lanes; ++k) to[k] = this->g_.entries.at(entry + k)[lane];
+                for (int k = 0; k < W; ++k) to[k] = this->g_.entries.at(entry + k)[lane];
             }
         }
     }
