@@ -235,7 +235,7 @@ private:
         } else {
             for (int lane = 0; lane < links; ++lane) {
                 double* to = this->g_.chain.elements[static_cast<std::size_t>(lane)].row(row) + begin;
-                for (int k = 0; k < slip_lanes; ++k) to[k] = this->g_.entries.at(entry + k)[lane];
+                for (int k = 0; k < W; ++k) to[k] = this->g_.entries.at(entry + k)[lane];
             }
         }
     }
