@@ -177,7 +177,8 @@ private:
         engine::write_cases(file_, head, rows.size(), [&rows](std::size_t first, std::span<std::byte> some) { rows.fill(first, some); });
         std::error_code not_empty;
         fs::remove(places().checkpoints, not_empty);
-        if (result.finished) fs::remove_all(places().continuation, not_empty);
+        if (!result.finished) return result;
+        for (const fs::path& over : {places().checkpoints, places().continuation}) fs::remove_all(over, not_empty);   // also what a kill left half written
         return result;
     }
 

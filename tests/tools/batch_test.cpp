@@ -39,6 +39,15 @@ TEST_F(Batch, CaseEqualsTheRunOfItsScene) {
 }
 
 /// 20 times kill -9 at a random moment, then to the end.
+TEST_F(Batch, LeavesNothingBehindOfACheckpointThatAKillCutShort) {
+    write_sweep();
+    std::filesystem::create_directories(folder_ / "out" / "checkpoints");
+    std::ofstream(folder_ / "out" / "checkpoints" / "case-000000.h5.part") << "half";
+    const Outcome outcome = batch();
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_FALSE(exists("out/checkpoints"));
+}
+
 TEST_F(Batch, KilledTwentyTimesAtRandomMomentsLosesAndRepeatsNothing) {
     write_sweep("\"6 N*m\", \"9 N*m\", \"12 N*m\", \"15 N*m\", \"18 N*m\"", "80 us");
     const Outcome undisturbed = run({"batch", "sweep.toml", "-o", "whole"});
