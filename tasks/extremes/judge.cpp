@@ -147,7 +147,7 @@ private:
 [[nodiscard]] std::string objection(const Extreme& row, const ExtremeCase& result, long transitions) {
     const double bound = row.bound + (result.method.starts_with("leapfrog") ? row.swing : 0.0);
     if (result.balance > bound) return fmt::format("energy balance {:.2g}, bound {:.2g}", result.balance, bound);
-    if (result.refinement > 10.0 * row.bound) return fmt::format("half the step changes the result by {:.2g}, bound {:.2g}", result.refinement, 10.0 * row.bound);
+    if (result.refinement > 10.0 * bound) return fmt::format("half the step changes the result by {:.2g}, bound {:.2g}", result.refinement, 10.0 * bound);
     if (transitions < row.least_transitions) return fmt::format("{} transitions, {} expected", transitions, row.least_transitions);
     return "";
 }
