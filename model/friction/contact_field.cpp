@@ -36,15 +36,17 @@ Coefficients without_friction(Coefficients c) {
     return c;
 }
 
+/// In long double, which has no vectors: the same bits whatever processor this is compiled for.
 /// @param rows of the matrix, `size` modes of either end
 MirroredInverse inverse_of(const double* rows, int size) {
-    const Eigen::MatrixXd inverse = Eigen::Map<const Eigen::MatrixXd>(rows, 2 * size, 2 * size).inverse();
+    using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+    const Wide inverse = Wide(Eigen::Map<const Eigen::MatrixXd>(rows, 2 * size, 2 * size).cast<long double>()).inverse();
     MirroredInverse mirrored;
     for (int m = 0; m < size; ++m) {
         for (int k = m % 2; k < size; k += 2) {
             const auto at = static_cast<std::size_t>(m * most_lateral + k);
-            mirrored.sum[at] = 0.5 * (inverse(m, k) + inverse(m, size + k));
-            mirrored.difference[at] = 0.5 * (inverse(m, k) - inverse(m, size + k));
+            mirrored.sum[at] = static_cast<double>(0.5L * (inverse(m, k) + inverse(m, size + k)));
+            mirrored.difference[at] = static_cast<double>(0.5L * (inverse(m, k) - inverse(m, size + k)));
         }
     }
     return mirrored;

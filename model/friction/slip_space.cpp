@@ -41,7 +41,7 @@ FrictionCurve curve_of_tips(const Coefficients& c, bool by_phase) {
     return curve;
 }
 
-/// dᵀ A⁻¹ d' of all pairs of directions (columns).
+/// dᵀ A⁻¹ d' of all pairs of directions (columns). In long double, which has no vectors: the same bits whatever processor this is compiled for.
 std::vector<double> gram(const Eigen::MatrixXd& directions, const MirroredInverse& inverse) {
     const int modes = static_cast<int>(directions.rows()) / 2;
     Eigen::MatrixXd a(2 * modes, 2 * modes);
@@ -52,7 +52,9 @@ std::vector<double> gram(const Eigen::MatrixXd& directions, const MirroredInvers
             a(m, modes + k) = a(modes + m, k) = inverse.sum[at] - inverse.difference[at];
         }
     }
-    const Eigen::MatrixXd product = directions.transpose() * a * directions;
+    using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+    const Wide d = directions.cast<long double>(), half = a.cast<long double>() * d;
+    const Eigen::MatrixXd product = (d.transpose() * half).cast<double>();
     return {product.data(), product.data() + product.size()};
 }
 
