@@ -22,9 +22,7 @@ constexpr double tolerable = 1.02;
     return count;
 }
 
-/// Segments begin where the kernels' vectors and the sums of reactions do. With vectors of eight lanes half a vector is good enough: two threads
-/// need six and five of them either way, and what costs by the link is better balanced (44 and 40 links instead of 48 and 36).
-[[nodiscard]] int grain(const Workspace& w) noexcept { return std::min(model::links_per_sum, model::lanes_of(w.variator.chain().isa())); }
+[[nodiscard]] int grain(const Workspace& w) noexcept { return Partition::grain(model::lanes_of(w.variator.chain().isa())); }
 
 [[nodiscard]] std::vector<int> equal_cuts(const Workspace& w, int segments) {
     const Partition partition = Partition::equal(w.layout().links, segments, grain(w));

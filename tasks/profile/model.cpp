@@ -63,7 +63,7 @@ double step_time(const PathCosts& costs, const Partition& partition, int threads
 
 double predicted_speed_up(const PathCosts& costs, int threads, const std::vector<bool>& touching, MeetingLaw law) {
     const int links = static_cast<int>(touching.size());
-    return step_time(costs, Partition::equal(links, 1), 1, touching, 0.0) / step_time(costs, Partition::equal(links, threads, costs.lanes), threads, touching, meeting(costs, threads, law));
+    return step_time(costs, Partition::equal(links, 1), 1, touching, 0.0) / step_time(costs, Partition::equal(links, threads, Partition::grain(costs.lanes)), threads, touching, meeting(costs, threads, law));
 }
 
 void fit_links(std::span<const SegmentCost> samples, PathCosts& costs) {
@@ -128,7 +128,7 @@ std::vector<SpeedUpRow> speed_up_curves(const PathCosts& costs, double serial_sh
     for (int threads = 1; threads <= std::min(most, links); ++threads) {
         const double farther = meeting(costs, threads, MeetingLaw::linear) + (far - 1.0) * costs.per_thread * std::max(0, threads - std::max(1, measured));
         rows.push_back({threads, static_cast<double>(threads), even_speed_up(links, threads), amdahl_speed_up(serial_share, threads),
-                        predicted_speed_up(costs, threads, touching), serial / step_time(costs, Partition::equal(links, threads, costs.lanes), threads, touching, farther),
+                        predicted_speed_up(costs, threads, touching), serial / step_time(costs, Partition::equal(links, threads, Partition::grain(costs.lanes)), threads, touching, farther),
                         predicted_speed_up(punctual, threads, touching, MeetingLaw::logarithmic)});
     }
     return rows;

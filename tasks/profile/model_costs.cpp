@@ -116,7 +116,7 @@ void measure_synchronisation(ProfileModel& model) {
 }
 
 Partition partition_of(const ScheduleResult& result, const ProfileModel& model) {
-    return Partition::equal(static_cast<int>(model.touching.size()), result.schedule.segments, model.costs.lanes);
+    return Partition::equal(static_cast<int>(model.touching.size()), result.schedule.segments, Partition::grain(model.costs.lanes));
 }
 
 /// Measured evaluation tasks over those of the model, all segments together; 0: not recorded on all its threads.
