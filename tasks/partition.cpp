@@ -13,7 +13,7 @@ Partition Partition::equal(int links, int segments, int grain) {
     Partition partition;
     const int unit = segments <= (links + grain - 1) / grain ? grain : 1, units = (links + unit - 1) / unit;
     for (int s = 0; s < segments; ++s) {
-        const auto cut = [&](int k) { return std::min(links, unit * static_cast<int>((static_cast<long>(units) * k + (unit > 1 ? segments - 1 : 0)) / segments)); };
+        const auto cut = [&](int k) { return std::min(links, unit * static_cast<int>(static_cast<long>(units) * k / segments)); };
         partition.segments_.push_back({cut(s), cut(s + 1)});
     }
     return partition;
