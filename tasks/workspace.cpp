@@ -23,9 +23,8 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     const std::size_t size = static_cast<std::size_t>(layout().size());
     const std::size_t stride = (size + 7) / 8 * 8;   // every slot begins on a cache line of its own
     const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 4;
-    memory_.assign(arrays * stride + 8, 0.0);
+    memory_.assign(arrays * stride, 0.0);
     double* next = memory_.data();
-    while (reinterpret_cast<std::uintptr_t>(next) % 64 != 0) ++next;
     const auto take = [&] { return std::exchange(next, next + stride); };
     for (int slot = 0; slot < plan.state_slots(); ++slot) states.push_back(take());
     for (int slot = 0; slot < plan.slope_slots(); ++slot) slopes.push_back(take());
@@ -83,6 +82,7 @@ void Workspace::add_up(const Segment& own) noexcept {
 }
 
 model::SheaveForces Workspace::sheave_forces() noexcept {
+    if (layout().pulley_size == 0) return {};
     if (staged_states) return variator.sheave_forces(phases.data(), loads.data());
     for (const int group : split_sums) variator.add_up(group, phases.data(), loads.data(), sums[static_cast<std::size_t>(group)]);
     return variator.sheave_forces(sums.data());

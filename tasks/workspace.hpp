@@ -119,7 +119,7 @@ public:
     [[nodiscard]] std::size_t bytes() const noexcept;
 
 private:
-    std::vector<double> memory_;
+    model::LineVector<double> memory_;
 };
 
 }  // namespace cvtflow::tasks
