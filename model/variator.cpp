@@ -1,9 +1,10 @@
 #include "model/variator.hpp"
 
 #include <algorithm>
-#include <cstdint>
 #include <cstring>
 #include <tuple>
+
+#include "model/force/tips.hpp"
 
 namespace cvtflow::model {
 
@@ -30,12 +31,7 @@ void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
     return forces;
 }
 
-[[nodiscard]] bool touches(const Phase* phases) noexcept {
-    static_assert(Phase::free == Phase{} && tips_per_link * sizeof(Phase) == sizeof(std::uint32_t));
-    std::uint32_t all;
-    std::memcpy(&all, phases, sizeof all);
-    return all != 0;
-}
+[[nodiscard]] bool touches(const Phase* phases) noexcept { return phase_word(phases) != 0; }
 
 }  // namespace
 

@@ -13,7 +13,7 @@ namespace cvtflow::model {
 inline constexpr int links_per_sum = 4;
 
 /// Reactions of a group of links on the sheaves; on cache lines of its own.
-struct alignas(64) SheaveSum {
+struct alignas(cache_line) SheaveSum {
     SheaveLoad of_shaft[2]{};
 };
 
