@@ -13,8 +13,6 @@ namespace cvtflow::tasks {
 
 namespace {
 
-const engine::Cancellation uncancelled;
-
 double cpu_seconds() {
     rusage used{};
     getrusage(RUSAGE_SELF, &used);
@@ -40,23 +38,24 @@ double median(std::vector<double> values) {
 
 /// All cases one after the other, nothing but their steps timed. @return evaluations
 long bare_loop(const Sweep& sweep, StartStates& starts, double& wall, double& cpu) {
+    const engine::Cancellation never;
     SilentObserver silent;
     std::unique_ptr<Simulation> simulation;
     Scene scene = sweep.scene;
     long evaluations = 0;
     for (long number = 0; number < sweep.cases(); ++number) {
         sweep.apply_case(number, scene);
-        const StartStates::State start = starts.of_case(number, scene, uncancelled);
+        const StartStates::State start = starts.of_case(number, scene, never);
         Scene geometric = scene;
         geometric.state_file.clear();
         if (simulation == nullptr || !simulation->fits(scene)) simulation = std::make_unique<Simulation>(geometric, Schedule{});
         simulation->reset(scene, start.get());
         const Watch watch;
         if (simulation->needs_settling()) {
-            if (const Fault fault = simulation->settle(silent, uncancelled)) throw StartFault(fault);
+            if (const Fault fault = simulation->settle(silent, never)) throw StartFault(fault);
             evaluations += simulation->counters().evaluations;
         }
-        (void)simulation->run(scene.run.until, silent, uncancelled);
+        (void)simulation->run(scene.run.until, silent, never);
         evaluations += simulation->counters().evaluations;
         wall += watch.wall();
         cpu += watch.cpu();

@@ -67,20 +67,30 @@ std::string_view StartStates::kind(const Scene& scene) const noexcept {
     return sweep_.start == StartMode::shared ? "shared" : "settled";
 }
 
+/// What a map holds for a key, or nothing.
+template <class Map>
+typename Map::mapped_type StartStates::kept(const Map& map, const typename Map::key_type& key) {
+    return gate_.through([&] {
+        const auto found = map.find(key);
+        return found == map.end() ? typename Map::mapped_type() : found->second;
+    });
+}
+
+template <class Map>
+void StartStates::keep(Map& map, const typename Map::key_type& key, typename Map::mapped_type made) {
+    gate_.through([&] {
+        if (map.size() >= most_kept) map.erase(map.begin());
+        map[key] = std::move(made);
+    });
+}
+
 StartStates::State StartStates::of_case(long number, const Scene& scene, const engine::Cancellation& cancel) {
     if (sweep_.start == StartMode::scene) return scene.state_file.empty() ? nullptr : from_file(scene.state_file);
     if (!shareable_) return nullptr;
     const long first = first_alike(number, [this](const Axis& axis) { return matters(axis); });
-    const State known = gate_.through([&] {
-        const auto found = of_settling_.find(first);
-        return found == of_settling_.end() ? State() : found->second;
-    });
-    if (known) return known;
+    if (State known = kept(of_settling_, first)) return known;
     State made = settled(settling_scene(scene), cancel);
-    gate_.through([&] {
-        if (of_settling_.size() >= most_kept) of_settling_.erase(of_settling_.begin());
-        of_settling_[first] = made;
-    });
+    keep(of_settling_, first, made);
     return made;
 }
 
@@ -109,47 +119,26 @@ Scene StartStates::settling_scene(const Scene& scene) const {
     return settling;
 }
 
-StartStates::State StartStates::kept(const std::string& key) {
-    return gate_.through([&] {
-        const auto found = kept_.find(key);
-        return found == kept_.end() ? State() : found->second;
-    });
-}
-
-void StartStates::keep(const std::string& key, State state) {
-    gate_.through([&] {
-        if (kept_.size() >= most_kept) kept_.erase(kept_.begin());
-        kept_[key] = std::move(state);
-    });
-}
-
 StartStates::Placed StartStates::placed(long number, const Scene& scene) {
     const auto matters = [](const Parameter* key) { return matters_for_placing(*key); };
     const long first = first_alike(number, [&](const Axis& axis) { return std::any_of(axis.keys.begin(), axis.keys.end(), matters); });
-    const Placed known = gate_.through([&] {
-        const auto found = placed_.find(first);
-        return found == placed_.end() ? Placed() : found->second;
-    });
-    if (known) return known;
+    if (Placed known = kept(placed_, first)) return known;
     auto made = std::make_shared<const model::StartState>(model::start_state(scene.parameters));
-    gate_.through([&] {
-        if (placed_.size() >= most_kept) placed_.erase(placed_.begin());
-        placed_[first] = made;
-    });
+    keep(placed_, first, made);
     return made;
 }
 
 StartStates::State StartStates::from_file(const std::string& path) {
-    if (State state = kept(path)) return state;
+    if (State state = kept(of_file_, path)) return state;
     auto state = std::make_shared<const engine::SavedState>(engine::read_state(path));
-    keep(path, state);
+    keep(of_file_, path, state);
     return state;
 }
 
 StartStates::State StartStates::settled(const Scene& scene, const engine::Cancellation& cancel) {
     const std::uint64_t key = content(scene);
     const std::string file = (folder_ / (engine::hex(key) + ".h5")).string();
-    if (State state = kept(file)) return state;
+    if (State state = kept(of_file_, file)) return state;
     const bool mine = once_.claim(key);
     std::error_code missing;
     if (std::filesystem::exists(file, missing)) {
@@ -165,7 +154,7 @@ StartStates::State StartStates::settled(const Scene& scene, const engine::Cancel
     auto state = std::make_shared<const engine::SavedState>(simulation.saved_state());
     std::filesystem::create_directories(folder_);
     engine::write_state(file, *state);
-    keep(file, state);
+    keep(of_file_, file, state);
     return state;
 }
 

@@ -42,8 +42,10 @@ public:
 private:
     [[nodiscard]] State from_file(const std::string& path);
     [[nodiscard]] State settled(const Scene& scene, const engine::Cancellation& cancel);
-    [[nodiscard]] State kept(const std::string& key);
-    void keep(const std::string& key, State state);
+    template <class Map>
+    [[nodiscard]] typename Map::mapped_type kept(const Map& map, const typename Map::key_type& key);
+    template <class Map>
+    void keep(Map& map, const typename Map::key_type& key, typename Map::mapped_type made);
     [[nodiscard]] Scene settling_scene(const Scene& scene) const;
     [[nodiscard]] bool matters(const Axis& axis) const noexcept;
     template <class Matters>
@@ -54,7 +56,7 @@ private:
     bool shareable_ = false;   ///< whether several cases of the sweep settle alike
     engine::Gate gate_;
     engine::OnceEach once_;
-    std::map<std::string, State> kept_;   ///< the latest few, by file
+    std::map<std::string, State> of_file_;   ///< the latest few, by file
     std::map<long, State> of_settling_;   ///< the same, by the first case that settles alike
     std::map<long, Placed> placed_;       ///< geometric starts, by the first case that has the same
 };
