@@ -30,13 +30,19 @@ void accelerate(const SlipSpace& space, SlipGroup& group) noexcept {
     SlipGeometry<P, Points>(space, group).accelerate();
 }
 
+/// Calls body with the group's Newton step; whether any of its tips touches is a constant for the compiler.
+template <int Points, class Body>
+void newton(const SlipSpace& space, SlipGroup& group, const Body& body) noexcept {
+    if (group.touching) {
+        body(SlipNewton<Points, true>(space, group));
+    } else {
+        body(SlipNewton<Points, false>(space, group));
+    }
+}
+
 template <int Points>
 void eliminate(const SlipSpace& space, SlipGroup& group) noexcept {
-    if (group.touching) {
-        SlipNewton<Points, true>(space, group).eliminate();
-    } else {
-        SlipNewton<Points, false>(space, group).eliminate();
-    }
+    newton<Points>(space, group, [](auto step) noexcept { step.eliminate(); });
     SlipElimination<2 * Points>(group.chain).condense();
 }
 
@@ -52,20 +58,12 @@ template <int Points>
 void substitute(const SlipSpace& space, SlipGroup& group) noexcept {
     SlipElimination<2 * Points>(group.chain).substitute();
     spread(group);
-    if (group.touching) {
-        SlipNewton<Points, true>(space, group).substitute();
-    } else {
-        SlipNewton<Points, false>(space, group).substitute();
-    }
+    newton<Points>(space, group, [](auto step) noexcept { step.substitute(); });
 }
 
 template <int Points>
 void look(const SlipSpace& space, double share, SlipGroup& group) noexcept {
-    if (group.touching) {
-        SlipNewton<Points, true>(space, group).look(share);
-    } else {
-        SlipNewton<Points, false>(space, group).look(share);
-    }
+    newton<Points>(space, group, [share](auto step) noexcept { step.look(share); });
 }
 
 template <int Points>
