@@ -13,7 +13,7 @@
 namespace cvtflow::tasks {
 namespace {
 
-SilentObserver watched_by_nobody;
+SilentObserver silent;
 const engine::Cancellation uncancelled;
 
 Scene tiny_scene() {
@@ -25,8 +25,8 @@ Scene tiny_scene() {
 }
 
 Fault settle_and_run(Simulation& simulation, double until) {
-    if (const Fault fault = simulation.settle(watched_by_nobody, uncancelled)) return fault;
-    return simulation.run(until, watched_by_nobody, uncancelled);
+    if (const Fault fault = simulation.settle(silent, uncancelled)) return fault;
+    return simulation.run(until, silent, uncancelled);
 }
 
 std::vector<double> slope_of(const Simulation& simulation, double t) {
@@ -54,7 +54,7 @@ TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
 
 TEST(Simulation, GoesThroughTransitionsInTheseRuns) {
     Simulation simulation(tiny_scene());
-    ASSERT_FALSE(simulation.settle(watched_by_nobody, uncancelled));
+    ASSERT_FALSE(simulation.settle(silent, uncancelled));
     EXPECT_GT(simulation.counters().detected, 100);
     EXPECT_GT(simulation.counters().truncated, 50);
 }
@@ -67,8 +67,8 @@ TEST(Simulation, AnyNumberMayLiveSideBySide) {
     other.run.segments = 3;
     Simulation first(tiny_scene()), second(other);
     for (int part = 0; part < 2; ++part) {   // by turns
-        ASSERT_FALSE(part == 0 ? first.settle(watched_by_nobody, uncancelled) : first.run(1e-5, watched_by_nobody, uncancelled));
-        ASSERT_FALSE(part == 0 ? second.settle(watched_by_nobody, uncancelled) : second.run(1e-5, watched_by_nobody, uncancelled));
+        ASSERT_FALSE(part == 0 ? first.settle(silent, uncancelled) : first.run(1e-5, silent, uncancelled));
+        ASSERT_FALSE(part == 0 ? second.settle(silent, uncancelled) : second.run(1e-5, silent, uncancelled));
     }
     EXPECT_EQ(first.hash(), alone.hash());
     EXPECT_NE(second.hash(), alone.hash());
@@ -78,7 +78,7 @@ TEST(Simulation, RunsInOneGoAsInPieces) {
     Simulation whole(tiny_scene()), pieces(tiny_scene());
     ASSERT_FALSE(settle_and_run(whole, 4e-5));
     ASSERT_FALSE(settle_and_run(pieces, 2e-5));
-    ASSERT_FALSE(pieces.run(4e-5, watched_by_nobody, uncancelled));
+    ASSERT_FALSE(pieces.run(4e-5, silent, uncancelled));
     EXPECT_DOUBLE_EQ(pieces.time(), whole.time());
     // Times of steps may differ in their last digit.
     for (int k = 0; k < whole.variator().layout().size(); ++k) EXPECT_NEAR(pieces.state()[k], whole.state()[k], 1e-7 + 1e-7 * std::abs(whole.state()[k]));
@@ -116,8 +116,8 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
             EXPECT_EQ(continued.time(), simulation.time());
             EXPECT_EQ(continued.hash(), simulation.hash());
             EXPECT_EQ(slope_of(continued, continued.time()), slope_of(simulation, simulation.time()));
-            ASSERT_FALSE(continued.run(saved_at + 1e-5, watched_by_nobody, uncancelled));
-            ASSERT_FALSE(simulation.run(saved_at + 1e-5, watched_by_nobody, uncancelled));
+            ASSERT_FALSE(continued.run(saved_at + 1e-5, silent, uncancelled));
+            ASSERT_FALSE(simulation.run(saved_at + 1e-5, silent, uncancelled));
             EXPECT_EQ(continued.hash(), simulation.hash());
         }
     }
@@ -129,7 +129,7 @@ TEST(Simulation, TakesASavedStateWithOrWithoutControlAndLedger) {
         scene.parameters.control.enabled = had;
         scene.parameters.ledger = had;
         Simulation simulation(scene);
-        ASSERT_FALSE(simulation.settle(watched_by_nobody, uncancelled));
+        ASSERT_FALSE(simulation.settle(silent, uncancelled));
         const StateFile file(simulation);
         scene.state_file = file.path();
         scene.parameters.control.enabled = !had;
@@ -146,12 +146,12 @@ TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
         Scene scene = tiny_scene();
         scene.parameters.detail.stick_slip = had;
         Simulation simulation(scene);
-        ASSERT_FALSE(simulation.settle(watched_by_nobody, uncancelled));
+        ASSERT_FALSE(simulation.settle(silent, uncancelled));
         const StateFile file(simulation);
         scene.state_file = file.path();
         scene.parameters.detail.stick_slip = !had;
         Simulation other(scene);
-        ASSERT_FALSE(other.run(1e-6, watched_by_nobody, uncancelled));
+        ASSERT_FALSE(other.run(1e-6, silent, uncancelled));
         int touching = 0, stick_or_slip = 0;
         for (const model::Phase phase : other.phases()) {
             touching += phase == model::Phase::touching ? 1 : 0;
