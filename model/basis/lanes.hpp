@@ -150,13 +150,21 @@ template <int W>
 /// The larger of both; b if a is NaN.
 template <int W>
 [[nodiscard]] inline Lanes<W> larger(const Lanes<W>& a, const Lanes<W>& b) noexcept {
-    return select_greater<W>(a, b, a, b);
+    if constexpr (W <= native_lanes) {
+        return native_larger<W>(a.v, b.v);
+    } else {
+        return {larger<W / 2>(a.low, b.low), larger<W / 2>(a.high, b.high)};
+    }
 }
 
 /// The smaller of both; b if a is NaN.
 template <int W>
 [[nodiscard]] inline Lanes<W> smaller(const Lanes<W>& a, const Lanes<W>& b) noexcept {
-    return select_greater<W>(b, a, a, b);
+    if constexpr (W <= native_lanes) {
+        return native_smaller<W>(a.v, b.v);
+    } else {
+        return {smaller<W / 2>(a.low, b.low), smaller<W / 2>(a.high, b.high)};
+    }
 }
 
 template <int W>

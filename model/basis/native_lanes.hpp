@@ -66,6 +66,36 @@ template <int W>
     }
 }
 
+/// a > b ? a : b, as one instruction where the processor has it (compilers see it in some places only).
+template <int W>
+[[nodiscard]] inline typename NativeVector<W>::Type native_larger(typename NativeVector<W>::Type a, typename NativeVector<W>::Type b) noexcept {
+#if defined(__AVX512F__)
+    if constexpr (W == 8) return _mm512_maskz_max_pd(0xff, a, b);
+#endif
+#if defined(__AVX2__)
+    if constexpr (W == 4) return _mm256_max_pd(a, b);
+#endif
+#if defined(__x86_64__)
+    if constexpr (W == 2) return _mm_max_pd(a, b);
+#endif
+    return a > b ? a : b;
+}
+
+/// a < b ? a : b.
+template <int W>
+[[nodiscard]] inline typename NativeVector<W>::Type native_smaller(typename NativeVector<W>::Type a, typename NativeVector<W>::Type b) noexcept {
+#if defined(__AVX512F__)
+    if constexpr (W == 8) return _mm512_maskz_min_pd(0xff, a, b);
+#endif
+#if defined(__AVX2__)
+    if constexpr (W == 4) return _mm256_min_pd(a, b);
+#endif
+#if defined(__x86_64__)
+    if constexpr (W == 2) return _mm_min_pd(a, b);
+#endif
+    return a < b ? a : b;
+}
+
 template <int W>
 [[nodiscard]] inline bool native_all_at_most(typename NativeVector<W>::Type v, double limit) noexcept {
     if constexpr (W == 1) {

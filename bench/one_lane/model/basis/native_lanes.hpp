@@ -23,6 +23,12 @@ template <int W>
 template <int W>
 [[nodiscard]] inline double native_abs(double v) noexcept { return __builtin_fabs(v); }
 template <int W>
+[[nodiscard]] inline double native_larger(double a, double b) noexcept { return a > b ? a : b; }
+
+template <int W>
+[[nodiscard]] inline double native_smaller(double a, double b) noexcept { return a < b ? a : b; }
+
+template <int W>
 [[nodiscard]] inline bool native_all_at_most(double v, double limit) noexcept { return v <= limit; }
 template <int W>
 [[nodiscard]] double native_half(double v, int) noexcept;   // never used: one lane has no halves
