@@ -20,7 +20,7 @@ enum Cycle : int {
 enum class Field {
     states_read, slopes_read, slope_written, state_kept, end_state, cut_state, window, load, account, phase, before, after, verdict,
     link_error, stage_state, moment, joint, tips, joint_account, link_account, tip_account,
-    contact, velocity_read, velocity_kept, velocity_slope_read, velocity_slope, force, probe, impulse   // of friction inside a step
+    contact, velocity_read, velocity_kept, velocity_slope, force, impulse   // of friction inside a step
 };
 
 struct AssemblyOptions {

@@ -90,6 +90,30 @@ struct FrictionBase {
     double lean;
 };
 
+/// Velocities that a table combines from others and from the slope just evaluated: Σ weight from + slope_weight slope, in this order.
+struct VelocityRow {
+    static constexpr std::size_t most_terms = 4;
+    std::array<const Columns*, most_terms> from{};
+    std::array<double, most_terms> weight{};
+    std::size_t terms = 0;
+    double slope_weight = 0.0;   ///< [s]
+    Columns* to = nullptr;       ///< none of `from`, nor the columns evaluated
+
+    void add(const Columns& columns, double factor) noexcept {
+        from[terms] = &columns;
+        weight[terms++] = factor;
+    }
+};
+
+/// What an evaluation of friction is for: its slopes alone, or a row of a table. Columns over links (column = link + 1), all of the same shape.
+struct FrictionStage {
+    const FrictionBase* base = nullptr;
+    Columns* slope = nullptr;            ///< may be absent from a row
+    const VelocityRow* next = nullptr;   ///< with base, or neither
+    double weight = 0.0;           ///< of the tips' forces in impulses
+    Columns* impulses = nullptr;   ///< [3 tips_per_link] rows: x, y, z of each tip
+};
+
 /// What a field has to know of the step in whose middle it is recorded.
 struct ContactDrift {
     double step = 0.0;          ///< h [s]
@@ -100,7 +124,7 @@ struct ContactDrift {
 struct FrictionKernels {
     using Record = void (*)(const ChainModel&, const ChainRange&, const ContactDrift&, ContactField&, LinkLoad*) noexcept;
     using Push = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, ContactField&, Columns&, LinkLoad*) noexcept;
-    using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionBase*, Columns&, double, Columns*) noexcept;
+    using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
     Record record;
     Push push;
     Evaluate slopes, steepest;
@@ -128,13 +152,10 @@ public:
     void record_and_push(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push, LinkLoad* loads) const noexcept {
         kernels_.push(*this, range, drift, field, push, loads);
     }
-    /// slope = base + A⁻¹ friction(velocity), rows of links first … last - 1. Adds weight times the force of every tip to impulses.
-    /// @param base or nullptr: none   @param slope columns over links   @param impulses [3 tips_per_link] rows: x, y, z of each tip, or nullptr
-    void slopes(const ContactField& field, const FrictionRange& range, const FrictionBase* base, Columns& slope, double weight, Columns* impulses) const noexcept {
-        kernels_.slopes(*this, field, range, base, slope, weight, impulses);
-    }
+    /// slope = base + A⁻¹ friction(velocity) of links first … last - 1, and what the stage makes of it.
+    void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept { kernels_.slopes(*this, field, range, stage); }
     /// The same for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
-    void steepest(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept { kernels_.steepest(*this, field, range, nullptr, slope, 0.0, nullptr); }
+    void steepest(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept { kernels_.steepest(*this, field, range, {nullptr, &slope}); }
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
     /// Those of the chain without friction.

@@ -3,6 +3,8 @@
 /// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
 
 #include "model/force/link_frame.hpp"
+#include "model/force/tips.hpp"
+#include "model/friction/friction_sinks.hpp"
 #include "model/friction/mirrored.hpp"
 #include "model/friction/sliding.hpp"
 
@@ -43,19 +45,19 @@ public:
     }
 
     /// Slopes of links first + own … + W - 1; their joints must be in scratch.
-    void links(int own, const FrictionBase* base, Columns& slope, double weight, Columns* impulses) const noexcept {
+    void links(int own, const FrictionStage& stage) const noexcept {
         V f[at<P>.link_size()];
         add_joints(own, f);
         V moment = joint(2 * n + 3, own) + joint(2 * n + 2, own + 1);
         plates(own, f);
-        if (touching(own)) tips(own, f, moment, weight, impulses);
+        if (touching(own)) tips(own, f, moment, stage);
         const V couple = moment * contact(ContactComponents::inverse_length, own);
         const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
         f[at<P>.x(End::front, 0)] = f[at<P>.x(End::front, 0)] - couple * ty;
         f[at<P>.y(End::front, 0)] += couple * tx;
         f[at<P>.x(End::rear, 0)] += couple * ty;
         f[at<P>.y(End::rear, 0)] = f[at<P>.y(End::rear, 0)] - couple * tx;
-        accelerate(own, f, base, slope);
+        accelerate(own, f, stage);
     }
 
 private:
@@ -178,12 +180,12 @@ private:
     /// Whether a tip of the links side by side touches.
     [[nodiscard]] bool touching(int own) const noexcept {
         const Phase* phases = range_.phases + tips_per_link * (range_.first + own);
-        bool any = false;
-        for (int tip = 0; tip < tips_per_link * W; ++tip) any = any || phases[tip] != Phase::free;
-        return any;
+        std::uint32_t any = 0;
+        for (int link = 0; link < W; ++link) any |= phase_word(phases + tips_per_link * link);
+        return any != 0;
     }
 
-    void tips(int own, V* f, V& moment, double weight, Columns* impulses) const noexcept {
+    void tips(int own, V* f, V& moment, const FrictionStage& stage) const noexcept {
         const V turn = turning(own);
         for (const End end : {End::rear, End::front}) {
             Halves x{velocity(at<P>.x(end, 0), own), V(0.0)}, y{velocity(at<P>.y(end, 0), own), V(0.0)};
@@ -195,7 +197,7 @@ private:
             const int low = 2 * static_cast<int>(end), high = low + 1;   // at ξ = -1 and at ξ = 1
             const TipSlip a = tip_slip(own, low, x.even - x.odd, y.even - y.odd, z - e, turn), b = tip_slip(own, high, x.even + x.odd, y.even + y.odd, z + e, turn);
             const auto [factor_a, factor_b] = tip_factors(own, low, a.square(), b.square());
-            const PointForce below = tip_force(own, low, a, factor_a, moment, weight, impulses), above = tip_force(own, high, b, factor_b, moment, weight, impulses);
+            const PointForce below = tip_force(own, low, a, factor_a, moment, stage), above = tip_force(own, high, b, factor_b, moment, stage);
             const V sum_x = below.x + above.x, sum_y = below.y + above.y, difference_x = above.x - below.x, difference_y = above.y - below.y;
             for (int m = 0; m < n; ++m) {
                 f[at<P>.x(end, m)] += m % 2 == 0 ? sum_x : difference_x;
@@ -225,15 +227,15 @@ private:
         return {vx - along * gx, vy - along * gy, vz - along * gz};
     }
 
-    [[nodiscard]] PointForce tip_force(int own, int corner, const TipSlip& slip, const V& factor, V& moment, double weight, Columns* impulses) const noexcept {
+    [[nodiscard]] PointForce tip_force(int own, int corner, const TipSlip& slip, const V& factor, V& moment, const FrictionStage& stage) const noexcept {
         const int row = field_.components.tip(corner);
         const V grip = -contact(row + Tip::grip, own) * factor;
         const PointForce force{grip * slip.x, grip * slip.y, grip * slip.z};
         moment += contact(row + Tip::lever_x, own) * force.y - contact(row + Tip::lever_y, own) * force.x;
-        if (impulses != nullptr) {
-            add(weight * force.x, impulses->at(3 * corner, column(own)));
-            add(weight * force.y, impulses->at(3 * corner + 1, column(own)));
-            add(weight * force.along, impulses->at(3 * corner + 2, column(own)));
+        if (stage.impulses != nullptr) {
+            add(stage.weight * force.x, stage.impulses->at(3 * corner, column(own)));
+            add(stage.weight * force.y, stage.impulses->at(3 * corner + 1, column(own)));
+            add(stage.weight * force.along, stage.impulses->at(3 * corner + 2, column(own)));
         }
         return force;
     }
@@ -252,26 +254,25 @@ private:
 
     static void add(const V& lanes, double* to) noexcept { store(load<W>(to) + lanes, to); }
 
-    void accelerate(int own, const V* f, const FrictionBase* base, Columns& slope) const noexcept {
+    void accelerate(int own, const V* f, const FrictionStage& stage) const noexcept {
+        if (stage.next == nullptr) return accelerate(f, SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride()});
+        if (stage.next->terms <= 2) return accelerate(f, RowSink<W, 2>(stage, *stage.next, column(own)));
+        accelerate(f, RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own)));
+    }
+
+    template <class Sink>
+    void accelerate(const V* f, const Sink& to) const noexcept {
         const MirroredInverse& lateral = friction_.lateral_inverse();
-        for (int axis = 0; axis < 2; ++axis) accelerate_ends<n>(own, lateral, f + 2 * n * axis, 2 * n * axis, base, slope);
-        accelerate_ends<2>(own, friction_.axial_inverse(), f + 4 * n, 4 * n, base, slope);
+        for (int axis = 0; axis < 2; ++axis) accelerate_ends<n>(lateral, f + 2 * n * axis, 2 * n * axis, to);
+        accelerate_ends<2>(friction_.axial_inverse(), f + 4 * n, 4 * n, to);
     }
 
     /// Rows row … row + 2 size - 1: `size` modes of the rear pin, then of the front pin.
-    template <int size>
-    void accelerate_ends(int own, const MirroredInverse& inverse, const V* force, int row, const FrictionBase* base, Columns& slope) const noexcept {
+    template <int size, class Sink>
+    static void accelerate_ends(const MirroredInverse& inverse, const V* force, int row, const Sink& to) noexcept {
         V product[2 * size];
         multiply_ends<size>(inverse, force, product);
-        for (int k = 0; k < 2 * size; ++k) put(product[k], own, row + k, base, slope);
-    }
-
-    void put(V value, int own, int row, const FrictionBase* base, Columns& slope) const noexcept {
-        if (base != nullptr) {
-            const V now = load<W>(base->now->at(row, column(own)));
-            value += now + base->lean * (now - load<W>(base->before->at(row, column(own))));
-        }
-        store(value, slope.at(row, column(own)));
+        for (int k = 0; k < 2 * size; ++k) to.put(row + k, product[k]);
     }
 
     const FrictionOperator& friction_;

@@ -177,8 +177,7 @@ void push(const FrictionOperator& friction, const ChainRange& range, const Conta
 }
 
 template <int P, bool Steepest>
-void evaluate(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FrictionBase* base, Columns& slope,
-              double weight, Columns* impulses) noexcept {
+void evaluate(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FrictionStage& stage) noexcept {
     const int links = range.last - range.first;
     const auto in_groups = [](int count, const auto& body) {
         constexpr int most = std::min(8, 2 * native_lanes);
@@ -189,7 +188,7 @@ void evaluate(const FrictionOperator& friction, const ContactField& field, const
         if (count - own >= 1) body.template operator()<1>(own);
     };
     in_groups(links + 1, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).joints(own); });
-    in_groups(links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, base, slope, weight, impulses); });
+    in_groups(links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, stage); });
 }
 
 template <int P>

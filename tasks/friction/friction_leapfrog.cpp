@@ -13,7 +13,6 @@ namespace {
 
 enum FrictionCycle : int { push_cycle = method_cycles, kick_cycle, finish_kick_cycle };
 
-constexpr int result_slot = kick_state_slots;   ///< velocity slot of the result
 /// The spectrum moves with the tension: it is looked at every so many steps.
 constexpr long steps_between_estimates = 64;
 constexpr int first_iterations = 50, next_iterations = 4;
@@ -35,7 +34,7 @@ constexpr int first_iterations = 50, next_iterations = 4;
 }  // namespace
 
 FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, Kick kick)
-    : w_(workspace), frame_(workspace), system_(workspace, kick_state_slots + 1, kick_slope_slots), tables_(kick) {}
+    : w_(workspace), frame_(workspace), system_(workspace), tables_(kick) {}
 
 void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
@@ -45,11 +44,11 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
                    own().with_halo(Field::states_read).with_halo(Field::slopes_read).own(Field::phase, false).segment(Field::window, true).own(Field::contact, true)
                        .own(Field::velocity_read, true).own(Field::force, true).list()});
         graph.add({"friction" + number, kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).stage(segment); }, s,
-                   own().with_halo(Field::contact).with_halo(Field::velocity_read).with_halo(Field::velocity_slope_read).own(Field::force, true)
-                       .own(Field::phase, false).own(Field::velocity_kept, true).own(Field::velocity_slope, true).own(Field::impulse, true).list()});
+                   own().with_halo(Field::contact).with_halo(Field::velocity_read).own(Field::force, false).own(Field::phase, false)
+                       .own(Field::velocity_kept, true).own(Field::velocity_slope, true).own(Field::impulse, true).list()});
         graph.add({"finish" + number, finish_kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).finish(segment); }, s,
-                   own().own(Field::velocity_read, false).own(Field::velocity_slope_read, false).own(Field::impulse, false).own(Field::contact, false)
-                       .own(Field::phase, false).own(Field::states_read, false).own(Field::velocity_kept, true).own(Field::state_kept, true).own(Field::load, true).list()});
+                   own().own(Field::velocity_read, false).own(Field::impulse, false).own(Field::contact, false)
+                       .own(Field::phase, false).own(Field::states_read, false).own(Field::state_kept, true).own(Field::load, true).list()});
     }
 }
 
@@ -81,7 +80,6 @@ int FrictionLeapfrog::next() {
         case State::stages: break;
     }
     if (stage_ + 1 < table_->plan.stages()) return start_stage(stage_ + 1);
-    row_ = table_->plan.result();
     state_ = State::finishing;
     return finish_kick_cycle;
 }
@@ -101,9 +99,8 @@ int FrictionLeapfrog::start_kick() {
 
 int FrictionLeapfrog::start_stage(int stage) {
     stage_ = stage;
-    row_ = table_->plan.stage(stage);
-    weight_ = table_->weights[static_cast<std::size_t>(stage)];
-    lean_ = table_->lean(row_.time, frame_.rise());
+    row_ = table_->row(stage);
+    lean_ = table_->lean(row_.here.time, frame_.rise());
     return kick_cycle;
 }
 
@@ -125,13 +122,12 @@ void FrictionLeapfrog::push(int segment) noexcept {
     system_.begin_from(w_, w_.states[0], segment);
 }
 
-void FrictionLeapfrog::stage(int segment) noexcept { system_.stage(w_, row_, w_.h, lean_, weight_, segment); }
+void FrictionLeapfrog::stage(int segment) noexcept { system_.stage(w_, row_, w_.h, lean_, segment); }
 
 void FrictionLeapfrog::finish(int segment) noexcept {
-    system_.result(w_, row_, w_.h, result_slot, segment);
     system_.react(w_, segment);
     const model::ChainLayout& at = w_.layout();
-    const model::Columns& velocity = system_.state(result_slot);
+    const model::Columns& velocity = system_.result();
     for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) {
         const int q = at.link_begin(link);
         const int v = q + at.link_size();

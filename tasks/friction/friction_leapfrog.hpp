@@ -55,8 +55,7 @@ private:
     const KickTable* table_ = nullptr;   ///< of the step at hand
     State state_ = State::evaluating;
     int stage_ = 0;
-    engine::PlanStep row_{};
-    double weight_ = 0.0;         ///< of the stage at hand in the result
+    KickRow row_{};
     double lean_ = 0.0;           ///< G at the stage at hand, in units of the difference between the last two
     long steps_ = 0;
     double radius_ = 0.0;         ///< spectral radius of friction [1/s]

@@ -2,27 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
 
 #include "tasks/assembly/segment_tasks.hpp"
 #include "tasks/friction/index.hpp"
 
 namespace cvtflow::tasks {
 
-namespace {
-
-}  // namespace
-
-FrictionSystem::FrictionSystem(const Workspace& w, int states, int slopes)
-    : friction_(w.variator.chain(), w.parameters.detail.stick_slip), field_(w.variator.chain()) {
+FrictionSystem::FrictionSystem(const Workspace& w) : friction_(w.variator.chain(), w.parameters.detail.stick_slip), field_(w.variator.chain()) {
     const int rows = w.layout().link_size();
     const int columns = w.layout().links + 2;
-    for (int slot = 0; slot < states; ++slot) states_.emplace_back(rows, columns);
-    for (int slot = 0; slot < slopes; ++slot) slopes_.emplace_back(rows, columns);
-    for (const model::Columns& slot : states_) state_views_.push_back(slot.data());
-    for (const model::Columns& slot : slopes_) slope_views_.push_back(slot.data());
-    for (model::Columns* field : {&base_, &base_before_, &mode_, &image_}) *field = model::Columns(rows, columns);
+    for (model::Columns& slot : states_) slot = model::Columns(rows, columns);
+    for (model::Columns* field : {&result_, &first_slope_, &base_, &base_before_, &mode_, &image_}) *field = model::Columns(rows, columns);
     impulses_ = model::Columns(3 * model::tips_per_link, columns);
     restart();
     normal_loads_.resize(at(w.layout().links));
@@ -37,17 +27,13 @@ void FrictionSystem::restart() noexcept {
 }
 
 void FrictionSystem::repartition(const Partition& partition) {
-    const int links = friction_.chain().layout().links;
-    while (segments_.size() < at(partition.size())) {   // each for as many links as a segment can have: borders move without allocation
-        segments_.push_back({model::Columns(friction_.chain().layout().link_size(), links + 2), std::vector<double>(at(friction_.scratch_size(links)), 0.0)});
-    }
+    const auto size = at(friction_.scratch_size(friction_.chain().layout().links));   // borders move without allocation
+    while (scratch_.size() < at(partition.size())) scratch_.emplace_back(size, 0.0);
 }
 
 model::FrictionRange FrictionSystem::range_of(const Workspace& w, double time, const model::Columns& velocity, int segment) noexcept {
     const Segment& own = w.partition[segment];
-    double* scratch = segments_[at(segment)].scratch.data();
-    while (reinterpret_cast<std::uintptr_t>(scratch) % 64 != 0) ++scratch;   // on a cache line: scratch_size() leaves room
-    return {own.first, own.last, velocity.at(0, own.first), velocity.stride(), scratch, w.phases.data(), time};
+    return {own.first, own.last, velocity.at(0, own.first), velocity.stride(), scratch_[at(segment)].data(), w.phases.data(), time};
 }
 
 /// Ghost columns next to a segment's own, where it holds the link that they repeat.
@@ -79,51 +65,22 @@ void FrictionSystem::begin_from(const Workspace& w, const double* state, int seg
     for (int row = 0; row < 3 * model::tips_per_link; ++row) std::fill_n(impulses_.at(row, own.first + 1), own.size(), 0.0);
 }
 
-/// A row's velocities of a segment's links and their neighbours: where they are.
-const model::Columns& FrictionSystem::combine(const engine::PlanStep& row, double h, const Workspace& w, int segment) noexcept {
-    const Segment& own = w.partition[segment];
-    const engine::SlotView slots{state_views_.data(), slope_views_.data()};
-    model::Columns& window = segments_[at(segment)].window;
-    const int stride = window.stride();
-    if (own.size() == w.layout().links) {
-        const bool straight = row.keep >= 0 && std::none_of(row.states.begin(), row.states.end(), [&](const engine::Term& term) { return term.slot == row.keep; });
-        model::Columns& to = straight ? states_[at(row.keep)] : window;
-        constexpr int begin = -model::Columns::before_first;   // a cache line
-        engine::combine(row, h, slots, begin, w.layout().link_size() * stride, to.data() + begin);
-        if (straight) return to;
-    } else {
-        for (int component = 0; component < w.layout().link_size(); ++component) {
-            const int begin = component * stride + own.first;
-            engine::combine(row, h, slots, begin, begin + own.size() + 2, window.at(component, own.first));
+void FrictionSystem::stage(const Workspace& w, const KickRow& row, double h, double lean, int segment) noexcept {
+    const model::FrictionBase base{&base_, &base_before_, lean};
+    model::VelocityRow next;
+    for (const engine::Term& term : row.next.states) next.add(states_[at(term.slot)], term.factor);
+    for (const engine::Term& term : row.next.slopes) {
+        if (term.slot == row.here.slope) {
+            next.slope_weight = h * term.factor;
+        } else {
+            next.add(first_slope_, h * term.factor);
         }
     }
-    if (row.keep >= 0) keep(w, window, states_[at(row.keep)], segment);
-    return window;
-}
-
-void FrictionSystem::keep(const Workspace& w, const model::Columns& window, model::Columns& slot, int segment) noexcept {
-    const Segment& own = w.partition[segment];
-    for (int component = 0; component < w.layout().link_size(); ++component) {
-        std::memcpy(slot.at(component, own.first + 1), window.at(component, own.first + 1), at(own.size()) * sizeof(double));
-    }
-    repeat(w, slot, segment);
-}
-
-void FrictionSystem::stage(const Workspace& w, const engine::PlanStep& row, double h, double lean, double weight, int segment) noexcept {
-    const model::Columns& velocity = combine(row, h, w, segment);
-    model::Columns& slope = slopes_[at(row.slope)];
-    const model::FrictionBase base{&base_, &base_before_, lean};
-    friction_.slopes(field_, range_of(w, row.time - 0.5, velocity, segment), &base, slope, weight, weight != 0.0 ? &impulses_ : nullptr);
-    repeat(w, slope, segment);
-}
-
-void FrictionSystem::result(const Workspace& w, const engine::PlanStep& row, double h, int slot, int segment) noexcept {
-    const Segment& own = w.partition[segment];
-    const engine::SlotView slots{state_views_.data(), slope_views_.data()};
-    for (int component = 0; component < w.layout().link_size(); ++component) {
-        const int begin = component * states_[0].stride() + 1 + own.first;
-        engine::combine(row, h, slots, begin, begin + own.size(), states_[at(slot)].at(component, own.first + 1));
-    }
+    next.to = row.next.keep >= 0 ? &states_[at(row.next.keep)] : &result_;
+    const model::Columns& velocity = states_[row.here.keep >= 0 ? at(row.here.keep) : 0];
+    friction_.slopes(field_, range_of(w, row.here.time - 0.5, velocity, segment),
+                     {&base, row.keeps_slope ? &first_slope_ : nullptr, &next, row.weight, row.weight != 0.0 ? &impulses_ : nullptr});
+    repeat(w, *next.to, segment);
 }
 
 void FrictionSystem::react(Workspace& w, int segment) const noexcept {

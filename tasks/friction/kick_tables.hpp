@@ -13,18 +13,31 @@ enum class Kick {
     rkc,         ///< order 2, damped more than usual
 };
 
+/// One stage with the row that follows it: a stage, or the result.
+struct KickRow {
+    engine::PlanStep here, next;
+    double weight = 0.0;       ///< of the stage in the result
+    bool keeps_slope = false;
+};
+
 /// One table with what a kick needs to know of it.
 struct KickTable {
     engine::CompiledPlan plan;
     std::vector<double> weights;   ///< of its stages in the result
     double centre;                 ///< Σ weight × time of the stages: where a slope that is linear in time has its mean
     double reach;                  ///< |h λ| on the real axis up to which it is stable
+    bool keeps_first_slope;        ///< whether rows after the second use the slope of stage 0
 
     /// A slope at a stage's time, in units of the difference between its last two values: without an impulse, and half a rise at the end of the
     /// step. @param rise how much it changes over the step, in the same units
     [[nodiscard]] double lean(double time, double rise) const noexcept { return 0.5 * rise * (time - centre) / (1.0 - centre); }
+    [[nodiscard]] KickRow row(int stage) const noexcept {
+        return {plan.stage(stage), stage + 1 < plan.stages() ? plan.stage(stage + 1) : plan.result(), weights[static_cast<std::size_t>(stage)],
+                stage == 0 && keeps_first_slope};
+    }
 };
 
+/// Chained tables: each row combines velocities that are kept, the slope of the stage before it, and maybe that of stage 0.
 class KickTables {
 public:
     explicit KickTables(Kick kind);
@@ -37,7 +50,7 @@ private:
     std::vector<KickTable> tables_;   ///< ascending
 };
 
-/// State and slope slots that any table of either family uses.
+/// State and slope slots that any plan of either family uses.
 inline constexpr int kick_state_slots = 4, kick_slope_slots = 3;
 
 }  // namespace cvtflow::tasks

@@ -45,7 +45,7 @@ std::vector<double> friction_of(const Parameters& p, const oracle::RandomState& 
             const double* v = random.state.data() + at.link_begin((link + at.links) % at.links) + size;
             for (int row = 0; row < size; ++row) window[static_cast<std::size_t>(row * stride + link - first + 1)] = v[row];
         }
-        friction.slopes(field, {first, last, window.data(), stride, memory.data(), random.phases.data(), 0.0}, nullptr, slope, 0.0, nullptr);
+        friction.slopes(field, {first, last, window.data(), stride, memory.data(), random.phases.data(), 0.0}, {nullptr, &slope});
     }
     std::vector<double> accelerations;
     for (int link = 0; link < at.links; ++link) {

@@ -46,7 +46,7 @@ public:
     [[nodiscard]] model::Columns accelerations(model::Columns& v) {
         repeat(v);
         model::Columns a(layout().link_size(), links + 2);
-        friction().slopes(field_, {0, links, v.data(), v.stride(), scratch_.data(), simulation_.phases().data(), 0.0}, nullptr, a, 0.0, nullptr);
+        friction().slopes(field_, {0, links, v.data(), v.stride(), scratch_.data(), simulation_.phases().data(), 0.0}, {nullptr, &a});
         return a;
     }
     /// Slips of these velocities, each link's part into `rows`.
