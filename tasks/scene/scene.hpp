@@ -21,8 +21,8 @@ namespace cvtflow::tasks {
 
 /// How a scene is integrated and what is recorded.
 struct RunSettings {
-    std::string method = "rk4";       ///< name in the catalogue of methods
-    double step = 5e-8;               ///< fixed or longest [s]
+    std::string method = "leapfrog-chebyshev";   ///< name in the catalogue of methods
+    double step = 2e-6;               ///< fixed or longest [s]
     StepControl step_control = StepControl::fixed;
     double tolerance = 1.0;           ///< of local errors, in units of ErrorScale
     double until = 5e-3;              ///< [s]

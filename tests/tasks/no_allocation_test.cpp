@@ -63,7 +63,7 @@ TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
 TEST(NoAllocation, InTheStepLoopOfParallelExecutorsWithEitherAssembly) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/shift.toml");
-    scene.run.output_interval = 20.0 * scene.run.step;
+    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=50 ns", "run.output_interval=1 us"});
     scene.run.max_steps = 300;
     const engine::Cancellation never;
     for (const char* executor : {"barrier", "flow", "tbb_loop"}) {

@@ -37,7 +37,7 @@ Outcome outcome(const Scene& scene, const Schedule& schedule) {
 }
 
 /// From the settled baseline at medium detail, long enough for transitions.
-Scene settled(const std::string& until) { return scene_of("shift", {"run.until=" + until, "run.output_interval=20 us", "run.state_interval=20 us", "clamping.driving=27.1 kN"}); }
+Scene settled(const std::string& until) { return scene_of("shift", {"run.method=rk4", "run.step=50 ns", "run.until=" + until, "run.output_interval=20 us", "run.state_interval=20 us", "clamping.driving=27.1 kN"}); }
 
 TEST(Schedule, EveryAssemblyExecutorSegmentsAndThreadsGiveTheSameBits) {
     const Scene scene = settled("60 us");

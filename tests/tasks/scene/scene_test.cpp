@@ -44,10 +44,13 @@ TEST(Scene, KeepsItsTextAndPath) {
     EXPECT_EQ(scene.path, "folder/scene.toml");
 }
 
-TEST(Scene, BaselineIsTheDefaultScene) {
+TEST(Scene, BaselineIsTheDefaultSceneWithThePublishedMethod) {
     const Scene scene = read_scene(scenes / "baseline.toml");
     EXPECT_EQ(scene.parameters, model::Parameters{});
-    EXPECT_EQ(scene.run, RunSettings{});
+    RunSettings run;
+    run.method = "rk4";
+    run.step = 5e-8;
+    EXPECT_EQ(scene.run, run);
 }
 
 TEST(Scene, EveryReadySceneIsGoodNamedAsItsFileAndDescribed) {

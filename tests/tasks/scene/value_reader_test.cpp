@@ -76,7 +76,7 @@ TEST(ValueReader, TimeTableHoldsTenThousandPointsAndNoMore) {
 
 TEST(ValueReader, GuessedUnitIsTheOneNearestToTheDefault) {
     Scene scene;
-    EXPECT_EQ(read("run.step", "50", scene), "run.step: 50 s is outside [1e-12, 1e-2] s (did you mean \"50 ns\"?)");
+    EXPECT_EQ(read("run.step", "200", scene), "run.step: 200 s is outside [1e-12, 1e-2] s (did you mean \"200 ns\"?)");
     EXPECT_EQ(read("run.state_interval", "1e300", scene), "run.state_interval: 1e300 s is outside [1e-12, 1e4] s");
 }
 
