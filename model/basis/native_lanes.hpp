@@ -26,6 +26,8 @@ inline constexpr int native_lanes = 2;
 inline constexpr Isa compiled_isa = Isa::baseline;
 #endif
 
+inline constexpr bool slopes_alone = false;   ///< chain kernels have nothing but slopes without accounts (bench/one_lane)
+
 /// W ≤ native_lanes doubles side by side, and integers of the same width.
 template <int W>
 struct NativeVector {

@@ -146,7 +146,8 @@ void slopes(const ChainModel& model, const ChainRange& range, double* slope, Lin
 
 template <int P>
 [[nodiscard]] ChainKernels kernels_of_order() noexcept {
-    return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>, contact_of_link<P>};
+    if constexpr (slopes_alone) return {slopes<P>, nullptr, nullptr, nullptr, nullptr};
+    else return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>, contact_of_link<P>};
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace {
 
 inline constexpr int native_lanes = 1;
 inline constexpr Isa compiled_isa = static_cast<Isa>(-1);   // no instruction set of the program: only the bench knows it
+inline constexpr bool slopes_alone = true;
 
 template <int W>
 struct NativeVector {
