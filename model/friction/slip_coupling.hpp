@@ -20,12 +20,16 @@ public:
     void couple(double g) noexcept {
         list();
         for (int row = 0; row < count_; ++row) {
+            const Row a = rows_[static_cast<std::size_t>(row)].scaled(g);
             for (int column = 0; column <= row; ++column) {
+                const Row& b = rows_[static_cast<std::size_t>(column)];
+                const bool lateral = a.lateral >= 0 && b.lateral >= 0, axial = a.axial >= 0 && b.axial >= 0;
+                if (!lateral && !axial) continue;   // zero from the beginning
                 V value(0.0);
-                const Row &a = rows_[static_cast<std::size_t>(row)], &b = rows_[static_cast<std::size_t>(column)];
-                if (a.lateral >= 0 && b.lateral >= 0) value = lateral(a, b);
-                if (a.axial >= 0 && b.axial >= 0) value += this->space_.axial(a.axial, b.axial) * (a.along * b.along);
-                put(this->g_.coupling, triangle(a.number, b.number), g * value);
+                if (lateral) value = this->space_.lateral(a.lateral, b.lateral) * (a.ax * b.ax + a.ay * b.ay) + (a.turning * b.lever + a.lever * b.turned);
+                if (axial) value += this->space_.axial(a.axial, b.axial) * (a.along * b.along);
+                put(this->g_.coupling, triangle(a.number, b.number), value);
+                put(this->g_.rough_coupling, triangle(a.number, b.number), narrow(value));
             }
         }
     }
@@ -34,16 +38,12 @@ private:
     /// One slip as a combination of directions: (ax, ay) on `lateral`, lever on the turning, along on `axial`; < 0: none.
     struct Row {
         int number = 0, lateral = -1, axial = -1;
-        V ax, ay, turned, lever, along;   ///< turned: (ax, ay) × t
+        V ax, ay, lever, along;
+        V turned, turning;   ///< what the turning has of (ax, ay); the same with the lever's own part
+
+        [[nodiscard]] Row scaled(double g) const noexcept { return {number, lateral, axial, g * ax, g * ay, g * lever, g * along, turned, g * turning}; }
     };
     static constexpr std::size_t most = static_cast<std::size_t>(SlipContacts{Points > 0 ? Points : most_joint_lanes}.slips());
-
-    [[nodiscard]] V lateral(const Row& a, const Row& b) const noexcept {
-        const SlipSpace& s = this->space_;
-        const int turn = 4 + 2 * this->points();
-        return s.lateral(a.lateral, b.lateral) * (a.ax * b.ax + a.ay * b.ay) + s.lateral(a.lateral, turn) * (a.turned * b.lever) +
-               s.lateral(turn, b.lateral) * (a.lever * b.turned) + s.lateral(turn, turn) * (a.lever * b.lever);
-    }
 
     Row& add(int number) noexcept {
         Row& row = rows_[static_cast<std::size_t>(count_++)];
@@ -57,8 +57,10 @@ private:
         row.lateral = direction;
         row.ax = ax;
         row.ay = ay;
-        row.turned = get(this->g_.frame, 0) * ay - get(this->g_.frame, 1) * ax;
         row.lever = lever;
+        const int turn = this->space_.turning();
+        row.turned = this->space_.lateral(direction, turn) * (get(this->g_.frame, 0) * ay - get(this->g_.frame, 1) * ax);
+        row.turning = row.turned + this->space_.lateral(turn, turn) * lever;
     }
 
     void list() noexcept {

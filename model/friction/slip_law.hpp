@@ -10,7 +10,7 @@ namespace {
 /// φ(w) and R with φ'(w) = R Rᵀ, row by row.
 struct SlipLaw {
     SlipV force[2];
-    SlipV root[4];
+    FloatLanes root[4];
 };
 
 template <int Points>
@@ -24,17 +24,17 @@ public:
 
     /// @param w the contact's two slips
     [[nodiscard]] SlipLaw law(int contact, const V* w) const noexcept {
-        if (this->g_.widening == 1.0) return narrow(contact, w);
+        if (this->g_.widening == 1.0) return usual(contact, w);
         const double inverse = 1.0 / this->g_.widening;
         const V less[2] = {inverse * w[0], inverse * w[1]};
-        SlipLaw wide = narrow(contact, less);
-        for (V& root : wide.root) root = __builtin_sqrt(inverse) * root;
+        SlipLaw wide = usual(contact, less);
+        for (FloatLanes& root : wide.root) root = FloatLanes(static_cast<float>(__builtin_sqrt(inverse))) * root;
         return wide;
     }
 
 private:
     /// The law with the saturation speeds that it has.
-    [[nodiscard]] SlipLaw narrow(int contact, const V* w) const noexcept {
+    [[nodiscard]] SlipLaw usual(int contact, const V* w) const noexcept {
         if (contact == SlipContacts::plates) return of_plates(w);
         if (contact < SlipContacts::first_joint) return of_tip(contact - SlipContacts::first_tip, w);
         const int number = contact - SlipContacts::first_joint;
@@ -54,13 +54,14 @@ private:
 
     /// Along the slip the tangent counts, across it the secant.
     [[nodiscard]] static SlipLaw isotropic(const FrictionCurve& curve, const V& grip, const V* w, const V& sticks) noexcept {
-        const V speed = sqrt(w[0] * w[0] + w[1] * w[1]), half(0.5), least(1e-30);
-        const V inverse = 1.0 / larger<slip_lanes>(speed, least);
-        const V x = select_greater<slip_lanes>(speed, least, inverse * w[0], V(1.0)), y = select_greater<slip_lanes>(speed, least, inverse * w[1], V(0.0));
+        const V speed = sqrt(w[0] * w[0] + w[1] * w[1]), half(0.5);
         Slopes s = slopes(curve, speed);
         s.secant = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.secant);
         s.tangent = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.tangent);
-        const V held = grip * s.secant, along = sqrt(grip * s.tangent), across = sqrt(held);
+        const V held = grip * s.secant;
+        const FloatLanes along = sqrt(narrow(grip * s.tangent)), across = sqrt(narrow(held)), rough = narrow(speed), least(1e-30f);
+        const FloatLanes inverse = 1.0f / larger(rough, least);
+        const FloatLanes x = select_greater(rough, least, inverse * narrow(w[0]), 1.0f), y = select_greater(rough, least, inverse * narrow(w[1]), 0.0f);
         return {{held * w[0], held * w[1]}, {along * x, -(across * y), along * y, across * x}};
     }
 
@@ -71,7 +72,7 @@ private:
     /// Plates slide by w_0 + ξ w_1 each.
     [[nodiscard]] SlipLaw of_plates(const V* w) const noexcept {
         const FrictionCurve& curve = this->c_.plate_friction;
-        SlipLaw all{{V(0.0), V(0.0)}, {V(0.0), V(0.0), V(0.0), V(0.0)}};
+        SlipLaw all{{V(0.0), V(0.0)}, {0.0f, 0.0f, 0.0f, 0.0f}};
         V k00(0.0), k10(0.0), k11(0.0);
         for (int plate = 0; plate < this->c_.plates.count; ++plate) {
             const double xi = this->c_.plates.position[static_cast<std::size_t>(plate)];
@@ -85,11 +86,11 @@ private:
             k10 += xi * tangent;
             k11 += xi * (xi * tangent);
         }
-        const V top = sqrt(k00);
-        const V below = k10 / larger<slip_lanes>(top, V(1e-30));
+        const FloatLanes top = sqrt(narrow(k00));
+        const FloatLanes below = narrow(k10) / larger(top, 1e-30f);
         all.root[0] = top;
         all.root[2] = below;
-        all.root[3] = sqrt(larger<slip_lanes>(k11 - below * below, V(0.0)));
+        all.root[3] = sqrt(larger(narrow(k11) - below * below, 0.0f));
         return all;
     }
 };

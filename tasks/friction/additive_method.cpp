@@ -103,8 +103,8 @@ void AdditiveMethod::stage(int number) noexcept {
     Stages& own = stages_[at(number)];
     const std::vector<double>&explicit_row = table_.explicit_part[at(stage_)], &implicit_row = table_.implicit_part[at(stage_)];
     const double step = w_.h * table_.gamma;
-    for (int link = g.first; link < g.last; ++link) {
-        const int q = layout.link_begin(link), v = q + layout.link_size(), lane = link - g.first;
+    for (const auto& [link, lane] : g.links) {
+        const int q = layout.link_begin(link), v = q + layout.link_size();
         for (int k = 0; k < layout.link_size(); ++k) {
             double velocities = 0.0, accelerations = 0.0;
             for (int other = 0; other < stage_; ++other) {
@@ -153,9 +153,9 @@ void AdditiveMethod::finish(int number) noexcept {
     solve_.settle(number);
     solve_.space().accelerate(g);
     std::copy_n(g.acceleration.at(0), layout.link_size() * model::slip_lanes, stages_[at(number)].friction[at(stage_)].at(0));
-    for (int link = g.first; link < g.last; ++link) {
+    for (const auto& [link, lane] : g.links) {
         double* v = stage_state() + layout.link_begin(link) + layout.link_size();
-        for (int k = 0; k < layout.link_size(); ++k) v[k] = g.velocity.at(k)[link - g.first] + step * g.acceleration.at(k)[link - g.first];
+        for (int k = 0; k < layout.link_size(); ++k) v[k] = g.velocity.at(k)[lane] + step * g.acceleration.at(k)[lane];
     }
 }
 

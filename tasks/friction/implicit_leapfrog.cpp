@@ -164,10 +164,10 @@ void ImplicitLeapfrog::finish(int number) noexcept {
     const model::SlipGroup& g = solve_.group(number);
     const model::ChainLayout& layout = w_.layout();
     const double step = w_.h * table_.gamma;
-    for (int link = g.first; link < g.last; ++link) {
+    for (const auto& [link, lane] : g.links) {
         const int q = layout.link_begin(link), v = q + layout.link_size();
         for (int k = 0; k < layout.link_size(); ++k) {
-            w_.states[1][v + k] = g.velocity.at(k)[link - g.first] + step * g.acceleration.at(k)[link - g.first];
+            w_.states[1][v + k] = g.velocity.at(k)[lane] + step * g.acceleration.at(k)[lane];
             w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.h * (w_.states[0][v + k] + w_.states[1][v + k]);
         }
     }
@@ -177,13 +177,13 @@ void ImplicitLeapfrog::finish(int number) noexcept {
 void ImplicitLeapfrog::react(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     const model::LaneRows& impulses = kicks_[at(number)].impulses;
-    for (int link = g.first; link < g.last; ++link) {
+    for (const auto& [link, lane] : g.links) {
         w_.loads[at(link)] = normal_loads_[at(link)];
         model::SheaveLoad& load = w_.loads[at(link)].load;
         const model::TipArms& p = field_.arms[at(link)];
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (w_.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
-            const int side = corner % 2, lane = link - g.first, row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
+            const int side = corner % 2, row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
             const double first = impulses.at(2 * corner)[lane], second = impulses.at(2 * corner + 1)[lane];
             const auto along = [&](int axis) { return g.tips.at(row + axis)[lane] * first + g.tips.at(row + 3 + axis)[lane] * second; };
             const double fx = along(0), fy = along(1), fz = along(2);   // on the sheave

@@ -53,8 +53,8 @@ public:
     void slips(const model::Columns& v, model::LaneRows model::SlipGroup::* rows) {
         for (int k = 0; k < solve.groups(); ++k) {
             model::SlipGroup& g = solve.group(k);
-            for (int link = g.first; link < g.last; ++link) {
-                for (int row = 0; row < layout().link_size(); ++row) g.velocity.at(row)[link - g.first] = *v.at(row, link + 1);
+            for (const auto& [link, lane] : g.links) {
+                for (int row = 0; row < layout().link_size(); ++row) g.velocity.at(row)[lane] = *v.at(row, link + 1);
             }
             solve.space().slips(0.0, g, g.*rows);
         }
@@ -74,7 +74,7 @@ public:
             const auto each = [&](void (FrictionSolve::*body)(int) noexcept) { for (int k = 0; k < solve.groups(); ++k) (solve.*body)(k); };
             if (cycle == iterate_cycle) {
                 each(&FrictionSolve::eliminate);
-                solve.ring();
+                solve.join();
                 each(&FrictionSolve::substitute);
             }
             each(&FrictionSolve::look);
@@ -124,9 +124,9 @@ TEST(SlipSpace, GivesTheAccelerationsOfTheFrictionKernels) {
                 model::SlipGroup& g = contacts.solve.group(k);
                 contacts.solve.space().forces(g);
                 contacts.solve.space().accelerate(g);
-                for (int link = g.first; link < g.last; ++link) {
+                for (const auto& [link, lane] : g.links) {
                     for (int row = 0; row < contacts.layout().link_size(); ++row) {
-                        error = std::max(error, std::abs(g.acceleration.at(row)[link - g.first] - *expected.at(row, link + 1)));
+                        error = std::max(error, std::abs(g.acceleration.at(row)[lane] - *expected.at(row, link + 1)));
                         size = std::max(size, std::abs(*expected.at(row, link + 1)));
                     }
                 }
@@ -153,8 +153,8 @@ TEST(FrictionSolve, SolvesTheEquationOfAStageWhateverItStartsFrom) {
                 for (int k = 0; k < contacts.solve.groups(); ++k) {
                     model::SlipGroup& group = contacts.solve.group(k);
                     contacts.solve.space().accelerate(group);
-                    for (int link = group.first; link < group.last; ++link) {
-                        for (int row = 0; row < contacts.layout().link_size(); ++row) *v.at(row, link + 1) = *before.at(row, link + 1) + g * group.acceleration.at(row)[link - group.first];
+                    for (const auto& [link, lane] : group.links) {
+                        for (int row = 0; row < contacts.layout().link_size(); ++row) *v.at(row, link + 1) = *before.at(row, link + 1) + g * group.acceleration.at(row)[lane];
                     }
                 }
                 const model::Columns a = contacts.accelerations(v);
