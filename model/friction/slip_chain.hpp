@@ -2,6 +2,7 @@
 /// The joints of the whole chain, lanes over its stretches. (model/friction/slip_space.hpp)
 
 #include <algorithm>
+#include <cstdint>
 
 #include "model/friction/slip_rows.hpp"
 #include "model/friction/slip_tiles.hpp"
@@ -23,7 +24,7 @@ public:
         for (int lane = 0; lane < slip_lanes; ++lane) starts[lane] = groups_[0].present.at(0)[lane] == 0.0 ? 1.0f : 0.0f;
         const F late = load(starts), never(0.0f);
         for (int joint = 1; joint < length(); ++joint) {
-            condense(groups_[static_cast<std::size_t>(joint)].element, side(joint), joint == 1 ? late : never, c_.steps[static_cast<std::size_t>(joint - 1)]);
+            condense(groups_[static_cast<std::size_t>(joint)].element, side(joint), joint == 1 ? late : never, joint > 1, c_.steps[static_cast<std::size_t>(joint - 1)]);
         }
         if (length() > 1) {
             for (int row = 0; row < size(); ++row) put(c_.sides, row, choose(late, get(c_.sides, size() + row), get(c_.sides, row)));
@@ -84,82 +85,71 @@ private:
     }
 
     /// left ← left and right together, the joint between them being eliminated. Where there is no left one, it is the right one.
-    /// @param side right-hand side of that joint   @param missing 1 in lanes without a left element
-    void condense(const FloatRows& right, const float* side, const F& missing, FloatRows& to) noexcept {
-        const int width = 2 * size() + 1;
-        F m[triangle(most, 0)], x[most * (2 * most + 1)], y[most * (2 * most + 1)];
-        for (int row = 0; row < size(); ++row) {
-            for (int column = 0; column <= row; ++column) m[triangle(row, column)] = get(c_.left, element().front(row, column)) + get(right, element().rear(row, column));
+    /// @param side right-hand side of that joint   @param missing 1 in lanes without a left element; none: whether there are no such lanes
+    void condense(const FloatRows& right, const float* side, const F& missing, bool none, FloatRows& to) noexcept {
+        const int n = size();
+        float* panel = to.at(step().panel(0, 0));
+        const auto entry = [&](int row, int column) { return panel + (row * width() + column) * slip_lanes; };
+        F m[triangle(most, 0)];
+        for (int row = 0; row < n; ++row) {
+            for (int column = 0; column <= row; ++column) m[triangle(row, column)] = get(c_.left, element().front() + row * n + column) + get(right, element().rear() + row * n + column);
             m[triangle(row, row)] = 1.0f + m[triangle(row, row)];
-            for (int column = 0; column < size(); ++column) {
-                x[row * width + column] = get(c_.left, element().across(row, column));
-                x[row * width + size() + column] = get(right, element().across(column, row));
+            for (int column = 0; column < n; ++column) {
+                get(c_.left, element().across() + row * n + column).copy_to(entry(row, column));
+                get(right, element().across() + column * n + row).copy_to(entry(row, n + column));
             }
-            x[row * width + 2 * size()] = get(c_.left, element().front_side(row)) + get(right, element().rear_side(row)) + load(side + row * slip_lanes);
+            (get(c_.left, element().front_side() + row) + get(right, element().rear_side() + row) + load(side + row * slip_lanes)).copy_to(entry(row, 2 * n));
         }
-        ldl(m, size());
-        forward(m, x);
-        for (int k = 0; k < triangle(size(), 0); ++k) put(to, k, m[k]);
-        for (int row = 0; row < size(); ++row) {
-            for (int column = 0; column < width; ++column) {
-                put(to, step().panel(row, column), x[row * width + column]);
-                y[row * width + column] = x[row * width + column] * m[triangle(row, row)];
-            }
+        factorise(m);
+        forward(m, panel);
+        for (int k = 0; k < triangle(n, 0); ++k) put(to, k, m[k]);
+        for (int row = 0; row < n; ++row) {
+            for (int column = 0; column < width(); ++column) put(c_.scaled, row * width() + column, m[triangle(row, row)] * load(entry(row, column)));
         }
-        reduce(right, to.at(step().panel(0, 0)), y, missing);
+        reduce(right, panel);
+        if (none) return;
+        for (int row = 0; row < element().count(); ++row) put(c_.left, row, choose(missing, get(right, row), get(c_.left, row)));
+    }
+    [[nodiscard]] int width() const noexcept { return 2 * size() + 1; }
+    void factorise(F* m) const noexcept {
+        if constexpr (Points > 0) ldl<2 * Points>(m);
+        else ldl(m, size());
     }
 
     /// L⁻¹ x in place.
-    void forward(const F* m, F* x) const noexcept {
-        const int width = 2 * size() + 1;
+    void forward(const F* m, float* x) const noexcept {
         for (int row = 1; row < size(); ++row) {
             F own[2 * most + 1];
-            for (int column = 0; column < width; ++column) own[column] = x[row * width + column];
+            float* to = x + row * width() * slip_lanes;
+            for (int column = 0; column < width(); ++column) own[column] = load(to + column * slip_lanes);
             for (int k = 0; k < row; ++k) {
-                for (int column = 0; column < width; ++column) own[column] = own[column] - m[triangle(row, k)] * x[k * width + column];
+                const F by = m[triangle(row, k)];
+                for (int column = 0; column < width(); ++column) own[column] = own[column] - by * load(x + (k * width() + column) * slip_lanes);
             }
-            for (int column = 0; column < width; ++column) x[row * width + column] = own[column];
+            for (int column = 0; column < width(); ++column) own[column].copy_to(to + column * slip_lanes);
         }
     }
 
-    /// @param x panel of the step, rows of floats   @param y D⁻¹ x
-    void reduce(const FloatRows& right, const float* x, const F* y, const F& missing) noexcept {
-        const int width = 2 * size() + 1, n = size();
-        F before[most * most], across[most * most], next[most * most];
-        for (int row = 0; row < n; ++row) {
-            for (int column = 0; column < n; ++column) {
-                before[row * n + column] = get(c_.left, element().rear(std::max(row, column), std::min(row, column)));
-                next[row * n + column] = get(right, element().front(std::max(row, column), std::min(row, column)));
-                across[row * n + column] = F(0.0f);
-            }
-        }
-        product(x, width, y, before);
-        product(x + n * slip_lanes, width, y, across);
-        product(x + n * slip_lanes, width, y + n, next);
-        for (int row = 0; row < n; ++row) {
-            for (int column = 0; column <= row; ++column) {
-                put(c_.left, element().rear(row, column), choose(missing, get(right, element().rear(row, column)), before[row * n + column]));
-                put(c_.left, element().front(row, column), choose(missing, get(right, element().front(row, column)), next[row * n + column]));
-            }
-            for (int column = 0; column < n; ++column) put(c_.left, element().across(row, column), choose(missing, get(right, element().across(row, column)), not_tiny(across[row * n + column])));
-            F rear = get(c_.left, element().rear_side(row)), front = get(right, element().front_side(row));
-            for (int k = 0; k < n; ++k) {
-                rear = rear - load(x + (k * width + row) * slip_lanes) * y[k * width + 2 * n];
-                front = front - load(x + (k * width + n + row) * slip_lanes) * y[k * width + 2 * n];
-            }
-            put(c_.left, element().rear_side(row), choose(missing, get(right, element().rear_side(row)), rear));
-            put(c_.left, element().front_side(row), choose(missing, get(right, element().front_side(row)), front));
-        }
-    }
-    void product(const float* a, int width, const F* b, F* m) const noexcept {
+    /// @param x panel of the step
+    void reduce(const FloatRows& right, const float* x) noexcept {
         const int n = size();
-        if constexpr (Points > 0) subtract_products<2 * Points, tile_rows<Points>, tile_columns<Points>, false>(a, width, b, width, n, n, m, n);
-        else {
-            for (int row = 0; row < n; ++row) {
-                for (int k = 0; k < n; ++k) {
-                    for (int column = 0; column < n; ++column) m[row * n + column] = m[row * n + column] - load(a + (k * width + row) * slip_lanes) * b[k * width + column];
-                }
+        const float *y = c_.scaled.at(0), *next = x + n * slip_lanes;
+        const auto subtract = [&]<bool Lower>(const float* a, const float* b, const float* from, float* to) {
+            subtract_products<2 * Points, tile_rows<Points>, tile_columns<Points>, Lower>(a, width(), b, width(), n, n, from, to, n);
+        };
+        subtract.template operator()<true>(x, y, c_.left.at(element().rear()), c_.left.at(element().rear()));
+        subtract.template operator()<false>(next, y, nullptr, c_.left.at(element().across()));
+        subtract.template operator()<true>(next, y + n * slip_lanes, right.at(element().front()), c_.left.at(element().front()));
+        for (int k = 0; k < n * n; ++k) put(c_.left, element().across() + k, not_tiny(get(c_.left, element().across() + k)));
+        for (int row = 0; row < n; ++row) {
+            F rear = get(c_.left, element().rear_side() + row), front = get(right, element().front_side() + row);
+            for (int k = 0; k < n; ++k) {
+                const F side = get(c_.scaled, k * width() + 2 * n);
+                rear = rear - load(x + (k * width() + row) * slip_lanes) * side;
+                front = front - load(next + (k * width() + row) * slip_lanes) * side;
             }
+            put(c_.left, element().rear_side() + row, rear);
+            put(c_.left, element().front_side() + row, front);
         }
     }
 
@@ -182,15 +172,20 @@ private:
         for (int level = 0; level < c_.levels(); ++level) {
             const int count = c_.counts[static_cast<std::size_t>(level)], odd = count % 2;
             alignas(64) float between[most * slip_lanes];
+            alignas(64) std::int32_t first[slip_lanes], second[slip_lanes];
+            for (int lane = 0; lane < slip_lanes; ++lane) {
+                first[lane] = std::clamp(2 * lane - odd, 0, count - 1);
+                second[lane] = std::clamp(2 * lane + 1 - odd, 0, count - 1);
+            }
             for (int row = 0; row < size(); ++row) {
-                pick(sides + row * slip_lanes, 1 - odd, count, between + row * slip_lanes);
-                pick(sides + row * slip_lanes, -odd, count, sides + row * slip_lanes);
+                permute(sides + row * slip_lanes, second, between + row * slip_lanes);
+                permute(sides + row * slip_lanes, first, sides + row * slip_lanes);
             }
             for (int row = 0; row < element().count(); ++row) {
-                pick(c_.left.at(row), 1 - odd, count, c_.right.at(row));
-                pick(c_.left.at(row), -odd, count, c_.left.at(row));
+                permute(c_.left.at(row), second, c_.right.at(row));
+                permute(c_.left.at(row), first, c_.left.at(row));
             }
-            condense(c_.right, between, without_first(odd), c_.steps[static_cast<std::size_t>(length() - 1 + level)]);
+            condense(c_.right, between, without_first(odd), odd == 0, c_.steps[static_cast<std::size_t>(length() - 1 + level)]);
         }
         last();
         for (int level = c_.levels() - 1; level >= 0; --level) expand(level);
@@ -200,25 +195,20 @@ private:
         flags[0] = odd != 0 ? 1.0f : 0.0f;
         return load(flags);
     }
-    /// Lane k takes lane 2k + shift.
-    static void pick(const float* from, int shift, int count, float* to) noexcept {
-        alignas(64) float picked[slip_lanes];
-        for (int lane = 0; lane < slip_lanes; ++lane) picked[lane] = from[std::clamp(2 * lane + shift, 0, count - 1)];
-        std::copy_n(picked, slip_lanes, to);
-    }
 
     /// One element whose ends are one joint, in lane 0.
     void last() noexcept {
         F m[triangle(most, 0)], x[most];
         for (int row = 0; row < size(); ++row) {
             for (int column = 0; column <= row; ++column) {
-                m[triangle(row, column)] = (get(c_.left, element().rear(row, column)) + get(c_.left, element().front(row, column))) +
-                                           (get(c_.left, element().across(row, column)) + get(c_.left, element().across(column, row)));
+                const int own = row * size() + column, turned = column * size() + row;
+                m[triangle(row, column)] = (get(c_.left, element().rear() + own) + get(c_.left, element().front() + own)) +
+                                           (get(c_.left, element().across() + own) + get(c_.left, element().across() + turned));
             }
             m[triangle(row, row)] = 1.0f + m[triangle(row, row)];
-            x[row] = get(c_.sides, row) + get(c_.left, element().rear_side(row)) + get(c_.left, element().front_side(row));
+            x[row] = get(c_.sides, row) + get(c_.left, element().rear_side() + row) + get(c_.left, element().front_side() + row);
         }
-        ldl(m, size());
+        factorise(m);
         for (int row = 0; row < size(); ++row) {
             for (int k = 0; k < row; ++k) x[row] = x[row] - m[triangle(row, k)] * x[k];
         }

@@ -152,7 +152,7 @@ private:
             }
         }
         for (int row = 0; row < local(); ++row) m[triangle(row, row)] = 1.0f + m[triangle(row, row)];
-        ldl(m, local());
+        ldl<local()>(m);
         for (int k = 0; k < triangle(local(), 0); ++k) put(this->g_.factor, k, m[k]);
     }
 
@@ -185,35 +185,32 @@ private:
 
     /// What is left for the joints: Rᵀ g W' R, and what plates and tips add to their right-hand sides.
     void joints() noexcept {
-        constexpr int most = most_joint_slips + 1;
-        const int size = joint_slips(), width = size + 1;
-        F m[most_joint_slips * most_joint_slips], scaled[local_end * most];
-        for (int a = 0; a < size / 2; ++a) {
+        const int size = joint_slips() / 2, width = joint_slips() + 1;
+        const SlipElement element{size};
+        float* entries = this->g_.element.at(0);
+        for (int a = 0; a < size; ++a) {
             for (int b = 0; b <= a; ++b) {
-                block(SlipContacts::first_joint + a, SlipContacts::first_joint + b, [&](int i, int j, const F& value) { m[(2 * a + i) * size + 2 * b + j] = m[(2 * b + j) * size + 2 * a + i] = value; });
+                const int row = a < size / 2 ? 2 * a : 2 * a - size, column = b < size / 2 ? 2 * b : 2 * b - size;
+                const int begin = a < size / 2 ? element.rear() : b < size / 2 ? element.across() : element.front();
+                block(SlipContacts::first_joint + a, SlipContacts::first_joint + b, [&](int i, int j, const F& value) { put(this->g_.element, begin + (row + i) * size + column + j, value); });
             }
         }
+        alignas(64) float scaled[local_end * (most_joint_slips + 1) * slip_lanes];
         for (int k = 0; k < local(); ++k) {
             const F by = factor(k, k);
-            for (int column = 0; column < width; ++column) scaled[k * width + column] = by * panel(k, column);
+            for (int column = 0; column < width; ++column) (by * panel(k, column)).copy_to(scaled + (k * width + column) * slip_lanes);
         }
-        subtract_products<local(), tile_rows<Points>, tile_columns<Points>, true>(this->g_.panel.at(0), width, scaled, width, size, size, m, size);
-        put_element(m);
-        for (int row = 0; row < size; ++row) {
+        const auto subtract = [&]<bool Lower>(int row, int column, int begin) {
+            float* m = entries + begin * slip_lanes;
+            subtract_products<local(), tile_rows<Points>, tile_columns<Points>, Lower>(this->g_.panel.at(row), width, scaled + column * slip_lanes, width, size, size, m, m);
+        };
+        subtract.template operator()<true>(0, 0, element.rear());
+        subtract.template operator()<false>(size, 0, element.across());
+        subtract.template operator()<true>(size, size, element.front());
+        for (int row = 0; row < 2 * size; ++row) {
             F value(0.0f);
-            for (int k = 0; k < local(); ++k) value = value - panel(k, row) * scaled[k * width + size];
-            put(this->g_.element, SlipElement{size / 2}.rear_side(row), value);
-        }
-    }
-    void put_element(const F* m) noexcept {
-        const int size = joint_slips() / 2;
-        const SlipElement element{size};
-        for (int row = 0; row < size; ++row) {
-            for (int column = 0; column <= row; ++column) {
-                put(this->g_.element, element.rear(row, column), m[row * 2 * size + column]);
-                put(this->g_.element, element.front(row, column), m[(size + row) * 2 * size + size + column]);
-            }
-            for (int column = 0; column < size; ++column) put(this->g_.element, element.across(row, column), m[(size + row) * 2 * size + column]);
+            for (int k = 0; k < local(); ++k) value = value - panel(k, row) * load(scaled + (k * width + 2 * size) * slip_lanes);
+            put(this->g_.element, element.rear_side() + row, value);
         }
     }
 

@@ -12,6 +12,7 @@ SlipChain::SlipChain(const SlipStretches& links, int size) : stretches(links) {
     for (int left = stretches.count(); counts.empty() || counts.back() > 1; left = (left + 1) / 2) counts.push_back(left);
     for (int k = 0; k < stretches.length() - 1 + levels(); ++k) steps.emplace_back(step.count());
     for (FloatRows* rows : {&this->left, &right}) *rows = FloatRows(element.count());
+    scaled = FloatRows(size * (2 * size + 1));
     sides = FloatRows(stretches.length() * size);
     unknowns = FloatRows((stretches.length() + 1) * size);
     ends = FloatRows((levels() + 1) * size);

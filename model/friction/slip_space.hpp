@@ -103,12 +103,14 @@ struct SlipContacts {
 /// What two neighbouring joints have of each other, a link or a row of links between them: rows of floats.
 struct SlipElement {
     int size;   ///< unknowns of a joint
-    [[nodiscard]] constexpr int rear(int row, int column) const noexcept { return triangle(row, column); }   ///< column ≤ row
-    [[nodiscard]] constexpr int across(int front_row, int rear_column) const noexcept { return triangle(size, 0) + size * front_row + rear_column; }
-    [[nodiscard]] constexpr int front(int row, int column) const noexcept { return triangle(size, 0) + size * size + triangle(row, column); }
-    [[nodiscard]] constexpr int rear_side(int row) const noexcept { return 2 * triangle(size, 0) + size * size + row; }
-    [[nodiscard]] constexpr int front_side(int row) const noexcept { return rear_side(size + row); }
-    [[nodiscard]] constexpr int count() const noexcept { return rear_side(2 * size); }
+    /// First rows of blocks [size][size]: of both ends, of which what is above the diagonal does not count, and of the front joint on the rear one.
+    [[nodiscard]] constexpr int rear() const noexcept { return 0; }
+    [[nodiscard]] constexpr int across() const noexcept { return size * size; }
+    [[nodiscard]] constexpr int front() const noexcept { return 2 * size * size; }
+    /// Of right-hand sides [size].
+    [[nodiscard]] constexpr int rear_side() const noexcept { return 3 * size * size; }
+    [[nodiscard]] constexpr int front_side() const noexcept { return rear_side() + size; }
+    [[nodiscard]] constexpr int count() const noexcept { return front_side() + size; }
 };
 
 /// What is kept of a joint that has been eliminated between two others: M = L D Lᵀ, L⁻¹ [on the joint before | on the next | right-hand side].
@@ -129,6 +131,7 @@ struct SlipChain {
     std::vector<int> counts;          ///< joints between stretches that are left [level]
     std::vector<FloatRows> steps;     ///< [joint inside a stretch - 1, then level] SlipStep
     FloatRows left, right;            ///< SlipElement at work
+    FloatRows scaled;                 ///< D⁻¹ times the panel at work
     FloatRows sides;                  ///< [joint][size]: right-hand sides of joints
     FloatRows unknowns;               ///< x [joint][size]; joints 0 … length of every stretch, the last being the next stretch's first
     FloatRows ends;                   ///< x at stretches' beginnings, level by level [size]

@@ -1,6 +1,9 @@
 #pragma once
 /// Small dense matrices of floats, lanes over links: factors and products, in tiles that stay in registers.
 
+#include <cstdint>
+#include <type_traits>
+
 #include "model/basis/float_lanes.hpp"
 #include "model/friction/slip_space.hpp"
 
@@ -13,8 +16,34 @@ inline constexpr int tile_rows = Points == 3 ? 6 : 2;
 template <int Points>
 inline constexpr int tile_columns = Points == 3 ? 3 : 2;
 
+/// body(begin) … body(end - 1), each number a constant for the compiler.
+template <int begin, int end, class Body>
+[[gnu::always_inline]] inline void unrolled(const Body& body) noexcept {
+    if constexpr (begin < end) {
+        body(std::integral_constant<int, begin>{});
+        unrolled<begin + 1, end>(body);
+    }
+}
+
 /// L D Lᵀ of a symmetric matrix with all eigenvalues ≥ 1, in place; D⁻¹ on the diagonal. Pivots are ≥ 1 but for rounding.
 /// @param m lower triangle, row by row
+template <int Size>
+inline void ldl(FloatLanes* m) noexcept {
+    unrolled<0, Size>([m](auto pivot) noexcept {
+        const FloatLanes inverse = 1.0f / larger(m[triangle(pivot, pivot)], 1.0f);
+        m[triangle(pivot, pivot)] = inverse;
+        unrolled<0, Size - 1 - pivot>([m, &inverse](auto behind) noexcept {
+            constexpr int p = decltype(pivot)::value, row = Size - 1 - decltype(behind)::value;
+            const FloatLanes by = m[triangle(row, p)] * inverse;
+            unrolled<p + 1, row + 1>([m, &by](auto column) noexcept {
+                constexpr int k = decltype(column)::value;
+                m[triangle(row, k)] = m[triangle(row, k)] - by * m[triangle(k, p)];
+            });
+            m[triangle(row, p)] = by;
+        });
+    });
+}
+/// The same for any size.
 inline void ldl(FloatLanes* m, int size) noexcept {
     for (int pivot = 0; pivot < size; ++pivot) {
         const FloatLanes inverse = 1.0f / larger(m[triangle(pivot, pivot)], 1.0f);
@@ -27,22 +56,23 @@ inline void ldl(FloatLanes* m, int size) noexcept {
     }
 }
 
-/// m -= aᵀ b by tiles; Lower: only those that reach below the diagonal. Depth: rows of a and b.
-/// @param a [Depth][a_stride] rows of floats
+/// to = from - aᵀ b by tiles, rows of floats throughout; Lower: only those that reach below the diagonal. Depth: rows of a and b.
+/// @param from may be `to`; nullptr: zero
 template <int Depth, int Rows, int Columns, bool Lower>
-inline void subtract_products(const float* a, int a_stride, const FloatLanes* b, int b_stride, int rows, int columns, FloatLanes* m, int stride) noexcept {
+inline void subtract_products(const float* a, int a_stride, const float* b, int b_stride, int rows, int columns, const float* from, float* to, int depth = Depth) noexcept {
     for (int row = 0; row < rows; row += Rows) {
         for (int column = 0; column < (Lower ? row + Rows : columns); column += Columns) {
             FloatLanes tile[Rows][Columns];
+            const auto at = [&](int i, int j) { return ((row + i) * columns + column + j) * slip_lanes; };
 #pragma GCC unroll 8
             for (int i = 0; i < Rows; ++i) {
 #pragma GCC unroll 8
-                for (int j = 0; j < Columns; ++j) tile[i][j] = m[(row + i) * stride + column + j];
+                for (int j = 0; j < Columns; ++j) tile[i][j] = from == nullptr ? FloatLanes(0.0f) : load(from + at(i, j));
             }
-            for (int k = 0; k < Depth; ++k) {
+            for (int k = 0; k < (Depth > 0 ? Depth : depth); ++k) {
                 FloatLanes right[Columns];
 #pragma GCC unroll 8
-                for (int j = 0; j < Columns; ++j) right[j] = b[k * b_stride + column + j];
+                for (int j = 0; j < Columns; ++j) right[j] = load(b + (k * b_stride + column + j) * slip_lanes);
 #pragma GCC unroll 8
                 for (int i = 0; i < Rows; ++i) {
                     const FloatLanes left = load(a + (k * a_stride + row + i) * slip_lanes);
@@ -53,10 +83,22 @@ inline void subtract_products(const float* a, int a_stride, const FloatLanes* b,
 #pragma GCC unroll 8
             for (int i = 0; i < Rows; ++i) {
 #pragma GCC unroll 8
-                for (int j = 0; j < Columns; ++j) m[(row + i) * stride + column + j] = tile[i][j];
+                for (int j = 0; j < Columns; ++j) tile[i][j].copy_to(to + at(i, j));
             }
         }
     }
+}
+
+/// Lane k takes lane number[k].
+inline void permute(const float* from, const std::int32_t* number, float* to) noexcept {
+    typedef float Row __attribute__((vector_size(slip_lanes * sizeof(float))));
+    typedef std::int32_t Numbers __attribute__((vector_size(slip_lanes * sizeof(std::int32_t))));
+    Row row;
+    Numbers numbers;
+    __builtin_memcpy(&row, from, sizeof row);
+    __builtin_memcpy(&numbers, number, sizeof numbers);
+    row = __builtin_shuffle(row, numbers);
+    __builtin_memcpy(to, &row, sizeof row);
 }
 
 }  // namespace
