@@ -94,7 +94,7 @@ private:
             put(g_.tips, tip_row(corner, Tip::drift + k), t[0] * from(From::drift) + t[1] * from(From::drift + 1) + t[2] * from(From::drift + 2));
         }
         put(g_.tips, tip_row(corner, Tip::grip), get(g_.present, 0) * from(From::grip));
-        put(g_.tips, tip_row(corner, Tip::sticks), select_greater<slip_lanes>(from(From::most), V(1e100), V(0.0), V(1.0)));
+        put(g_.tips, tip_row(corner, Tip::sticks), space_.friction().by_phase() ? select_greater<slip_lanes>(from(From::most), V(1e100), V(0.0), V(1.0)) : V(0.0));
     }
 };
 

@@ -75,7 +75,8 @@ FrictionImplicit::FrictionImplicit(Workspace& workspace)
 void FrictionImplicit::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
         graph.add({numbered("record", s), record_cycle, record_task, s,
-                   LinkAccesses(w_, s).own(Field::states_read, false).with_halo(Field::stage_state).own(Field::phase, false).segment(Field::window, true).own(Field::contact, true).list()});
+                   LinkAccesses(w_, s).with_halo(Field::states_read).with_halo(Field::slopes_read).with_halo(Field::stage_state).own(Field::phase, false)
+                       .segment(Field::window, true).own(Field::contact, true).own(Field::force, true).list()});
     }
     const int groups = solve_.groups();
     const int join = graph.add({"join", iterate_cycle, join_task, 0, {{element_field, 0, groups, false}, {joints_field, 0, 1, true}}});
@@ -83,7 +84,7 @@ void FrictionImplicit::add_tasks(engine::TaskGraph& graph) {
     for (int k = 0; k < groups; ++k) {
         const auto accesses = [&] { return GroupAccesses(solve_.group(k), k).own(group_field); };
         gathers.push_back(graph.add({numbered("gather", k), gather_cycle, gather_task, k,
-                                     accesses().all(static_cast<int>(Field::contact), w_.layout().links).links(Field::slope_written, false).own(own_field).list()}));
+                                     accesses().all(static_cast<int>(Field::contact), w_.layout().links).links(Field::states_read, false).links(Field::slopes_read, false).own(own_field).list()}));
         const int eliminate = graph.add({numbered("eliminate", k), iterate_cycle, eliminate_task, k, accesses().own(element_field).list()});
         substitutes.push_back(graph.add({numbered("substitute", k), iterate_cycle, substitute_task, k, accesses().all(joints_field, 1).own(own_field).list()}));
         graph.order(eliminate, join);
@@ -96,7 +97,9 @@ void FrictionImplicit::add_tasks(engine::TaskGraph& graph) {
     }
     for (int k = 0; k < groups; ++k) {
         const std::vector<int> others = near(k, solve_.stretches());
-        const int base = graph.add({numbered("base", k), gather_cycle, base_task, k, sharing(k, others)});
+        std::vector<engine::Access> forces = GroupAccesses(solve_.group(k), k).links(Field::force, false).list(), shared = sharing(k, others);
+        forces.insert(forces.end(), shared.begin(), shared.end());
+        const int base = graph.add({numbered("base", k), gather_cycle, base_task, k, forces});
         const int look = graph.add({numbered("look", k), iterate_cycle, look_task, k, sharing(k, others)});
         for (const int other : others) {
             graph.order(gathers[static_cast<std::size_t>(other)], base);

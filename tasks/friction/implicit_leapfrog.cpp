@@ -4,14 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "tasks/assembly/segment_tasks.hpp"
 #include "tasks/friction/index.hpp"
-#include "tasks/friction/stage_window.hpp"
 
 namespace cvtflow::tasks {
-
-namespace {
-
-}  // namespace
 
 double DirkTable::weight(int stage) const noexcept { return stage + 1 < static_cast<int>(times.size()) ? weights.back()[at(stage)] : gamma; }
 
@@ -33,7 +29,7 @@ DirkTable sdirk2() {
     return {2, gamma, {gamma, 1.0}, {{}, {1.0 - gamma}}};
 }
 
-ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)) {
+ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)), push_(w_.layout().link_size(), w_.layout().links + 2) {
     const int size = w_.layout().link_size(), slips = solve_.space().contacts().slips();
     for (int k = 0; k < solve_.groups(); ++k) {
         kicks_.push_back({model::LaneRows(size), model::LaneRows(size), model::LaneRows(size), {}, model::LaneRows(slips),
@@ -49,8 +45,9 @@ int ImplicitLeapfrog::begin() {
     }
     frame_.begin();
     stage_ = 0;
-    at_ = At::evaluate;
-    return evaluate_cycle;
+    at_ = w_.layout().ledger ? At::evaluate : At::record;
+    if (w_.layout().ledger) return evaluate_cycle;   // accounts need the forces with friction
+    return record_cycle;
 }
 
 int ImplicitLeapfrog::next() {
@@ -76,17 +73,27 @@ int ImplicitLeapfrog::after_solve(int cycle) {
     return stage_cycle;
 }
 
-void ImplicitLeapfrog::record(int segment) noexcept { record_window(segment, stage_window(w_, segment), frame_.drift()); }
+/// Contacts and all other forces in the middle of the step.
+void ImplicitLeapfrog::record(int segment) noexcept {
+    const Segment& own = w_.partition[segment];
+    double* window = w_.windows[at(segment)].data();
+    fill_window(w_, own, window);
+    solve_.space().friction().record_and_push({own.first, own.last, window, w_.sheaves, w_.phases.data()}, frame_.drift(), field_, push_, normal_loads_.data() + own.first);
+}
 
 /// Contacts, and the slips of the velocities with which the other forces were evaluated and of those with which the step begins.
 void ImplicitLeapfrog::gather(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
-    read(w_.slopes[2], 0, number, g.velocity);
+    model::LaneRows& start = kicks_[at(number)].start;
     solve_.space().gather(field_, w_.phases.data(), table_.gamma * w_.h, g);
-    solve_.space().slips(0.0, g, g.own);
-    read(w_.states[0], w_.layout().link_size(), number, g.velocity);
-    std::copy_n(g.velocity.at(0), model::slip_lanes * w_.layout().link_size(), kicks_[at(number)].start.at(0));
+    read(w_.states[0], w_.layout().link_size(), number, start);
+    std::copy_n(start.at(0), model::slip_lanes * w_.layout().link_size(), g.velocity.at(0));
     solve_.space().slips(-0.5, g, g.own_start);
+    read(w_.slopes[1], w_.layout().link_size(), number, g.velocity);
+    for (int row = 0; row < w_.layout().link_size(); ++row) {
+        for (int lane = 0; lane < model::slip_lanes; ++lane) g.velocity.at(row)[lane] = start.at(row)[lane] + 0.5 * w_.h * g.velocity.at(row)[lane];
+    }
+    solve_.space().slips(0.0, g, g.own);
 }
 
 /// All forces but friction; then the first stage.
@@ -96,14 +103,11 @@ void ImplicitLeapfrog::base(int number) noexcept {
     constexpr int local = model::slip_lanes * model::SlipContacts::local_slips;
     std::copy_n(g.own.at(0), local, g.slip.at(0));
     solve_.share(number, g.slip);
-    solve_.space().forces(g);
-    solve_.space().accelerate(g);
     std::copy_n(g.own_start.at(0), local, kick.begun.at(0));
     solve_.share(number, kick.begun, &model::SlipGroup::own_start);
     guess(number, std::min(2.0 * table_.times[0], 1.0));   // slips at hand belong to the middle; beyond it they are no better when extrapolated
-    read(w_.slopes[2], w_.layout().link_size(), number, kick.base);
     for (int row = 0; row < w_.layout().link_size(); ++row) {
-        for (int lane = 0; lane < model::slip_lanes; ++lane) kick.base.at(row)[lane] -= g.acceleration.at(row)[lane];
+        for (const auto& [link, lane] : g.links) kick.base.at(row)[lane] = *push_.at(row, link + 1);
     }
     std::fill_n(kick.impulses.at(0), 2 * model::tips_per_link * model::slip_lanes, 0.0);
     predict(number);
