@@ -22,24 +22,27 @@ public:
     using V = SlipV;
     using Base::Base;
 
-    /// @param w the contact's two slips
+    /// Rooted: with R, else only the force. @param w the contact's two slips
+    template <bool Rooted>
     [[nodiscard]] SlipLaw law(int contact, const V* w) const noexcept {
-        if (this->g_.widening == 1.0) return usual(contact, w);
+        if (this->g_.widening == 1.0) return usual<Rooted>(contact, w);
         const double inverse = 1.0 / this->g_.widening;
         const V less[2] = {inverse * w[0], inverse * w[1]};
-        SlipLaw wide = usual(contact, less);
+        SlipLaw wide = usual<Rooted>(contact, less);
+        if (!Rooted) return wide;
         for (FloatLanes& root : wide.root) root = FloatLanes(static_cast<float>(__builtin_sqrt(inverse))) * root;
         return wide;
     }
 
 private:
     /// The law with the saturation speeds that it has.
+    template <bool Rooted>
     [[nodiscard]] SlipLaw usual(int contact, const V* w) const noexcept {
-        if (contact == SlipContacts::plates) return of_plates(w);
-        if (contact < SlipContacts::first_joint) return of_tip(contact - SlipContacts::first_tip, w);
+        if (contact == SlipContacts::plates) return of_plates<Rooted>(w);
+        if (contact < SlipContacts::first_joint) return of_tip<Rooted>(contact - SlipContacts::first_tip, w);
         const int number = contact - SlipContacts::first_joint;
         const V grip = number < this->points() ? this->point(End::rear, number, Point::grip) : this->point(End::front, number - this->points(), Point::grip);
-        return isotropic(this->c_.joint.friction, grip, w, V(0.0));
+        return isotropic<Rooted>(this->c_.joint.friction, grip, w, V(0.0));
     }
 
     /// Secant and tangent of s(v/v0) over speed.
@@ -53,23 +56,27 @@ private:
     }
 
     /// Along the slip the tangent counts, across it the secant.
+    template <bool Rooted>
     [[nodiscard]] static SlipLaw isotropic(const FrictionCurve& curve, const V& grip, const V* w, const V& sticks) noexcept {
         const V speed = sqrt(w[0] * w[0] + w[1] * w[1]), half(0.5);
         Slopes s = slopes(curve, speed);
         s.secant = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.secant);
         s.tangent = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.tangent);
         const V held = grip * s.secant;
+        if constexpr (!Rooted) return {{held * w[0], held * w[1]}, {}};
         const FloatLanes along = sqrt(narrow(grip * s.tangent)), across = sqrt(narrow(held)), rough = narrow(speed), least(1e-30f);
         const FloatLanes inverse = 1.0f / larger(rough, least);
         const FloatLanes x = select_greater(rough, least, inverse * narrow(w[0]), 1.0f), y = select_greater(rough, least, inverse * narrow(w[1]), 0.0f);
         return {{held * w[0], held * w[1]}, {along * x, -(across * y), along * y, across * x}};
     }
 
+    template <bool Rooted>
     [[nodiscard]] SlipLaw of_tip(int corner, const V* w) const noexcept {
-        return isotropic(this->space_.tip_curve(), this->tip_value(corner, Tip::grip), w, this->tip_value(corner, Tip::sticks));
+        return isotropic<Rooted>(this->space_.tip_curve(), this->tip_value(corner, Tip::grip), w, this->tip_value(corner, Tip::sticks));
     }
 
     /// Plates slide by w_0 + ξ w_1 each.
+    template <bool Rooted>
     [[nodiscard]] SlipLaw of_plates(const V* w) const noexcept {
         const FrictionCurve& curve = this->c_.plate_friction;
         SlipLaw all{{V(0.0), V(0.0)}, {0.0f, 0.0f, 0.0f, 0.0f}};
@@ -82,10 +89,12 @@ private:
             const V force = grip * s.secant * sliding, tangent = grip * s.tangent;
             all.force[0] += force;
             all.force[1] += xi * force;
+            if constexpr (!Rooted) continue;
             k00 += tangent;
             k10 += xi * tangent;
             k11 += xi * (xi * tangent);
         }
+        if constexpr (!Rooted) return all;
         const FloatLanes top = sqrt(narrow(k00));
         const FloatLanes below = narrow(k10) / larger(top, 1e-30f);
         all.root[0] = top;

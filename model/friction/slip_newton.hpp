@@ -20,25 +20,33 @@ public:
     void forces() noexcept {
         for (int contact = 0; contact < this->contacts().count(); ++contact) {
             const V w[2] = {get(this->g_.slip, 2 * contact), get(this->g_.slip, 2 * contact + 1)};
-            const SlipLaw law = this->law(contact, w);
+            const SlipLaw law = this->template law<false>(contact, w);
             put(this->g_.force, 2 * contact, law.force[0]);
             put(this->g_.force, 2 * contact + 1, law.force[1]);
         }
     }
 
+    /// φ and R at w.
+    void linearise() noexcept {
+        for (int contact = 0; contact < this->contacts().count(); ++contact) {
+            if (is_missing(contact)) continue;
+            const V w[2] = {get(this->g_.slip, 2 * contact), get(this->g_.slip, 2 * contact + 1)};
+            const SlipLaw law = this->template law<true>(contact, w);
+            for (int k = 0; k < 4; ++k) put(this->g_.root, 4 * contact + k, law.root[k]);
+            for (int k = 0; k < 2; ++k) put(this->g_.law_force, 2 * contact + k, law.force[k]);
+        }
+    }
+
     /// What is left of the link for its joints, at w.
     void eliminate() noexcept {
-        linearise();
-        parts();
         factorise();
         panels();
         joints();
     }
 
-    /// From the joints' unknowns: forces, slips of plates and tips, and this link's part of the joints' slips.
+    /// Forces from the joints' unknowns.
     void substitute(const float* unknowns) noexcept {
-        V change[SlipContacts::local_slips + most_joint_slips];
-        for (int slip = 0; slip < joint_slips(); slip += 2) step(SlipContacts::first_joint + slip / 2, load(unknowns + slip * slip_lanes), load(unknowns + (slip + 1) * slip_lanes), change);
+        for (int slip = 0; slip < joint_slips(); slip += 2) step(SlipContacts::first_joint + slip / 2, load(unknowns + slip * slip_lanes), load(unknowns + (slip + 1) * slip_lanes));
         F y[local_end];
         for (int row = local() - 1; row >= 0; --row) {
             F value = panel(row, joint_slips());
@@ -47,9 +55,7 @@ public:
             for (int k = row + 1; k < local(); ++k) value = value - factor(k, row) * y[k];
             y[row] = value;
         }
-        for (int contact = 0; contact < locals(); ++contact) step(contact, y[2 * contact], y[2 * contact + 1], change);
-        for (int row = 0; row < local(); ++row) put(this->g_.next_slip, row, get(this->g_.part, row) - coupled(row, change));
-        for (int row = local_end; row < local_end + joint_slips(); ++row) put(this->g_.own, row, get(this->g_.part, row) - coupled(row, change));
+        for (int contact = 0; contact < locals(); ++contact) step(contact, y[2 * contact], y[2 * contact + 1]);
     }
 
     /// Slope of the energy along the step at its start and at a share of it, and how far forces are off there. Joints count as rear ones.
@@ -64,14 +70,14 @@ public:
                 w[k] = get(this->g_.slip, row) + share * change[k];
                 before += (get(this->g_.law_force, row) - get(this->g_.force, row)) * change[k];
             }
-            const SlipLaw law = this->law(contact, w);
+            const SlipLaw law = this->template law<false>(contact, w);
             for (int k = 0; k < 2; ++k) {
                 const int row = 2 * contact + k;
                 off[k] = law.force[k] - (get(this->g_.force, row) + share * (get(this->g_.next_force, row) - get(this->g_.force, row)));
                 after += off[k] * change[k];
             }
             const double both = contact < SlipContacts::first_joint ? 1.0 : 2.0;
-            const V give = both * larger<slip_lanes>(get(this->g_.coupling, triangle(2 * contact, 2 * contact)), get(this->g_.coupling, triangle(2 * contact + 1, 2 * contact + 1)));
+            const V give = both * widen(larger(coupling(2 * contact, 2 * contact), coupling(2 * contact + 1, 2 * contact + 1)));
             residual = larger<slip_lanes>(give * sqrt(off[0] * off[0] + off[1] * off[1]), residual);
         }
         collect(before, after, residual);
@@ -87,50 +93,21 @@ private:
     [[nodiscard]] static bool is_missing(int contact) noexcept { return contact >= locals() && contact < SlipContacts::first_joint; }
     /// Slips of both joints.
     [[nodiscard]] int joint_slips() const noexcept { return 4 * this->points(); }
-    [[nodiscard]] F rough(int row, int column) const noexcept { return get(this->g_.rough_coupling, triangle(row, column)); }
+    [[nodiscard]] F coupling(int row, int column) const noexcept { return get(this->g_.coupling, triangle(row, column)); }
     [[nodiscard]] F root(int contact, int row, int column) const noexcept { return get(this->g_.root, 4 * contact + 2 * row + column); }
     [[nodiscard]] F factor(int row, int column) const noexcept { return get(this->g_.factor, triangle(row, column)); }
     /// Column joint_slips(): the right-hand side.
     [[nodiscard]] F panel(int row, int column) const noexcept { return get(this->g_.panel, row * (joint_slips() + 1) + column); }
-
-    void linearise() noexcept {
-        for (int contact = 0; contact < this->contacts().count(); ++contact) {
-            if (is_missing(contact)) continue;
-            const V w[2] = {get(this->g_.slip, 2 * contact), get(this->g_.slip, 2 * contact + 1)};
-            const SlipLaw law = this->law(contact, w);
-            for (int k = 0; k < 4; ++k) put(this->g_.root, 4 * contact + k, law.root[k]);
-            for (int k = 0; k < 2; ++k) put(this->g_.law_force, 2 * contact + k, law.force[k]);
-        }
-    }
-
-    /// A row of g W times forces. Those across a joint and those along its pins act on different coordinates.
-    /// @param forces [slip]
-    [[nodiscard]] V coupled(int row, const V* forces) const noexcept {
-        const auto entry = [&](int column) { return get(this->g_.coupling, row >= column ? triangle(row, column) : triangle(column, row)); };
-        V sum = entry(0) * forces[0];
-        for (int k = 1; k < local(); ++k) sum += entry(k) * forces[k];
-        const bool joint = row >= local_end;
-        for (int k = local_end + (joint ? row % 2 : 0); k < local_end + joint_slips(); k += joint ? 2 : 1) sum += entry(k) * forces[k];
-        return sum;
-    }
-
-    void parts() noexcept {
-        V force[SlipContacts::local_slips + most_joint_slips];
-        for (int row = 0; row < local_end + joint_slips(); ++row) force[row] = get(this->g_.law_force, row);
-        for (int row = 0; row < local_end + joint_slips(); ++row) {
-            if (!is_missing(row / 2)) put(this->g_.part, row, get(this->g_.predicted, row) - coupled(row, force));
-        }
-    }
 
     /// R_aᵀ g W R_b of two contacts, a ≥ b. @param to takes row, column and value
     template <class Put>
     void block(int a, int b, const Put& to) const noexcept {
         const bool joints = b >= SlipContacts::first_joint;   // nothing beside the diagonal then
         const F r[4] = {root(a, 0, 0), root(a, 0, 1), root(a, 1, 0), root(a, 1, 1)}, s[4] = {root(b, 0, 0), root(b, 0, 1), root(b, 1, 0), root(b, 1, 1)};
-        const F w00 = rough(2 * a, 2 * b), w11 = rough(2 * a + 1, 2 * b + 1);
+        const F w00 = coupling(2 * a, 2 * b), w11 = coupling(2 * a + 1, 2 * b + 1);
         F t[4] = {r[0] * w00, r[2] * w11, r[1] * w00, r[3] * w11};
         if (!joints) {
-            const F w10 = rough(2 * a + 1, 2 * b), w01 = a == b ? w10 : rough(2 * a, 2 * b + 1);
+            const F w10 = coupling(2 * a + 1, 2 * b), w01 = a == b ? w10 : coupling(2 * a, 2 * b + 1);
             t[0] = t[0] + r[2] * w10;
             t[1] = t[1] + r[0] * w01;
             t[2] = t[2] + r[3] * w10;
@@ -215,11 +192,10 @@ private:
     }
 
     /// R x of one contact, and λ = φ + R x.
-    void step(int contact, const F& x, const F& y, V* change) noexcept {
+    void step(int contact, const F& x, const F& y) noexcept {
         for (int k = 0; k < 2; ++k) {
             const int row = 2 * contact + k;
-            change[row] = widen(root(contact, k, 0) * x + root(contact, k, 1) * y);
-            put(this->g_.next_force, row, get(this->g_.law_force, row) + change[row]);
+            put(this->g_.next_force, row, get(this->g_.law_force, row) + widen(root(contact, k, 0) * x + root(contact, k, 1) * y));
         }
     }
 

@@ -33,8 +33,7 @@ SlipGroup::SlipGroup(const ChainModel& model, const SlipStretches& stretches, in
     tips = LaneRows(tips_per_link * Tip::count);
     joints = LaneRows(2 * contacts.points * Point::count);
     plates = LaneRows(model.coefficients().plates.count);
-    coupling = LaneRows(triangle(slips, 0));
-    rough_coupling = FloatRows(triangle(slips, 0));
+    coupling = FloatRows(triangle(slips, 0));
     for (LaneRows* rows : {&velocity, &acceleration}) *rows = LaneRows(model.layout().link_size());
     for (LaneRows* rows : {&predicted, &own, &own_start, &slip, &force, &law_force, &part, &next_slip, &next_force, &solved_slip}) *rows = LaneRows(slips);
     root = FloatRows(4 * contacts.count());

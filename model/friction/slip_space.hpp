@@ -157,8 +157,8 @@ struct SlipGroup {
     };
     LaneRows present;                       ///< 1, or 0 where the lane idles: no contact grips there
     LaneRows frame, tips, joints, plates;   ///< t; [4 Tip]; [rear, front][points Point]; μN
-    LaneRows coupling;                      ///< g W, triangle
-    FloatRows rough_coupling;               ///< the same
+    FloatRows coupling;                     ///< g W, triangle
+    double step = 0.0;                      ///< g [s]
     LaneRows velocity;                      ///< v̂, or whatever slips are asked for [link_size]
     LaneRows acceleration;                  ///< -A⁻¹ Tᵀ λ [link_size]
     LaneRows predicted;                     ///< this link's part of ŵ
@@ -182,7 +182,8 @@ struct SlipKernels {
     using OnGroup = void (*)(const SlipSpace&, SlipGroup&) noexcept;
     void (*gather)(const SlipSpace&, const ContactField&, const Phase*, double g, SlipGroup&) noexcept;
     void (*slips)(const SlipSpace&, double time, SlipGroup&, LaneRows&) noexcept;
-    OnGroup forces, accelerate, eliminate;
+    OnGroup forces, accelerate, linearise, eliminate;
+    void (*respond)(const SlipSpace&, const LaneRows& force, SlipGroup&, LaneRows&) noexcept;
     void (*join)(const SlipSpace&, std::span<const SlipGroup>, SlipChain&) noexcept;
     void (*substitute)(const SlipSpace&, const float* unknowns, SlipGroup&) noexcept;
     void (*look)(const SlipSpace&, double share, SlipGroup&) noexcept;
@@ -202,11 +203,18 @@ public:
     /// Accelerations by group.force.
     void accelerate(SlipGroup& group) const noexcept { kernels_.accelerate(*this, group); }
     /// Newton's matrix at group.slip, reduced to the group's joints.
-    void eliminate(SlipGroup& group) const noexcept { kernels_.eliminate(*this, group); }
+    void eliminate(SlipGroup& group) const noexcept {
+        kernels_.linearise(*this, group);
+        kernels_.respond(*this, group.law_force, group, group.part);
+        kernels_.eliminate(*this, group);
+    }
     /// Solves for all joints, from all groups.
     void join(std::span<const SlipGroup> groups, SlipChain& chain) const noexcept { kernels_.join(*this, groups, chain); }
-    /// next_force, next_slip of plates and tips, and `own` parts of the joints' slips. @param unknowns of the group's rear and front joints
-    void substitute(const float* unknowns, SlipGroup& group) const noexcept { kernels_.substitute(*this, unknowns, group); }
+    /// next_force, and `own` parts of the next slips. @param unknowns of the group's rear and front joints
+    void substitute(const float* unknowns, SlipGroup& group) const noexcept {
+        kernels_.substitute(*this, unknowns, group);
+        kernels_.respond(*this, group.next_force, group, group.own);
+    }
     /// The energy's slope along the step, and what is left, at a share of it in [0, 1].
     void look(double share, SlipGroup& group) const noexcept { kernels_.look(*this, share, group); }
 

@@ -40,6 +40,16 @@ void newton(const SlipSpace& space, SlipGroup& group, const Body& body) noexcept
     }
 }
 
+template <int P, int Points>
+void respond(const SlipSpace& space, const LaneRows& force, SlipGroup& group, LaneRows& own) noexcept {
+    SlipGeometry<P, Points>(space, group).respond(force, own);
+}
+
+template <int Points>
+void linearise(const SlipSpace& space, SlipGroup& group) noexcept {
+    newton<Points>(space, group, [](auto step) noexcept { step.linearise(); });
+}
+
 template <int Points>
 void eliminate(const SlipSpace& space, SlipGroup& group) noexcept {
     newton<Points>(space, group, [](auto step) noexcept { step.eliminate(); });
@@ -62,7 +72,7 @@ void look(const SlipSpace& space, double share, SlipGroup& group) noexcept {
 
 template <int P, int Points>
 [[nodiscard]] SlipKernels kernels() noexcept {
-    return {gather<Points>, slips<P, Points>, forces<Points>, accelerate<P, Points>, eliminate<Points>, join<Points>, substitute<Points>, look<Points>};
+    return {gather<Points>, slips<P, Points>, forces<Points>, accelerate<P, Points>, linearise<Points>, eliminate<Points>, respond<P, Points>, join<Points>, substitute<Points>, look<Points>};
 }
 
 template <int Points>

@@ -133,7 +133,6 @@ void AdditiveMethod::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Stages& own = stages_[at(number)];
     const int numbers = w_.layout().link_size() * model::slip_lanes;
-    std::copy_n(g.own.at(0), model::slip_lanes * model::SlipContacts::local_slips, g.slip.at(0));
     solve_.share(number, g.slip);
     if (stage_ == 0) {
         solve_.space().forces(g);

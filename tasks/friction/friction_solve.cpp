@@ -203,14 +203,21 @@ void FrictionSolve::look(int number) noexcept {
 void FrictionSolve::share(int number, model::LaneRows& slips, model::LaneRows model::SlipGroup::* parts) noexcept {
     const model::SlipContacts& contacts = space_.contacts();
     const int size = contacts.joint_slips(), rear = 2 * contacts.joint(model::End::rear, 0), front = rear + size;
-    const model::SlipGroup& g = group(number);
+    const model::LaneRows& own = group(number).*parts;
+    std::copy_n(own.at(0), model::slip_lanes * model::SlipContacts::local_slips, slips.at(0));
+    const double *before[model::slip_lanes], *after[model::slip_lanes];   // the neighbours' first rows
     for (int lane = 0; lane < model::slip_lanes; ++lane) {
         const int stretch = std::min(lane, stretches().count() - 1);
-        const model::SlipStretches::Place before = stretches().before({number, stretch}), after = stretches().after({number, stretch});
-        const model::LaneRows &parts_before = group(before.group).*parts, &parts_after = group(after.group).*parts;
-        for (int k = 0; k < size; ++k) {
-            slips.at(rear + k)[lane] = (g.*parts).at(rear + k)[lane] + parts_before.at(front + k)[before.lane];
-            slips.at(front + k)[lane] = parts_after.at(rear + k)[after.lane] + (g.*parts).at(front + k)[lane];
+        const model::SlipStretches::Place rearward = stretches().before({number, stretch}), forward = stretches().after({number, stretch});
+        before[lane] = (group(rearward.group).*parts).at(front) + rearward.lane;
+        after[lane] = (group(forward.group).*parts).at(rear) + forward.lane;
+    }
+    for (int k = 0; k < size; ++k) {
+        const double *own_rear = own.at(rear + k), *own_front = own.at(front + k);
+        double *at_rear = slips.at(rear + k), *at_front = slips.at(front + k);
+        for (int lane = 0; lane < model::slip_lanes; ++lane) {
+            at_rear[lane] = own_rear[lane] + before[lane][k * model::slip_lanes];
+            at_front[lane] = after[lane][k * model::slip_lanes] + own_front[lane];
         }
     }
 }

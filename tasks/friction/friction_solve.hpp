@@ -63,7 +63,7 @@ public:
     void look(int group) noexcept;
     /// Takes the share of the Newton step that was settled on; to be called for every group in the cycle after the solve.
     void settle(int group) noexcept;
-    /// Joints' slips of a group from the `own` parts, or others like them, of the group and its neighbours.
+    /// Slips of a group's contacts from the `own` parts, or others like them, of the group and its neighbours.
     void share(int group, model::LaneRows& slips, model::LaneRows model::SlipGroup::* parts = &model::SlipGroup::own) noexcept;
 
 private:

@@ -100,10 +100,7 @@ void ImplicitLeapfrog::gather(int number) noexcept {
 void ImplicitLeapfrog::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
-    constexpr int local = model::slip_lanes * model::SlipContacts::local_slips;
-    std::copy_n(g.own.at(0), local, g.slip.at(0));
     solve_.share(number, g.slip);
-    std::copy_n(g.own_start.at(0), local, kick.begun.at(0));
     solve_.share(number, kick.begun, &model::SlipGroup::own_start);
     guess(number, std::min(2.0 * table_.times[0], 1.0));   // slips at hand belong to the middle; beyond it they are no better when extrapolated
     for (int row = 0; row < w_.layout().link_size(); ++row) {
@@ -115,27 +112,28 @@ void ImplicitLeapfrog::base(int number) noexcept {
 
 /// Where the solve of a stage starts: slips at hand, as many times as far from those where the step begins.
 void ImplicitLeapfrog::guess(int number, double share) noexcept {
-    model::SlipGroup& g = solve_.group(number);
-    const model::LaneRows& begun = kicks_[at(number)].begun;
-    for (int row = 0; row < solve_.space().contacts().slips(); ++row) {
-        for (int lane = 0; lane < model::slip_lanes; ++lane) g.slip.at(row)[lane] = begun.at(row)[lane] + share * (g.slip.at(row)[lane] - begun.at(row)[lane]);
-    }
+    double* slip = solve_.group(number).slip.at(0);
+    const double* begun = kicks_[at(number)].begun.at(0);
+    for (int k = 0; k < solve_.space().contacts().slips() * model::slip_lanes; ++k) slip[k] = begun[k] + share * (slip[k] - begun[k]);
 }
 
 /// Velocities of the stage at hand before its friction acts, and their slips.
 void ImplicitLeapfrog::predict(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
-    const double share = table_.lean(stage_, frame_.rise()), step = w_.h * table_.gamma;
-    for (int row = 0; row < w_.layout().link_size(); ++row) {
-        for (int lane = 0; lane < model::slip_lanes; ++lane) {
-            const double now = kick.base.at(row)[lane];
-            double& slope = kick.slopes[at(stage_)].at(row)[lane];
-            slope = now + share * (now - kick.before.at(row)[lane]);
-            double sum = 0.0;
-            for (int other = 0; other < stage_; ++other) sum += table_.weights[at(stage_)][at(other)] * kick.slopes[at(other)].at(row)[lane];
-            g.velocity.at(row)[lane] = kick.start.at(row)[lane] + w_.h * sum + step * slope;
-        }
+    const double share = table_.lean(stage_, frame_.rise()), h = w_.h, step = h * table_.gamma;
+    const int numbers = w_.layout().link_size() * model::slip_lanes;
+    const double *now = kick.base.at(0), *before = kick.before.at(0), *start = kick.start.at(0);
+    double *slope = kick.slopes[at(stage_)].at(0), *velocity = g.velocity.at(0);
+    std::fill_n(velocity, numbers, 0.0);
+    for (int other = 0; other < stage_; ++other) {
+        const double weight = table_.weights[at(stage_)][at(other)];
+        const double* past = kick.slopes[at(other)].at(0);
+        for (int k = 0; k < numbers; ++k) velocity[k] += weight * past[k];
+    }
+    for (int k = 0; k < numbers; ++k) {
+        slope[k] = now[k] + share * (now[k] - before[k]);
+        velocity[k] = start[k] + h * velocity[k] + step * slope[k];
     }
     solve_.space().slips(table_.times[at(stage_)] - 0.5, g, g.predicted);
 }

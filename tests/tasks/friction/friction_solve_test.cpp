@@ -61,11 +61,7 @@ public:
     }
     /// Whole slips from the `own` parts.
     void share() {
-        for (int k = 0; k < solve.groups(); ++k) {
-            model::SlipGroup& g = solve.group(k);
-            std::copy_n(g.own.at(0), model::slip_lanes * model::SlipContacts::local_slips, g.slip.at(0));
-            solve.share(k, g.slip);
-        }
+        for (int k = 0; k < solve.groups(); ++k) solve.share(k, solve.group(k).slip);
     }
     /// All cycles of a solve, one after the other. @return what it ended with
     int run() {
