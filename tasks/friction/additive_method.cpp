@@ -123,17 +123,22 @@ void AdditiveMethod::record(int segment) noexcept { record_window(segment, windo
 
 void AdditiveMethod::gather(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
-    read(stage_ == 0 ? w_.states[0] : stage_state(), w_.layout().link_size(), number, g.velocity);
     solve_.space().gather(field_, w_.phases.data(), table_.gamma * w_.h, g);
+    if (stage_ > 1) return;
+    read(predicts_from_start() ? w_.states[0] : stage_state(), w_.layout().link_size(), number, g.velocity);
     solve_.space().slips(0.0, g, g.own);
 }
 
-/// Friction at the first stage; a start and the slips of the explicit velocities for the solve of any other.
+/// The first stage that is solved starts from its prediction, unless friction of the stage before is nothing that the implicit part uses: that friction
+/// is then explicit and may be far off.
+bool AdditiveMethod::predicts_from_start() const noexcept { return stage_ == 0 || (stage_ == 1 && table_.implicit_part[1][0] == 0.0); }
+
+/// Friction at the first stage; the slips of the explicit velocities for the solve of any other, which starts from the solution of the stage before.
 void AdditiveMethod::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Stages& own = stages_[at(number)];
     const int numbers = w_.layout().link_size() * model::slip_lanes;
-    solve_.share(number, g.slip);
+    if (stage_ <= 1) solve_.share(number, g.slip);
     if (stage_ == 0) {
         solve_.space().forces(g);
         solve_.space().accelerate(g);
