@@ -8,108 +8,120 @@ namespace cvtflow::model {
 namespace {
 
 inline constexpr int float_lanes = 16;
+/// In a vector of the processor there are twice as many floats as doubles.
+inline constexpr int native_floats = 2 * native_lanes;
 
-/// In vectors of the processor, twice as many floats as doubles each.
-struct FloatLanes {
-    static constexpr int native = 2 * native_lanes, pieces = float_lanes / native;
-    typedef float Vector __attribute__((vector_size(native * sizeof(float))));
-    typedef float Half __attribute__((vector_size(native_lanes * sizeof(float))));
-    Vector v[pieces];
+/// W floats, W a power of two. Wider than the processor's vectors: two halves.
+template <int W>
+struct Floats {
+    Floats<W / 2> low, high;
 
-    FloatLanes() = default;
-    FloatLanes(float value) noexcept {
-        for (Vector& piece : v) piece = value - Vector{};
-    }
-    void copy_to(float* to) const noexcept { __builtin_memcpy(to, v, sizeof v); }
+    Floats() = default;
+    Floats(float value) noexcept : low(value), high(value) {}
+    Floats(const Floats<W / 2>& first, const Floats<W / 2>& second) noexcept : low(first), high(second) {}
+    void copy_to(float* to) const noexcept { low.copy_to(to), high.copy_to(to + W / 2); }
 
-    /// Piece by piece.
-    template <class Operation>
-    [[nodiscard]] static FloatLanes each(const Operation& operation) noexcept {
-        FloatLanes result;
-        for (int k = 0; k < pieces; ++k) result.v[k] = operation(k);
-        return result;
-    }
-    friend FloatLanes operator+(const FloatLanes& a, const FloatLanes& b) noexcept { return each([&](int k) { return a.v[k] + b.v[k]; }); }
-    friend FloatLanes operator-(const FloatLanes& a, const FloatLanes& b) noexcept { return each([&](int k) { return a.v[k] - b.v[k]; }); }
-    friend FloatLanes operator*(const FloatLanes& a, const FloatLanes& b) noexcept { return each([&](int k) { return a.v[k] * b.v[k]; }); }
-    friend FloatLanes operator/(const FloatLanes& a, const FloatLanes& b) noexcept { return each([&](int k) { return a.v[k] / b.v[k]; }); }
-    friend FloatLanes operator-(const FloatLanes& a) noexcept { return each([&](int k) { return -a.v[k]; }); }
+    friend Floats operator+(const Floats& a, const Floats& b) noexcept { return {a.low + b.low, a.high + b.high}; }
+    friend Floats operator-(const Floats& a, const Floats& b) noexcept { return {a.low - b.low, a.high - b.high}; }
+    friend Floats operator*(const Floats& a, const Floats& b) noexcept { return {a.low * b.low, a.high * b.high}; }
+    friend Floats operator/(const Floats& a, const Floats& b) noexcept { return {a.low / b.low, a.high / b.high}; }
+    friend Floats operator-(const Floats& a) noexcept { return {-a.low, -a.high}; }
+    friend Floats sqrt(const Floats& a) noexcept { return {sqrt(a.low), sqrt(a.high)}; }
 };
 
-[[nodiscard]] inline FloatLanes load(const float* from) noexcept {
-    FloatLanes lanes;
-    __builtin_memcpy(lanes.v, from, sizeof lanes.v);
-    return lanes;
+/// One vector of the processor.
+template <>
+struct Floats<native_floats> {
+    typedef float Vector __attribute__((vector_size(native_floats * sizeof(float))));
+    Vector v;
+
+    Floats() = default;
+    Floats(float value) noexcept : v(value - Vector{}) {}
+    Floats(Vector vector) noexcept : v(vector) {}
+    void copy_to(float* to) const noexcept { __builtin_memcpy(to, &v, sizeof v); }
+
+    friend Floats operator+(const Floats& a, const Floats& b) noexcept { return a.v + b.v; }
+    friend Floats operator-(const Floats& a, const Floats& b) noexcept { return a.v - b.v; }
+    friend Floats operator*(const Floats& a, const Floats& b) noexcept { return a.v * b.v; }
+    friend Floats operator/(const Floats& a, const Floats& b) noexcept { return a.v / b.v; }
+    friend Floats operator-(const Floats& a) noexcept { return -a.v; }
+    /// Correctly rounded, as IEEE 754 asks of every processor.
+    friend Floats sqrt(const Floats& a) noexcept {
+#if defined(__AVX512F__)
+        return _mm512_maskz_sqrt_ps(0xffff, a.v);
+#elif defined(__AVX2__)
+        return _mm256_sqrt_ps(a.v);
+#elif defined(__x86_64__)
+        return _mm_sqrt_ps(a.v);
+#else
+        Vector root;
+        for (int lane = 0; lane < native_floats; ++lane) root[lane] = __builtin_sqrtf(a.v[lane]);
+        return root;
+#endif
+    }
+};
+
+using FloatLanes = Floats<float_lanes>;
+
+template <int W>
+[[nodiscard]] inline Floats<W> load_floats(const float* from) noexcept {
+    if constexpr (W == native_floats) {
+        Floats<W> floats;
+        __builtin_memcpy(&floats.v, from, sizeof floats.v);
+        return floats;
+    } else {
+        return {load_floats<W / 2>(from), load_floats<W / 2>(from + W / 2)};
+    }
 }
+[[nodiscard]] inline FloatLanes load(const float* from) noexcept { return load_floats<float_lanes>(from); }
 
 /// `chosen` where a > b, else `otherwise`; false for NaN.
+template <int W>
+[[nodiscard]] inline Floats<W> chosen_where_greater(const Floats<W>& a, const Floats<W>& b, const Floats<W>& chosen, const Floats<W>& otherwise) noexcept {
+    if constexpr (W == native_floats) {
+        return a.v > b.v ? chosen.v : otherwise.v;
+    } else {
+        return {chosen_where_greater<W / 2>(a.low, b.low, chosen.low, otherwise.low), chosen_where_greater<W / 2>(a.high, b.high, chosen.high, otherwise.high)};
+    }
+}
 [[nodiscard]] inline FloatLanes select_greater(const FloatLanes& a, const FloatLanes& b, const FloatLanes& chosen, const FloatLanes& otherwise) noexcept {
-    return FloatLanes::each([&](int k) { return a.v[k] > b.v[k] ? chosen.v[k] : otherwise.v[k]; });
+    return chosen_where_greater<float_lanes>(a, b, chosen, otherwise);
 }
 
 /// The larger of both; b if a is NaN.
 [[nodiscard]] inline FloatLanes larger(const FloatLanes& a, const FloatLanes& b) noexcept { return select_greater(a, b, a, b); }
 
-/// Correctly rounded, as IEEE 754 asks of every processor.
-[[nodiscard]] inline FloatLanes sqrt(const FloatLanes& a) noexcept {
-    return FloatLanes::each([&](int k) -> FloatLanes::Vector {
-#if defined(__AVX512F__)
-        return _mm512_maskz_sqrt_ps(0xffff, a.v[k]);
-#elif defined(__AVX2__)
-        return _mm256_sqrt_ps(a.v[k]);
-#elif defined(__x86_64__)
-        return _mm_sqrt_ps(a.v[k]);
-#else
-        FloatLanes::Vector root;
-        for (int lane = 0; lane < FloatLanes::native; ++lane) root[lane] = __builtin_sqrtf(a.v[k][lane]);
-        return root;
-#endif
-    });
-}
-
-/// The processor's vector number `piece` of wider lanes.
-template <int W>
-[[nodiscard]] inline Lanes<native_lanes> native_piece(const Lanes<W>& lanes, int piece) noexcept {
-    if constexpr (W == native_lanes) {
-        return lanes;
-    } else {
-        constexpr int pieces_of_half = W / 2 / native_lanes;
-        return piece < pieces_of_half ? native_piece<W / 2>(lanes.low, piece) : native_piece<W / 2>(lanes.high, piece - pieces_of_half);
-    }
-}
-template <int W>
-[[nodiscard]] inline Lanes<W> of_native_pieces(const Lanes<native_lanes>* pieces) noexcept {
-    if constexpr (W == native_lanes) {
-        return *pieces;
-    } else {
-        return {of_native_pieces<W / 2>(pieces), of_native_pieces<W / 2>(pieces + W / 2 / native_lanes)};
-    }
-}
+/// Half a vector of floats for every vector of doubles.
+typedef float HalfFloats __attribute__((vector_size(native_lanes * sizeof(float))));
 
 template <int... lane>
-[[nodiscard]] inline FloatLanes::Vector joined_floats(FloatLanes::Half low, FloatLanes::Half high, std::integer_sequence<int, lane...>) noexcept {
-    return __builtin_shufflevector(low, high, lane...);
+[[nodiscard]] inline Floats<native_floats> joined(HalfFloats low, HalfFloats high, std::integer_sequence<int, lane...>) noexcept {
+    return Floats<native_floats>(__builtin_shufflevector(low, high, lane...));
 }
 template <int begin, int... lane>
-[[nodiscard]] inline FloatLanes::Half half_of_floats(FloatLanes::Vector v, std::integer_sequence<int, lane...>) noexcept {
-    return __builtin_shufflevector(v, v, (begin + lane)...);
+[[nodiscard]] inline HalfFloats half_of(Floats<native_floats> floats, std::integer_sequence<int, lane...>) noexcept {
+    return __builtin_shufflevector(floats.v, floats.v, (begin + lane)...);
 }
 
 /// Rounded to the nearest float.
-[[nodiscard]] inline FloatLanes narrow(const Lanes<float_lanes>& lanes) noexcept {
-    const auto half = [&](int piece) { return __builtin_convertvector(native_piece<float_lanes>(lanes, piece).v, FloatLanes::Half); };
-    return FloatLanes::each([&](int k) { return joined_floats(half(2 * k), half(2 * k + 1), std::make_integer_sequence<int, FloatLanes::native>{}); });
+template <int W>
+[[nodiscard]] inline Floats<W> narrow(const Lanes<W>& lanes) noexcept {
+    if constexpr (W == native_floats) {
+        return joined(__builtin_convertvector(lanes.low.v, HalfFloats), __builtin_convertvector(lanes.high.v, HalfFloats), std::make_integer_sequence<int, W>{});
+    } else {
+        return {narrow<W / 2>(lanes.low), narrow<W / 2>(lanes.high)};
+    }
 }
 
-[[nodiscard]] inline Lanes<float_lanes> widen(const FloatLanes& lanes) noexcept {
-    using Vector = Lanes<native_lanes>::Vector;
-    constexpr auto all = std::make_integer_sequence<int, native_lanes>{};
-    Lanes<native_lanes> pieces[2 * FloatLanes::pieces];
-    for (int k = 0; k < FloatLanes::pieces; ++k) {
-        pieces[2 * k].v = __builtin_convertvector(half_of_floats<0>(lanes.v[k], all), Vector);
-        pieces[2 * k + 1].v = __builtin_convertvector(half_of_floats<native_lanes>(lanes.v[k], all), Vector);
+template <int W>
+[[nodiscard]] inline Lanes<W> widen(const Floats<W>& floats) noexcept {
+    if constexpr (W == native_floats) {
+        using Half = Lanes<native_lanes>;
+        constexpr auto all = std::make_integer_sequence<int, native_lanes>{};
+        return {Half(__builtin_convertvector(half_of<0>(floats, all), typename Half::Vector)), Half(__builtin_convertvector(half_of<native_lanes>(floats, all), typename Half::Vector))};
+    } else {
+        return {widen<W / 2>(floats.low), widen<W / 2>(floats.high)};
     }
-    return of_native_pieces<float_lanes>(pieces);
 }
 
 }  // namespace

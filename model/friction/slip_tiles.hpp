@@ -10,9 +10,9 @@
 namespace cvtflow::model {
 namespace {
 
-/// Rows and columns of a tile: divide the unknowns of a joint. Points: of a joint, 0: any number.
+/// Rows and columns of a tile: divide the unknowns of a joint, and leave registers for its factors (32 of AVX-512, else 16). Points: of a joint, 0: any number.
 template <int Points>
-inline constexpr int tile_rows = Points == 3 ? 6 : 2;
+inline constexpr int tile_rows = Points == 3 ? (native_lanes == 8 ? 6 : 3) : 2;
 template <int Points>
 inline constexpr int tile_columns = Points == 3 ? 3 : 2;
 
@@ -60,30 +60,33 @@ inline void ldl(FloatLanes* m, int size) noexcept {
 /// @param from may be `to`; nullptr: zero
 template <int Depth, int Rows, int Columns, bool Lower>
 inline void subtract_products(const float* a, int a_stride, const float* b, int b_stride, int rows, int columns, const float* from, float* to, int depth = Depth) noexcept {
+    using Native = Floats<native_floats>;
     for (int row = 0; row < rows; row += Rows) {
         for (int column = 0; column < (Lower ? row + Rows : columns); column += Columns) {
-            FloatLanes tile[Rows][Columns];
-            const auto at = [&](int i, int j) { return ((row + i) * columns + column + j) * slip_lanes; };
-#pragma GCC unroll 8
-            for (int i = 0; i < Rows; ++i) {
-#pragma GCC unroll 8
-                for (int j = 0; j < Columns; ++j) tile[i][j] = from == nullptr ? FloatLanes(0.0f) : load(from + at(i, j));
-            }
-            for (int k = 0; k < (Depth > 0 ? Depth : depth); ++k) {
-                FloatLanes right[Columns];
-#pragma GCC unroll 8
-                for (int j = 0; j < Columns; ++j) right[j] = load(b + (k * b_stride + column + j) * slip_lanes);
+            for (int lane = 0; lane < slip_lanes; lane += native_floats) {
+                Native tile[Rows][Columns];
+                const auto at = [&](int i, int j) { return ((row + i) * columns + column + j) * slip_lanes + lane; };
 #pragma GCC unroll 8
                 for (int i = 0; i < Rows; ++i) {
-                    const FloatLanes left = load(a + (k * a_stride + row + i) * slip_lanes);
 #pragma GCC unroll 8
-                    for (int j = 0; j < Columns; ++j) tile[i][j] = tile[i][j] - left * right[j];
+                    for (int j = 0; j < Columns; ++j) tile[i][j] = from == nullptr ? Native(0.0f) : load_floats<native_floats>(from + at(i, j));
                 }
-            }
+                for (int k = 0; k < (Depth > 0 ? Depth : depth); ++k) {
+                    Native right[Columns];
 #pragma GCC unroll 8
-            for (int i = 0; i < Rows; ++i) {
+                    for (int j = 0; j < Columns; ++j) right[j] = load_floats<native_floats>(b + (k * b_stride + column + j) * slip_lanes + lane);
 #pragma GCC unroll 8
-                for (int j = 0; j < Columns; ++j) tile[i][j].copy_to(to + at(i, j));
+                    for (int i = 0; i < Rows; ++i) {
+                        const Native left = load_floats<native_floats>(a + (k * a_stride + row + i) * slip_lanes + lane);
+#pragma GCC unroll 8
+                        for (int j = 0; j < Columns; ++j) tile[i][j] = tile[i][j] - left * right[j];
+                    }
+                }
+#pragma GCC unroll 8
+                for (int i = 0; i < Rows; ++i) {
+#pragma GCC unroll 8
+                    for (int j = 0; j < Columns; ++j) tile[i][j].copy_to(to + at(i, j));
+                }
             }
         }
     }
