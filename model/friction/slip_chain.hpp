@@ -170,7 +170,7 @@ private:
     void ring() noexcept {
         float* sides = c_.sides.at(0);
         for (int level = 0; level < c_.levels(); ++level) {
-            const int count = c_.counts[static_cast<std::size_t>(level)], odd = count % 2;
+            const int count = c_.counts[static_cast<std::size_t>(level)], odd = count % 2, fewer = c_.counts[static_cast<std::size_t>(level) + 1];
             alignas(64) float between[most * slip_lanes];
             alignas(64) std::int32_t first[slip_lanes], second[slip_lanes];
             for (int lane = 0; lane < slip_lanes; ++lane) {
@@ -178,12 +178,12 @@ private:
                 second[lane] = std::clamp(2 * lane + 1 - odd, 0, count - 1);
             }
             for (int row = 0; row < size(); ++row) {
-                permute(sides + row * slip_lanes, second, between + row * slip_lanes);
-                permute(sides + row * slip_lanes, first, sides + row * slip_lanes);
+                permute(sides + row * slip_lanes, second, fewer, between + row * slip_lanes);
+                permute(sides + row * slip_lanes, first, fewer, sides + row * slip_lanes);
             }
             for (int row = 0; row < element().count(); ++row) {
-                permute(c_.left.at(row), second, c_.right.at(row));
-                permute(c_.left.at(row), first, c_.left.at(row));
+                permute(c_.left.at(row), second, fewer, c_.right.at(row));
+                permute(c_.left.at(row), first, fewer, c_.left.at(row));
             }
             condense(c_.right, between, without_first(odd), odd == 0, c_.steps[static_cast<std::size_t>(length() - 1 + level)]);
         }

@@ -92,8 +92,9 @@ inline void subtract_products(const float* a, int a_stride, const float* b, int 
     }
 }
 
-/// Lane k takes lane number[k].
-inline void permute(const float* from, const std::int32_t* number, float* to) noexcept {
+/// Lane k takes lane number[k], the first `count` at least; number[k] ≥ k where from is to.
+inline void permute(const float* from, const std::int32_t* number, [[maybe_unused]] int count, float* to) noexcept {
+#if defined(__AVX512F__)
     typedef float Row __attribute__((vector_size(slip_lanes * sizeof(float))));
     typedef std::int32_t Numbers __attribute__((vector_size(slip_lanes * sizeof(std::int32_t))));
     Row row;
@@ -102,6 +103,9 @@ inline void permute(const float* from, const std::int32_t* number, float* to) no
     __builtin_memcpy(&numbers, number, sizeof numbers);
     row = __builtin_shuffle(row, numbers);
     __builtin_memcpy(to, &row, sizeof row);
+#else
+    for (int lane = 0; lane < count; ++lane) to[lane] = from[number[lane]];
+#endif
 }
 
 }  // namespace
