@@ -156,12 +156,14 @@ private:
     /// x of an eliminated joint from those before and after it; where there was none before, that one's.
     void substitute(const FloatRows& from, const float* before, const float* next, const F& missing, float* to) const noexcept {
         F y[most];
-        for (int row = size() - 1; row >= 0; --row) {
-            F value = get(from, step().panel(row, 2 * size()));
-            for (int k = 0; k < size(); ++k) value = value - (get(from, step().panel(row, k)) * load(before + k * slip_lanes) + get(from, step().panel(row, size() + k)) * load(next + k * slip_lanes));
-            value = value * get(from, step().factor(row, row));
-            for (int k = row + 1; k < size(); ++k) value = value - get(from, step().factor(k, row)) * y[k];
-            y[row] = value;
+        for (int row = 0; row < size(); ++row) y[row] = get(from, step().panel(row, 2 * size()));
+        for (int k = 0; k < size(); ++k) {
+            const F x_before = load(before + k * slip_lanes), x_next = load(next + k * slip_lanes);
+            for (int row = 0; row < size(); ++row) y[row] = y[row] - get(from, step().panel(row, k)) * x_before - get(from, step().panel(row, size() + k)) * x_next;
+        }
+        for (int row = 0; row < size(); ++row) y[row] = y[row] * get(from, step().factor(row, row));
+        for (int k = size() - 1; k > 0; --k) {
+            for (int row = 0; row < k; ++row) y[row] = y[row] - get(from, step().factor(k, row)) * y[k];
         }
         for (int row = 0; row < size(); ++row) choose(missing, load(before + row * slip_lanes), y[row]).copy_to(to + row * slip_lanes);
     }

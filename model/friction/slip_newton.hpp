@@ -48,12 +48,14 @@ public:
     void substitute(const float* unknowns) noexcept {
         for (int slip = 0; slip < joint_slips(); slip += 2) step(SlipContacts::first_joint + slip / 2, load(unknowns + slip * slip_lanes), load(unknowns + (slip + 1) * slip_lanes));
         F y[local_end];
-        for (int row = local() - 1; row >= 0; --row) {
-            F value = panel(row, joint_slips());
-            for (int k = 0; k < joint_slips(); ++k) value = value - panel(row, k) * load(unknowns + k * slip_lanes);
-            value = value * factor(row, row);
-            for (int k = row + 1; k < local(); ++k) value = value - factor(k, row) * y[k];
-            y[row] = value;
+        for (int row = 0; row < local(); ++row) y[row] = panel(row, joint_slips());
+        for (int k = 0; k < joint_slips(); ++k) {
+            const F x = load(unknowns + k * slip_lanes);
+            for (int row = 0; row < local(); ++row) y[row] = y[row] - panel(row, k) * x;
+        }
+        for (int row = 0; row < local(); ++row) y[row] = y[row] * factor(row, row);
+        for (int k = local() - 1; k > 0; --k) {
+            for (int row = 0; row < k; ++row) y[row] = y[row] - factor(k, row) * y[k];
         }
         for (int contact = 0; contact < locals(); ++contact) step(contact, y[2 * contact], y[2 * contact + 1]);
     }

@@ -98,23 +98,30 @@ int AdditiveMethod::start_stage() {
 
 /// Coordinates of the stage at hand, its velocities without its own friction, and predicted ones.
 void AdditiveMethod::stage(int number) noexcept {
-    const model::ChainLayout& layout = w_.layout();
-    const model::SlipGroup& g = solve_.group(number);
+    const int size = w_.layout().link_size(), numbers = size * model::slip_lanes;
     Stages& own = stages_[at(number)];
     const std::vector<double>&explicit_row = table_.explicit_part[at(stage_)], &implicit_row = table_.implicit_part[at(stage_)];
+    double* friction = own.explicit_velocity.at(0);   // first: what is implicit of friction instead of explicit
+    std::fill_n(friction, numbers, 0.0);
+    for (int other = 0; other < stage_; ++other) {
+        const double weight = implicit_row[at(other)] - explicit_row[at(other)], *past = own.friction[at(other)].at(0);
+        for (int k = 0; k < numbers; ++k) friction[k] += weight * past[k];
+    }
     const double step = w_.h * table_.gamma;
-    for (const auto& [link, lane] : g.links) {
-        const int q = layout.link_begin(link), v = q + layout.link_size();
-        for (int k = 0; k < layout.link_size(); ++k) {
-            double velocities = 0.0, accelerations = 0.0;
-            for (int other = 0; other < stage_; ++other) {
-                const double friction = own.friction[at(other)].at(k)[lane];
-                velocities += explicit_row[at(other)] * slope(other)[q + k];
-                accelerations += explicit_row[at(other)] * (slope(other)[v + k] - friction) + implicit_row[at(other)] * friction;
-            }
-            stage_state()[q + k] = w_.states[0][q + k] + w_.h * velocities;
-            own.explicit_velocity.at(k)[lane] = w_.states[0][v + k] + w_.h * accelerations;
-            stage_state()[v + k] = own.explicit_velocity.at(k)[lane] + step * own.friction[at(stage_ - 1)].at(k)[lane];
+    for (const auto& [link, lane] : solve_.group(number).links) {
+        const int q = w_.layout().link_begin(link);
+        const double* from = w_.states[0] + q;
+        double* to = stage_state() + q;
+        std::fill_n(to, 2 * size, 0.0);
+        for (int other = 0; other < stage_; ++other) {
+            const double weight = explicit_row[at(other)], *past = slope(other) + q;
+            for (int k = 0; k < 2 * size; ++k) to[k] += weight * past[k];
+        }
+        for (int k = 0; k < size; ++k) {
+            double& velocity = own.explicit_velocity.at(k)[lane];
+            velocity = from[size + k] + w_.h * (to[size + k] + velocity);
+            to[k] = from[k] + w_.h * to[k];
+            to[size + k] = velocity + step * own.friction[at(stage_ - 1)].at(k)[lane];
         }
     }
 }
