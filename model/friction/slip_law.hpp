@@ -50,9 +50,11 @@ private:
         V secant, tangent;
     };
     [[nodiscard]] static Slopes slopes(const FrictionCurve& curve, const V& speed) noexcept {
-        const V beyond = larger<slip_lanes>(speed - curve.proportional_speed, V(0.0));
-        const V rising = curve.inverse_saturation_speed - 2.0 * curve.curvature * beyond;
-        return {slip_factor<slip_lanes>(curve, speed), select_greater<slip_lanes>(speed, V(curve.full_speed), V(0.0), rising)};
+        return {slip_factor<slip_lanes>(curve, speed), tangent_of(curve, speed, larger<slip_lanes>(speed - curve.proportional_speed, V(0.0)))};
+    }
+    /// @param beyond the proportional speed
+    [[nodiscard]] static V tangent_of(const FrictionCurve& curve, const V& speed, const V& beyond) noexcept {
+        return select_greater<slip_lanes>(speed, V(curve.full_speed), V(0.0), curve.inverse_saturation_speed - 2.0 * curve.curvature * beyond);
     }
 
     /// Along the slip the tangent counts, across it the secant.
@@ -85,8 +87,10 @@ private:
             const double xi = this->c_.plates.position[static_cast<std::size_t>(plate)];
             const V sliding = w[0] + xi * w[1];
             const V grip = get(this->g_.plates, plate);
-            const Slopes s = slopes(curve, abs(sliding));
-            const V force = grip * s.secant * sliding, tangent = grip * s.tangent;
+            const V speed = abs(sliding), beyond = larger<slip_lanes>(speed - curve.proportional_speed, V(0.0));
+            const V rising = curve.inverse_saturation_speed * speed - curve.curvature * (beyond * beyond);   // s, without a division
+            const V share = select_greater<slip_lanes>(speed, V(curve.full_speed), V(1.0), rising);
+            const V force = grip * select_greater<slip_lanes>(sliding, V(0.0), share, -share), tangent = grip * tangent_of(curve, speed, beyond);
             all.force[0] += force;
             all.force[1] += xi * force;
             if constexpr (!Rooted) continue;
