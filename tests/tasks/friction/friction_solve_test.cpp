@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 
 #include "engine/graph/race_check.hpp"
 #include "tasks/friction/stage_window.hpp"
@@ -234,6 +235,21 @@ TEST(FrictionImplicit, GivesTheSameBitsForEverySchedule) {
         EXPECT_EQ(with({"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial) << method;
         EXPECT_EQ(with({"run.schedule=serial", "run.segments=84"}), serial) << method;
     }
+}
+
+TEST(FrictionImplicit, GivesTheSameBitsForEveryInstructionSet) {
+    const char* before = std::getenv("CVTFLOW_ISA");
+    const std::string kept = before == nullptr ? "auto" : before;
+    for (const std::string& method : methods) {
+        for (const char* points : {"2", "3"}) {
+            const auto with = [&](model::Isa isa) {
+                setenv("CVTFLOW_ISA", std::string(model::name_of(isa)).c_str(), 1);
+                return hash_of({"run.method=" + method, "run.step=2us", "run.schedule=serial", std::string("detail.joint_points=") + points});
+            };
+            for (const model::Isa isa : model::usable_isas()) EXPECT_EQ(with(isa), with(model::Isa::baseline)) << method << " " << points << " " << model::name_of(isa);
+        }
+    }
+    setenv("CVTFLOW_ISA", kept.c_str(), 1);
 }
 
 TEST(FrictionImplicit, ItsGraphHasNoRaces) {
