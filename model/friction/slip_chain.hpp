@@ -15,7 +15,7 @@ class SlipElimination : public SlipContacts {
 public:
     using F = FloatLanes;
 
-    SlipElimination(int points, std::span<const SlipGroup> groups, SlipChain& chain) noexcept : SlipContacts{points}, groups_(groups), c_(chain) {}
+    SlipElimination(const SlipContacts& contacts, std::span<const SlipGroup> groups, SlipChain& chain) noexcept : SlipContacts(contacts), groups_(groups), c_(chain) {}
 
     void solve() noexcept {
         for (int joint = 0; joint < length(); ++joint) right_sides(joint);

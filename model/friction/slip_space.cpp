@@ -9,9 +9,9 @@ namespace cvtflow::model {
 SlipChain::SlipChain(const SlipStretches& links, int size) : stretches(links) {
     const SlipElement element{size};
     const SlipStep step{size};
-    for (int left = stretches.count(); counts.empty() || counts.back() > 1; left = (left + 1) / 2) counts.push_back(left);
+    for (int count = stretches.count(); counts.empty() || counts.back() > 1; count = (count + 1) / 2) counts.push_back(count);
     for (int k = 0; k < stretches.length() - 1 + levels(); ++k) steps.emplace_back(step.count());
-    for (FloatRows* rows : {&this->left, &right}) *rows = FloatRows(element.count());
+    for (FloatRows* rows : {&left, &right}) *rows = FloatRows(element.count());
     scaled = FloatRows(size * (2 * size + 1));
     sides = FloatRows(stretches.length() * size);
     unknowns = FloatRows((stretches.length() + 1) * size);

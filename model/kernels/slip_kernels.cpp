@@ -57,7 +57,7 @@ void eliminate(const SlipSpace& space, SlipGroup& group) noexcept {
 
 template <int Points>
 void join(const SlipSpace& space, std::span<const SlipGroup> groups, SlipChain& chain) noexcept {
-    SlipElimination<Points>(space.contacts().points, groups, chain).solve();
+    SlipElimination<Points>(space.contacts(), groups, chain).solve();
 }
 
 template <int Points>
