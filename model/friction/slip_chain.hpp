@@ -1,175 +1,241 @@
 #pragma once
-/// Elimination of the inner joints of a chain, block by block (Gauss and Jordan: matrices are symmetric with eigenvalues ≥ 1, no pivot is
-/// sought). Lanes over the columns of a row.
+/// The joints of the whole chain, lanes over its stretches. (model/friction/slip_space.hpp)
 
 #include <algorithm>
+#include <cstdint>
 
-#include "model/basis/lanes.hpp"
-#include "model/friction/slip_space.hpp"
+#include "model/friction/slip_rows.hpp"
+#include "model/friction/slip_tiles.hpp"
 
 namespace cvtflow::model {
 namespace {
 
-/// Size: unknowns of a joint, a constant for the compiler; 0: read from the chain.
-template <int Size>
-class SlipElimination {
+template <int Points>
+class SlipElimination : public SlipContacts {
 public:
-    using V = Lanes<slip_lanes>;
+    using F = FloatLanes;
 
-    explicit SlipElimination(SlipChain& chain) noexcept : c_(chain) {
-        alignas(64) double mask[slip_lanes] = {};
-        mask[size() % slip_lanes] = 1.0;
-        right_side_ = load<slip_lanes>(mask);
-    }
+    SlipElimination(const SlipContacts& contacts, std::span<const SlipGroup> groups, SlipChain& chain) noexcept : SlipContacts(contacts), groups_(groups), c_(chain) {}
 
-    void condense() noexcept {
-        const int count = elements();
+    void solve() noexcept {
+        for (int joint = 0; joint < length(); ++joint) right_sides(joint);
+        copy(groups_[0].element, c_.left);
+        alignas(64) float starts[slip_lanes];   // 1 where a stretch begins at joint 1
+        for (int lane = 0; lane < slip_lanes; ++lane) starts[lane] = groups_[0].present.at(0)[lane] == 0.0 ? 1.0f : 0.0f;
+        const F late = load(starts), never(0.0f);
+        for (int joint = 1; joint < length(); ++joint) {
+            condense(groups_[static_cast<std::size_t>(joint)].element, side(joint), joint == 1 ? late : never, joint > 1, c_.steps[static_cast<std::size_t>(joint - 1)]);
+        }
+        if (length() > 1) {
+            for (int row = 0; row < size(); ++row) put(c_.sides, row, choose(late, get(c_.sides, size() + row), get(c_.sides, row)));
+        }
+        ring();
         for (int row = 0; row < size(); ++row) {
-            for (int k = 0; k < parts(); ++k) {
-                left_[row][k] = part(element(0).row(row), k);
-                next_[row][k] = part(element(0).row(size() + row), k);
-            }
+            put(c_.unknowns, row, get(c_.ends, row));
+            next_lane(c_.unknowns.at(row), c_.unknowns.at(length() * size() + row), c_.stretches.count());
         }
-        for (int joint = 1; joint < count; ++joint) {
-            enter(joint);
-            jordan(panel(joint));
-            reduce(joint);
+        for (int joint = length() - 1; joint >= 1; --joint) {
+            substitute(c_.steps[static_cast<std::size_t>(joint - 1)], c_.unknowns.at(0), c_.unknowns.at((joint + 1) * size()), joint == 1 ? late : never, c_.unknowns.at(joint * size()));
         }
-        for (int row = 0; row < size(); ++row) {
-            for (int k = 0; k < parts(); ++k) {
-                left_[row][k].copy_to(c_.condensed.row(row) + k * slip_lanes);
-                next_[row][k].copy_to(c_.condensed.row(size() + row) + k * slip_lanes);
-            }
-        }
-        if (count == 1) return;
-        for (int row = 0; row < size(); ++row) {   // by symmetry
-            for (int k = 0; k < size(); ++k) c_.condensed.row(k)[block() + row] = c_.condensed.row(size() + row)[k];
-        }
-    }
-
-    /// Inner joints from those at the ends.
-    void substitute() noexcept {
-        const double* left = solution(0);
-        for (int joint = elements() - 1; joint >= 1; --joint) {
-            double* x = solution(joint);
-            const double *next = solution(joint + 1), *p = panel(joint);
-            for (int row = 0; row < size(); ++row) {
-                const double* own = p + row * width();
-                V total = part(own, 0) * part(left, 0) + part(own, half()) * part(next, 0);
-                for (int k = 1; k < half(); ++k) total += part(own, k) * part(left, k) + part(own, half() + k) * part(next, k);
-                x[row] = own[size()] - sum<slip_lanes>(total);
-            }
-        }
-    }
-
-    /// Both ends are one joint: solves for it, and all others.
-    void close() noexcept {
-        condense();
-        double* rows = panel(0);
-        for (int row = 0; row < size(); ++row) {
-            const double *left = c_.condensed.row(row), *right = c_.condensed.row(size() + row);
-            double* own = rows + row * width();
-            for (int k = 0; k < half(); ++k) {
-                const V all = (part(left, k) + part(left, half() + k)) + (part(right, k) + part(right, half() + k));
-                matrix_[row][k] = all;
-                all.copy_to(own + k * slip_lanes);
-                V(0.0).copy_to(own + (half() + k) * slip_lanes);
-            }
-        }
-        add_identity();
-        jordan(rows);
-        for (int row = 0; row < size(); ++row) solution(0)[row] = solution(elements())[row] = rows[row * width() + size()];
-        substitute();
     }
 
 private:
-    static constexpr int most = Size > 0 ? Size : 2 * most_joint_lanes;
-    static constexpr int most_parts = SlipElement::block(most) / slip_lanes;
+    static constexpr int most = 2 * (Points > 0 ? Points : most_joint_lanes);
 
-    [[nodiscard]] int size() const noexcept { return Size > 0 ? Size : c_.size; }
-    [[nodiscard]] int block() const noexcept { return SlipElement::block(size()); }
-    [[nodiscard]] int width() const noexcept { return 2 * block(); }
-    /// Vectors of a block, of a row.
-    [[nodiscard]] int half() const noexcept { return block() / slip_lanes; }
-    [[nodiscard]] int parts() const noexcept { return 2 * half(); }
-    [[nodiscard]] int elements() const noexcept { return static_cast<int>(c_.elements.size()); }
-    [[nodiscard]] const SlipElement& element(int number) const noexcept { return c_.elements[static_cast<std::size_t>(number)]; }
-    [[nodiscard]] double* panel(int joint) noexcept { return c_.panels.data() + joint * size() * width(); }
-    [[nodiscard]] double* solution(int joint) noexcept { return c_.solution.data() + joint * block(); }
-    [[nodiscard]] static V part(const double* row, int k) noexcept { return load<slip_lanes>(row + k * slip_lanes); }
-    /// A vector of a row's first block with nothing but the right-hand side.
-    [[nodiscard]] V right_side(const V& vector, int k) const noexcept { return k == size() / slip_lanes ? right_side_ * vector : V(0.0); }
+    [[nodiscard]] int size() const noexcept { return Points > 0 ? 2 * Points : joint_slips(); }
+    [[nodiscard]] int length() const noexcept { return c_.stretches.length(); }
+    [[nodiscard]] SlipElement element() const noexcept { return {size()}; }
+    [[nodiscard]] SlipStep step() const noexcept { return {size()}; }
+    [[nodiscard]] const float* side(int joint) const noexcept { return c_.sides.at(joint * size()); }
+    /// What joints have of each other falls with every joint between them, down to where processors take a hundred times as long.
+    [[nodiscard]] static F not_tiny(const F& value) noexcept { return select_greater(larger(value, -value), 1e-12f, value, 0.0f); }
+    [[nodiscard]] static F choose(const F& flag, const F& yes, const F& no) noexcept { return select_greater(flag, 0.5f, yes, no); }
+    void copy(const FloatRows& from, FloatRows& to) const noexcept { std::copy_n(from.at(0), element().count() * slip_lanes, to.at(0)); }
 
-    void add_identity() noexcept {
-        for (int row = 0; row < size(); ++row) {
-            const int k = row / slip_lanes, lane = row % slip_lanes;
-            alignas(64) double unit[slip_lanes] = {};
-            unit[lane] = 1.0;
-            matrix_[row][k] += load<slip_lanes>(unit);
-        }
-    }
-
-    /// Matrix of a joint, and its rows on left (with the right-hand side) and next.
-    void enter(int joint) noexcept {
-        double* p = panel(joint);
-        for (int row = 0; row < size(); ++row) {
-            const double* after = element(joint).row(row);
-            double* own = p + row * width();
-            for (int k = 0; k < half(); ++k) {
-                matrix_[row][k] = next_[row][half() + k] + part(after, k);
-                (next_[row][k] + right_side(part(after, k), k)).copy_to(own + k * slip_lanes);
-                part(after, half() + k).copy_to(own + (half() + k) * slip_lanes);
+    /// Rᵀ (ŵ - g W φ - w) of a group's rear joints.
+    void right_sides(int joint) noexcept {
+        const SlipGroup& g = groups_[static_cast<std::size_t>(joint)];
+        for (int point = 0; point < size() / 2; ++point) {
+            F d[2];
+            for (int k = 0; k < 2; ++k) {
+                const int row = 2 * this->joint(End::rear, point) + k;
+                alignas(64) double before[slip_lanes];
+                from_before(joint, row + size(), before);
+                d[k] = narrow(get(g.part, row) + load<slip_lanes>(before) - get(g.slip, row));
             }
+            const int root = 4 * this->joint(End::rear, point);
+            for (int i = 0; i < 2; ++i) put(c_.sides, joint * size() + 2 * point + i, get(g.root, root + i) * d[0] + get(g.root, root + 2 + i) * d[1]);
         }
-        add_identity();
-        std::copy_n(p, size() * width(), before_);
+    }
+    /// The front parts of the links before.
+    void from_before(int group, int row, double* to) const noexcept {
+        if (group > 1) {
+            std::copy_n(groups_[static_cast<std::size_t>(group - 1)].part.at(row), slip_lanes, to);
+            return;
+        }
+        for (int lane = 0; lane < slip_lanes; ++lane) {
+            const SlipStretches::Place before = c_.stretches.before({group, lane < c_.stretches.count() ? lane : 0});
+            to[lane] = groups_[static_cast<std::size_t>(before.group)].part.at(row)[before.lane];
+        }
     }
 
-    /// Rows ← matrix⁻¹ rows.
-    void jordan(double* rows) noexcept {
-        V r[most][2 * most_parts];
-        for (int row = 0; row < size(); ++row) {
-            for (int k = 0; k < parts(); ++k) r[row][k] = part(rows + row * width(), k);
+    /// To each lane what the next one has; from the last to the first.
+    static void next_lane(const float* from, float* to, int count) noexcept {
+        for (int lane = 0; lane < slip_lanes; ++lane) to[lane] = from[lane + 1 < count ? lane + 1 : 0];
+    }
+
+    /// left ← left and right together, the joint between them being eliminated. Where there is no left one, it is the right one.
+    /// @param side right-hand side of that joint   @param missing 1 in lanes without a left element; none: whether there are no such lanes
+    void condense(const FloatRows& right, const float* side, const F& missing, bool none, FloatRows& to) noexcept {
+        const int n = size();
+        float* panel = to.at(step().panel(0, 0));
+        const auto entry = [&](int row, int column) { return panel + (row * width() + column) * slip_lanes; };
+        F m[triangle(most, 0)];
+        for (int row = 0; row < n; ++row) {
+            for (int column = 0; column <= row; ++column) m[triangle(row, column)] = get(c_.left, element().front() + row * n + column) + get(right, element().rear() + row * n + column);
+            m[triangle(row, row)] = 1.0f + m[triangle(row, row)];
+            for (int column = 0; column < n; ++column) {
+                get(c_.left, element().across() + row * n + column).copy_to(entry(row, column));
+                get(right, element().across() + column * n + row).copy_to(entry(row, n + column));
+            }
+            (get(c_.left, element().front_side() + row) + get(right, element().rear_side() + row) + load(side + row * slip_lanes)).copy_to(entry(row, 2 * n));
         }
-        for (int pivot = 0; pivot < size(); ++pivot) {
-            const int own = pivot / slip_lanes;
-            const auto lane = static_cast<std::size_t>(pivot % slip_lanes);
-            const V inverse(1.0 / matrix_[pivot][own][lane]);
-            for (int k = own; k < half(); ++k) matrix_[pivot][k] = matrix_[pivot][k] * inverse;
-            for (int k = 0; k < parts(); ++k) r[pivot][k] = r[pivot][k] * inverse;
+        factorise(m);
+        forward(m, panel);
+        for (int k = 0; k < triangle(n, 0); ++k) put(to, k, m[k]);
+        for (int row = 0; row < n; ++row) {
+            for (int column = 0; column < width(); ++column) put(c_.scaled, row * width() + column, m[triangle(row, row)] * load(entry(row, column)));
+        }
+        reduce(right, panel);
+        if (none) return;
+        for (int row = 0; row < element().count(); ++row) put(c_.left, row, choose(missing, get(right, row), get(c_.left, row)));
+    }
+    [[nodiscard]] int width() const noexcept { return 2 * size() + 1; }
+    void factorise(F* m) const noexcept {
+        if constexpr (Points > 0) ldl<2 * Points>(m);
+        else ldl(m, size());
+    }
+
+    /// L⁻¹ x in place.
+    void forward(const F* m, float* x) const noexcept {
+        for (int row = 1; row < size(); ++row) {
+            F own[2 * most + 1];
+            float* to = x + row * width() * slip_lanes;
+            for (int column = 0; column < width(); ++column) own[column] = load(to + column * slip_lanes);
+            for (int k = 0; k < row; ++k) {
+                const F by = m[triangle(row, k)];
+                for (int column = 0; column < width(); ++column) own[column] = own[column] - by * load(x + (k * width() + column) * slip_lanes);
+            }
+            for (int column = 0; column < width(); ++column) own[column].copy_to(to + column * slip_lanes);
+        }
+    }
+
+    /// @param x panel of the step
+    void reduce(const FloatRows& right, const float* x) noexcept {
+        const int n = size();
+        const float *y = c_.scaled.at(0), *next = x + n * slip_lanes;
+        const auto subtract = [&]<bool Lower>(const float* a, const float* b, const float* from, float* to) {
+            subtract_products<2 * Points, tile_rows<Points>, tile_columns<Points>, Lower>(a, width(), b, width(), n, n, from, to, n);
+        };
+        subtract.template operator()<true>(x, y, c_.left.at(element().rear()), c_.left.at(element().rear()));
+        subtract.template operator()<false>(next, y, nullptr, c_.left.at(element().across()));
+        subtract.template operator()<true>(next, y + n * slip_lanes, right.at(element().front()), c_.left.at(element().front()));
+        for (int k = 0; k < n * n; ++k) put(c_.left, element().across() + k, not_tiny(get(c_.left, element().across() + k)));
+        for (int row = 0; row < n; ++row) {
+            F rear = get(c_.left, element().rear_side() + row), front = get(right, element().front_side() + row);
+            for (int k = 0; k < n; ++k) {
+                const F side = get(c_.scaled, k * width() + 2 * n);
+                rear = rear - load(x + (k * width() + row) * slip_lanes) * side;
+                front = front - load(next + (k * width() + row) * slip_lanes) * side;
+            }
+            put(c_.left, element().rear_side() + row, rear);
+            put(c_.left, element().front_side() + row, front);
+        }
+    }
+
+    /// x of an eliminated joint from those before and after it; where there was none before, that one's.
+    void substitute(const FloatRows& from, const float* before, const float* next, const F& missing, float* to) const noexcept {
+        F y[most];
+        for (int row = 0; row < size(); ++row) y[row] = get(from, step().panel(row, 2 * size()));
+        for (int k = 0; k < size(); ++k) {
+            const F x_before = load(before + k * slip_lanes), x_next = load(next + k * slip_lanes);
+            for (int row = 0; row < size(); ++row) y[row] = y[row] - get(from, step().panel(row, k)) * x_before - get(from, step().panel(row, size() + k)) * x_next;
+        }
+        for (int row = 0; row < size(); ++row) y[row] = y[row] * get(from, step().factor(row, row));
+        for (int k = size() - 1; k > 0; --k) {
+            for (int row = 0; row < k; ++row) y[row] = y[row] - get(from, step().factor(k, row)) * y[k];
+        }
+        for (int row = 0; row < size(); ++row) choose(missing, load(before + row * slip_lanes), y[row]).copy_to(to + row * slip_lanes);
+    }
+
+    /// The joints between stretches: elements in pairs, until one is left. Of an odd number the first has no partner before it.
+    void ring() noexcept {
+        float* sides = c_.sides.at(0);
+        for (int level = 0; level < c_.levels(); ++level) {
+            const int count = c_.counts[static_cast<std::size_t>(level)], odd = count % 2, fewer = c_.counts[static_cast<std::size_t>(level) + 1];
+            alignas(64) float between[most * slip_lanes];
+            alignas(64) std::int32_t first[slip_lanes], second[slip_lanes];
+            for (int lane = 0; lane < slip_lanes; ++lane) {
+                first[lane] = std::clamp(2 * lane - odd, 0, count - 1);
+                second[lane] = std::clamp(2 * lane + 1 - odd, 0, count - 1);
+            }
             for (int row = 0; row < size(); ++row) {
-                if (row == pivot) continue;
-                const V factor(matrix_[row][own][lane]);
-                for (int k = own; k < half(); ++k) matrix_[row][k] = matrix_[row][k] - factor * matrix_[pivot][k];
-                for (int k = 0; k < parts(); ++k) r[row][k] = r[row][k] - factor * r[pivot][k];
+                permute(sides + row * slip_lanes, second, fewer, between + row * slip_lanes);
+                permute(sides + row * slip_lanes, first, fewer, sides + row * slip_lanes);
             }
+            for (int row = 0; row < element().count(); ++row) {
+                permute(c_.left.at(row), second, fewer, c_.right.at(row));
+                permute(c_.left.at(row), first, fewer, c_.left.at(row));
+            }
+            condense(c_.right, between, without_first(odd), odd == 0, c_.steps[static_cast<std::size_t>(length() - 1 + level)]);
         }
+        last();
+        for (int level = c_.levels() - 1; level >= 0; --level) expand(level);
+    }
+    [[nodiscard]] static F without_first(int odd) noexcept {
+        alignas(64) float flags[slip_lanes] = {};
+        flags[0] = odd != 0 ? 1.0f : 0.0f;
+        return load(flags);
+    }
+
+    /// One element whose ends are one joint, in lane 0.
+    void last() noexcept {
+        F m[triangle(most, 0)], x[most];
         for (int row = 0; row < size(); ++row) {
-            for (int k = 0; k < parts(); ++k) r[row][k].copy_to(rows + row * width() + k * slip_lanes);
+            for (int column = 0; column <= row; ++column) {
+                const int own = row * size() + column, turned = column * size() + row;
+                m[triangle(row, column)] = (get(c_.left, element().rear() + own) + get(c_.left, element().front() + own)) +
+                                           (get(c_.left, element().across() + own) + get(c_.left, element().across() + turned));
+            }
+            m[triangle(row, row)] = 1.0f + m[triangle(row, row)];
+            x[row] = get(c_.sides, row) + get(c_.left, element().rear_side() + row) + get(c_.left, element().front_side() + row);
+        }
+        factorise(m);
+        for (int row = 0; row < size(); ++row) {
+            for (int k = 0; k < row; ++k) x[row] = x[row] - m[triangle(row, k)] * x[k];
+        }
+        for (int row = size() - 1; row >= 0; --row) {
+            x[row] = x[row] * m[triangle(row, row)];
+            for (int k = row + 1; k < size(); ++k) x[row] = x[row] - m[triangle(k, row)] * x[k];
+        }
+        for (int row = 0; row < size(); ++row) put(c_.ends, c_.levels() * size() + row, x[row]);
+    }
+
+    /// From the joints of a level to those of the one before.
+    void expand(int level) noexcept {
+        const int count = c_.counts[static_cast<std::size_t>(level)], odd = count % 2, fewer = c_.counts[static_cast<std::size_t>(level) + 1];
+        const float* before = c_.ends.at((level + 1) * size());
+        alignas(64) float next[most * slip_lanes], between[most * slip_lanes];
+        for (int row = 0; row < size(); ++row) next_lane(before + row * slip_lanes, next + row * slip_lanes, fewer);
+        substitute(c_.steps[static_cast<std::size_t>(length() - 1 + level)], before, next, without_first(odd), between);
+        for (int row = 0; row < size(); ++row) {
+            float* to = c_.ends.at(level * size() + row);
+            for (int lane = 0; lane < count; ++lane) to[lane] = ((lane + odd) % 2 == 0 ? before : between)[row * slip_lanes + (lane + odd) / 2];
         }
     }
 
-    /// What the joint leaves on the left end and on the next joint.
-    void reduce(int joint) noexcept {
-        const double* p = panel(joint);
-        for (int row = 0; row < size(); ++row) {
-            const double* element_row = element(joint).row(size() + row);
-            for (int k = 0; k < half(); ++k) {
-                next_[row][k] = right_side(part(element_row, k), k);   // the element's rows on the joint itself have gone
-                next_[row][half() + k] = part(element_row, half() + k);
-            }
-            for (int inner = 0; inner < size(); ++inner) {
-                const V on_left(before_[inner * width() + row]), on_next(before_[inner * width() + block() + row]);
-                for (int k = 0; k < half(); ++k) left_[row][k] = left_[row][k] - on_left * part(p + inner * width(), k);
-                for (int k = 0; k < parts(); ++k) next_[row][k] = next_[row][k] - on_next * part(p + inner * width(), k);
-            }
-        }
-    }
-
+    std::span<const SlipGroup> groups_;
     SlipChain& c_;
-    V right_side_;
-    V left_[most][2 * most_parts], next_[most][2 * most_parts], matrix_[most][most_parts];
-    alignas(64) double before_[most * 2 * most_parts * slip_lanes];
 };
 
 }  // namespace

@@ -15,17 +15,22 @@ public:
     using typename Base::Point;
     using typename Base::Tip;
     using V = SlipV;
+    using F = FloatLanes;
     using Base::Base;
 
     void couple(double g) noexcept {
+        this->g_.step = g;
         list();
         for (int row = 0; row < count_; ++row) {
+            const Row a = rows_[static_cast<std::size_t>(row)].scaled(static_cast<float>(g));
             for (int column = 0; column <= row; ++column) {
-                V value(0.0);
-                const Row &a = rows_[static_cast<std::size_t>(row)], &b = rows_[static_cast<std::size_t>(column)];
-                if (a.lateral >= 0 && b.lateral >= 0) value = lateral(a, b);
-                if (a.axial >= 0 && b.axial >= 0) value += this->space_.axial(a.axial, b.axial) * (a.along * b.along);
-                put(this->g_.coupling, triangle(a.number, b.number), g * value);
+                const Row& b = rows_[static_cast<std::size_t>(column)];
+                const bool lateral = a.lateral >= 0 && b.lateral >= 0, axial = a.axial >= 0 && b.axial >= 0;
+                if (!lateral && !axial) continue;   // zero from the beginning
+                F value(0.0f);
+                if (lateral) value = static_cast<float>(this->space_.lateral(a.lateral, b.lateral)) * (a.ax * b.ax + a.ay * b.ay) + (a.turning * b.lever + a.lever * b.turned);
+                if (axial) value = value + static_cast<float>(this->space_.axial(a.axial, b.axial)) * (a.along * b.along);
+                put(this->g_.coupling, triangle(a.number, b.number), value);
             }
         }
     }
@@ -34,31 +39,29 @@ private:
     /// One slip as a combination of directions: (ax, ay) on `lateral`, lever on the turning, along on `axial`; < 0: none.
     struct Row {
         int number = 0, lateral = -1, axial = -1;
-        V ax, ay, turned, lever, along;   ///< turned: (ax, ay) × t
+        F ax, ay, lever, along;
+        F turned, turning;   ///< what the turning has of (ax, ay); the same with the lever's own part
+
+        [[nodiscard]] Row scaled(float g) const noexcept { return {number, lateral, axial, g * ax, g * ay, g * lever, g * along, turned, g * turning}; }
     };
     static constexpr std::size_t most = static_cast<std::size_t>(SlipContacts{Points > 0 ? Points : most_joint_lanes}.slips());
-
-    [[nodiscard]] V lateral(const Row& a, const Row& b) const noexcept {
-        const SlipSpace& s = this->space_;
-        const int turn = 4 + 2 * this->points();
-        return s.lateral(a.lateral, b.lateral) * (a.ax * b.ax + a.ay * b.ay) + s.lateral(a.lateral, turn) * (a.turned * b.lever) +
-               s.lateral(turn, b.lateral) * (a.lever * b.turned) + s.lateral(turn, turn) * (a.lever * b.lever);
-    }
 
     Row& add(int number) noexcept {
         Row& row = rows_[static_cast<std::size_t>(count_++)];
         row = Row{};
         row.number = number;
-        row.along = V(1.0);
+        row.along = 1.0f;
         return row;
     }
 
     void act(Row& row, int direction, const V& ax, const V& ay, const V& lever) const noexcept {
         row.lateral = direction;
-        row.ax = ax;
-        row.ay = ay;
-        row.turned = get(this->g_.frame, 0) * ay - get(this->g_.frame, 1) * ax;
-        row.lever = lever;
+        row.ax = narrow(ax);
+        row.ay = narrow(ay);
+        row.lever = narrow(lever);
+        const int turn = this->space_.turning();
+        row.turned = narrow(this->space_.lateral(direction, turn) * (get(this->g_.frame, 0) * ay - get(this->g_.frame, 1) * ax));
+        row.turning = row.turned + static_cast<float>(this->space_.lateral(turn, turn)) * row.lever;
     }
 
     void list() noexcept {
@@ -73,7 +76,7 @@ private:
                 Row& row = add(2 * (SlipContacts::first_tip + corner) + k);
                 act(row, corner, tangent(0), tangent(1), this->tip_value(corner, Tip::lever + k));
                 row.axial = corner;
-                row.along = tangent(2);
+                row.along = narrow(tangent(2));
             }
         }
         for (const End end : {End::rear, End::front}) {

@@ -6,28 +6,40 @@
 
 namespace cvtflow::model {
 
-SlipChain::SlipChain(int most_elements, int joint_size)
-    : size(joint_size), elements(static_cast<std::size_t>(most_elements), SlipElement(joint_size)), condensed(joint_size),
-      panels(static_cast<std::size_t>(most_elements * size * condensed.width)), solution(static_cast<std::size_t>((most_elements + 1) * SlipElement::block(size))) {}
+SlipChain::SlipChain(const SlipStretches& links, int size) : stretches(links) {
+    const SlipElement element{size};
+    const SlipStep step{size};
+    for (int count = stretches.count(); counts.empty() || counts.back() > 1; count = (count + 1) / 2) counts.push_back(count);
+    for (int k = 0; k < stretches.length() - 1 + levels(); ++k) steps.emplace_back(step.count());
+    for (FloatRows* rows : {&left, &right}) *rows = FloatRows(element.count());
+    scaled = FloatRows(size * (2 * size + 1));
+    sides = FloatRows(stretches.length() * size);
+    unknowns = FloatRows((stretches.length() + 1) * size);
+    ends = FloatRows((levels() + 1) * size);
+}
 
-SlipGroup::SlipGroup(const ChainModel& model, int first_link, int last_link)
-    : first(first_link), last(last_link), chain(last_link - first_link, 2 * model.coefficients().joint_points.count) {
+SlipGroup::SlipGroup(const ChainModel& model, const SlipStretches& stretches, int number) {
     const SlipContacts contacts{model.coefficients().joint_points.count};
     const int slips = contacts.slips(), joints_slips = 2 * contacts.joint_slips(), local = SlipContacts::local_slips;
+    present = LaneRows(1);
+    for (int lane = 0; lane < slip_lanes; ++lane) {
+        const int link = stretches.link({number, lane});
+        column[static_cast<std::size_t>(lane)] = link + 1;
+        if (stretches.idle({number, lane})) continue;
+        links.push_back({link, lane});
+        present.at(0)[lane] = 1.0;
+    }
     frame = LaneRows(2);
     tips = LaneRows(tips_per_link * Tip::count);
     joints = LaneRows(2 * contacts.points * Point::count);
     plates = LaneRows(model.coefficients().plates.count);
-    coupling = LaneRows(triangle(slips, 0));
+    coupling = FloatRows(triangle(slips, 0));
     for (LaneRows* rows : {&velocity, &acceleration}) *rows = LaneRows(model.layout().link_size());
-    for (LaneRows* rows : {&predicted, &own, &own_start, &slip, &force, &law_force, &next_slip, &next_force, &solved_slip, &intercept}) *rows = LaneRows(slips);
-    root = LaneRows(4 * contacts.count());
-    factor = LaneRows(triangle(local, 0));
-    rest = LaneRows(local);
-    panel = LaneRows(local * joints_slips);
-    joint_coupling = LaneRows(triangle(joints_slips, 0));
-    entries = LaneRows(2 * chain.size * chain.condensed.width);
-    for (LaneRows* rows : {&joint_rest, &unknowns}) *rows = LaneRows(joints_slips);
+    for (LaneRows* rows : {&predicted, &own, &own_start, &slip, &force, &law_force, &part, &next_slip, &next_force, &solved_slip}) *rows = LaneRows(slips);
+    root = FloatRows(4 * contacts.count());
+    factor = FloatRows(triangle(local, 0));
+    panel = FloatRows(local * (joints_slips + 1));
+    element = FloatRows(SlipElement{contacts.joint_slips()}.count());
 }
 
 namespace {

@@ -40,25 +40,29 @@ void newton(const SlipSpace& space, SlipGroup& group, const Body& body) noexcept
     }
 }
 
+template <int P, int Points>
+void respond(const SlipSpace& space, const LaneRows& force, SlipGroup& group, LaneRows& own) noexcept {
+    SlipGeometry<P, Points>(space, group).respond(force, own);
+}
+
+template <int Points>
+void linearise(const SlipSpace& space, SlipGroup& group) noexcept {
+    newton<Points>(space, group, [](auto step) noexcept { step.linearise(); });
+}
+
 template <int Points>
 void eliminate(const SlipSpace& space, SlipGroup& group) noexcept {
     newton<Points>(space, group, [](auto step) noexcept { step.eliminate(); });
-    SlipElimination<2 * Points>(group.chain).condense();
-}
-
-/// The solution of the group's chain, joint by joint, as rows of unknowns.
-void spread(SlipGroup& group) noexcept {
-    const int size = group.chain.size;
-    for (int lane = 0; lane < group.last - group.first; ++lane) {
-        for (int k = 0; k < 2 * size; ++k) group.unknowns.at(k)[lane] = group.chain.unknowns(k < size ? lane : lane + 1)[k < size ? k : k - size];
-    }
 }
 
 template <int Points>
-void substitute(const SlipSpace& space, SlipGroup& group) noexcept {
-    SlipElimination<2 * Points>(group.chain).substitute();
-    spread(group);
-    newton<Points>(space, group, [](auto step) noexcept { step.substitute(); });
+void join(const SlipSpace& space, std::span<const SlipGroup> groups, SlipChain& chain) noexcept {
+    SlipElimination<Points>(space.contacts(), groups, chain).solve();
+}
+
+template <int Points>
+void substitute(const SlipSpace& space, const float* unknowns, SlipGroup& group) noexcept {
+    newton<Points>(space, group, [unknowns](auto step) noexcept { step.substitute(unknowns); });
 }
 
 template <int Points>
@@ -66,14 +70,9 @@ void look(const SlipSpace& space, double share, SlipGroup& group) noexcept {
     newton<Points>(space, group, [share](auto step) noexcept { step.look(share); });
 }
 
-template <int Points>
-void ring(SlipChain& chain) noexcept {
-    SlipElimination<2 * Points>(chain).close();
-}
-
 template <int P, int Points>
 [[nodiscard]] SlipKernels kernels() noexcept {
-    return {gather<Points>, slips<P, Points>, forces<Points>, accelerate<P, Points>, eliminate<Points>, substitute<Points>, look<Points>, ring<Points>};
+    return {gather<Points>, slips<P, Points>, forces<Points>, accelerate<P, Points>, linearise<Points>, eliminate<Points>, respond<P, Points>, join<Points>, substitute<Points>, look<Points>};
 }
 
 template <int Points>

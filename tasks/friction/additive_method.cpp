@@ -98,23 +98,30 @@ int AdditiveMethod::start_stage() {
 
 /// Coordinates of the stage at hand, its velocities without its own friction, and predicted ones.
 void AdditiveMethod::stage(int number) noexcept {
-    const model::ChainLayout& layout = w_.layout();
-    const model::SlipGroup& g = solve_.group(number);
+    const int size = w_.layout().link_size(), numbers = size * model::slip_lanes;
     Stages& own = stages_[at(number)];
     const std::vector<double>&explicit_row = table_.explicit_part[at(stage_)], &implicit_row = table_.implicit_part[at(stage_)];
+    double* friction = own.explicit_velocity.at(0);   // first: what is implicit of friction instead of explicit
+    std::fill_n(friction, numbers, 0.0);
+    for (int other = 0; other < stage_; ++other) {
+        const double weight = implicit_row[at(other)] - explicit_row[at(other)], *past = own.friction[at(other)].at(0);
+        for (int k = 0; k < numbers; ++k) friction[k] += weight * past[k];
+    }
     const double step = w_.h * table_.gamma;
-    for (int link = g.first; link < g.last; ++link) {
-        const int q = layout.link_begin(link), v = q + layout.link_size(), lane = link - g.first;
-        for (int k = 0; k < layout.link_size(); ++k) {
-            double velocities = 0.0, accelerations = 0.0;
-            for (int other = 0; other < stage_; ++other) {
-                const double friction = own.friction[at(other)].at(k)[lane];
-                velocities += explicit_row[at(other)] * slope(other)[q + k];
-                accelerations += explicit_row[at(other)] * (slope(other)[v + k] - friction) + implicit_row[at(other)] * friction;
-            }
-            stage_state()[q + k] = w_.states[0][q + k] + w_.h * velocities;
-            own.explicit_velocity.at(k)[lane] = w_.states[0][v + k] + w_.h * accelerations;
-            stage_state()[v + k] = own.explicit_velocity.at(k)[lane] + step * own.friction[at(stage_ - 1)].at(k)[lane];
+    for (const auto& [link, lane] : solve_.group(number).links) {
+        const int q = w_.layout().link_begin(link);
+        const double* from = w_.states[0] + q;
+        double* to = stage_state() + q;
+        std::fill_n(to, 2 * size, 0.0);
+        for (int other = 0; other < stage_; ++other) {
+            const double weight = explicit_row[at(other)], *past = slope(other) + q;
+            for (int k = 0; k < 2 * size; ++k) to[k] += weight * past[k];
+        }
+        for (int k = 0; k < size; ++k) {
+            double& velocity = own.explicit_velocity.at(k)[lane];
+            velocity = from[size + k] + w_.h * (to[size + k] + velocity);
+            to[k] = from[k] + w_.h * to[k];
+            to[size + k] = velocity + step * own.friction[at(stage_ - 1)].at(k)[lane];
         }
     }
 }
@@ -123,18 +130,22 @@ void AdditiveMethod::record(int segment) noexcept { record_window(segment, windo
 
 void AdditiveMethod::gather(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
-    read(stage_ == 0 ? w_.states[0] : stage_state(), w_.layout().link_size(), number, g.velocity);
     solve_.space().gather(field_, w_.phases.data(), table_.gamma * w_.h, g);
+    if (stage_ > 1) return;
+    read(predicts_from_start() ? w_.states[0] : stage_state(), w_.layout().link_size(), number, g.velocity);
     solve_.space().slips(0.0, g, g.own);
 }
 
-/// Friction at the first stage; a start and the slips of the explicit velocities for the solve of any other.
+/// The first stage that is solved starts from its prediction, unless friction of the stage before is nothing that the implicit part uses: that friction
+/// is then explicit and may be far off.
+bool AdditiveMethod::predicts_from_start() const noexcept { return stage_ == 0 || (stage_ == 1 && table_.implicit_part[1][0] == 0.0); }
+
+/// Friction at the first stage; the slips of the explicit velocities for the solve of any other, which starts from the solution of the stage before.
 void AdditiveMethod::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Stages& own = stages_[at(number)];
     const int numbers = w_.layout().link_size() * model::slip_lanes;
-    std::copy_n(g.own.at(0), model::slip_lanes * model::SlipContacts::local_slips, g.slip.at(0));
-    solve_.share(number, g.slip);
+    if (stage_ <= 1) solve_.share(number, g.slip);
     if (stage_ == 0) {
         solve_.space().forces(g);
         solve_.space().accelerate(g);
@@ -153,9 +164,9 @@ void AdditiveMethod::finish(int number) noexcept {
     solve_.settle(number);
     solve_.space().accelerate(g);
     std::copy_n(g.acceleration.at(0), layout.link_size() * model::slip_lanes, stages_[at(number)].friction[at(stage_)].at(0));
-    for (int link = g.first; link < g.last; ++link) {
+    for (const auto& [link, lane] : g.links) {
         double* v = stage_state() + layout.link_begin(link) + layout.link_size();
-        for (int k = 0; k < layout.link_size(); ++k) v[k] = g.velocity.at(k)[link - g.first] + step * g.acceleration.at(k)[link - g.first];
+        for (int k = 0; k < layout.link_size(); ++k) v[k] = g.velocity.at(k)[lane] + step * g.acceleration.at(k)[lane];
     }
 }
 

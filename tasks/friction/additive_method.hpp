@@ -46,6 +46,7 @@ private:
     int after_gathering();
     int after_solve(int cycle);
     int start_stage();
+    [[nodiscard]] bool predicts_from_start() const noexcept;
     [[nodiscard]] double* stage_state() noexcept { return w_.states[1]; }
     [[nodiscard]] double* slope(int stage) const noexcept { return w_.slopes[static_cast<std::size_t>(stage) + 1]; }
 

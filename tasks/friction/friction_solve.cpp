@@ -23,8 +23,6 @@ constexpr double widening_step = 10.0, most_widening = 1e5, first_stride = 2.0, 
 constexpr int few_tries = 5;
 constexpr double longer = 1.3;
 
-[[nodiscard]] int group_count(int links) { return (links + model::slip_lanes - 1) / model::slip_lanes; }
-
 }  // namespace
 
 std::string text(const SolveStatistics& s) {
@@ -37,9 +35,8 @@ std::string text(const SolveStatistics& s) {
 }
 
 FrictionSolve::FrictionSolve(const Workspace& w)
-    : space_(w.variator.chain(), w.parameters.detail.stick_slip), ring_(group_count(w.layout().links), 2 * w.variator.chain().coefficients().joint_points.count) {
-    const int links = w.layout().links, count = group_count(links);
-    for (int k = 0; k < count; ++k) groups_.emplace_back(w.variator.chain(), links * k / count, links * (k + 1) / count);
+    : space_(w.variator.chain(), w.parameters.detail.stick_slip), joints_(model::SlipStretches(w.layout().links), space_.contacts().joint_slips()) {
+    for (int k = 0; k < stretches().length(); ++k) groups_.emplace_back(w.variator.chain(), stretches(), k);
 }
 
 double FrictionSolve::tolerance(double step) noexcept {
@@ -172,7 +169,7 @@ void FrictionSolve::keep_forces(int number) noexcept {
         const bool joint = contact >= model::SlipContacts::first_joint;
         const model::FrictionCurve& curve = joint ? c.joint.friction : contact == model::SlipContacts::plates ? c.plate_friction : space_.tip_curve();
         const double stuck = widened_before_ * curve.saturation_speed;
-        for (int lane = 0; lane < g.last - g.first; ++lane) {
+        for (int lane = 0; lane < model::slip_lanes; ++lane) {
             double &first = g.slip.at(2 * contact)[lane], &second = g.slip.at(2 * contact + 1)[lane];
             if (first * first + second * second > stuck * stuck) continue;
             first *= ratio;
@@ -193,17 +190,10 @@ void FrictionSolve::change_speeds(int number) noexcept {
 void FrictionSolve::eliminate(int number) noexcept {
     settle(number);
     change_speeds(number);
-    model::SlipGroup& g = group(number);
-    space_.eliminate(g);
-    ring_.elements[static_cast<std::size_t>(number)].entries = g.chain.condensed.entries;
+    space_.eliminate(group(number));
 }
 
-void FrictionSolve::substitute(int number) noexcept {
-    model::SlipGroup& g = group(number);
-    std::copy_n(ring_.unknowns(number), ring_.size, g.chain.unknowns(0));
-    std::copy_n(ring_.unknowns(number + 1), ring_.size, g.chain.unknowns(g.last - g.first));
-    space_.substitute(g);
-}
+void FrictionSolve::substitute(int number) noexcept { space_.substitute(joints_.unknowns.at(number * space_.contacts().joint_slips()), group(number)); }
 
 void FrictionSolve::look(int number) noexcept {
     if (!searching_) share(number, group(number).next_slip);
@@ -211,19 +201,23 @@ void FrictionSolve::look(int number) noexcept {
 }
 
 void FrictionSolve::share(int number, model::LaneRows& slips, model::LaneRows model::SlipGroup::* parts) noexcept {
-    const int last = groups() - 1;
-    model::SlipGroup& g = group(number);
-    const model::SlipGroup &before = group(number == 0 ? last : number - 1), &after = group(number == last ? 0 : number + 1);
     const model::SlipContacts& contacts = space_.contacts();
-    const int size = contacts.joint_slips(), links = g.last - g.first;
-    const int rear = 2 * contacts.joint(model::End::rear, 0), front = rear + size;
+    const int size = contacts.joint_slips(), rear = 2 * contacts.joint(model::End::rear, 0), front = rear + size;
+    const model::LaneRows& own = group(number).*parts;
+    std::copy_n(own.at(0), model::slip_lanes * model::SlipContacts::local_slips, slips.at(0));
+    const double *before[model::slip_lanes], *after[model::slip_lanes];   // the neighbours' first rows
+    for (int lane = 0; lane < model::slip_lanes; ++lane) {
+        const int stretch = std::min(lane, stretches().count() - 1);
+        const model::SlipStretches::Place rearward = stretches().before({number, stretch}), forward = stretches().after({number, stretch});
+        before[lane] = (group(rearward.group).*parts).at(front) + rearward.lane;
+        after[lane] = (group(forward.group).*parts).at(rear) + forward.lane;
+    }
     for (int k = 0; k < size; ++k) {
-        const double *own_rear = (g.*parts).at(rear + k), *own_front = (g.*parts).at(front + k);
-        for (int lane = 0; lane < links; ++lane) {
-            const double other_front = lane > 0 ? own_front[lane - 1] : (before.*parts).at(front + k)[before.last - before.first - 1];
-            const double other_rear = lane + 1 < links ? own_rear[lane + 1] : (after.*parts).at(rear + k)[0];
-            slips.at(rear + k)[lane] = own_rear[lane] + other_front;
-            slips.at(front + k)[lane] = other_rear + own_front[lane];
+        const double *own_rear = own.at(rear + k), *own_front = own.at(front + k);
+        double *at_rear = slips.at(rear + k), *at_front = slips.at(front + k);
+        for (int lane = 0; lane < model::slip_lanes; ++lane) {
+            at_rear[lane] = own_rear[lane] + before[lane][k * model::slip_lanes];
+            at_front[lane] = after[lane][k * model::slip_lanes] + own_front[lane];
         }
     }
 }

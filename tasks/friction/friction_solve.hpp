@@ -2,7 +2,7 @@
 /// The nonlinear friction solve in the task graph: Newton's method with a line search on the convex energy of slips
 /// (model/friction/slip_space.hpp), by groups of links.
 ///
-///     iterate   eliminate[group] ─► ring ─► substitute[group] ─► look[group]     one whole Newton step, and what it is worth
+///     iterate   eliminate[group] ─► join ─► substitute[group] ─► look[group]     one whole Newton step, and what it is worth
 ///     search    look[group]                                                     a share of it
 ///
 /// Where saturation speeds are so low that this does not get there (the energy is almost one with kinks), they are taken ten times as high, a
@@ -48,6 +48,7 @@ public:
     [[nodiscard]] int groups() const noexcept { return static_cast<int>(groups_.size()); }
     [[nodiscard]] model::SlipGroup& group(int number) noexcept { return groups_[static_cast<std::size_t>(number)]; }
     [[nodiscard]] const model::SlipSpace& space() const noexcept { return space_; }
+    [[nodiscard]] const model::SlipStretches& stretches() const noexcept { return joints_.stretches; }
 
     /// Begins a solve from group.predicted (this link's part of ŵ) and group.slip (where to start): the first cycle to run. @param step h [s]
     [[nodiscard]] int begin(double step) noexcept;
@@ -57,12 +58,12 @@ public:
 
     // Bodies of tasks.
     void eliminate(int group) noexcept;
-    void ring() noexcept { space_.solve(ring_); }
+    void join() noexcept { space_.join(groups_, joints_); }
     void substitute(int group) noexcept;
     void look(int group) noexcept;
     /// Takes the share of the Newton step that was settled on; to be called for every group in the cycle after the solve.
     void settle(int group) noexcept;
-    /// Joints' slips of a group from the `own` parts, or others like them, of the group and its neighbours.
+    /// Slips of a group's contacts from the `own` parts, or others like them, of the group and its neighbours.
     void share(int group, model::LaneRows& slips, model::LaneRows model::SlipGroup::* parts = &model::SlipGroup::own) noexcept;
 
 private:
@@ -76,7 +77,7 @@ private:
 
     model::SlipSpace space_;
     std::vector<model::SlipGroup> groups_;
-    model::SlipChain ring_;
+    model::SlipChain joints_;
     SolveStatistics statistics_;
     double tolerance_ = least_tolerance;
     int iterations_ = 0, searches_ = 0;

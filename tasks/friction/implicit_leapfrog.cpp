@@ -4,14 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "tasks/assembly/segment_tasks.hpp"
 #include "tasks/friction/index.hpp"
-#include "tasks/friction/stage_window.hpp"
 
 namespace cvtflow::tasks {
-
-namespace {
-
-}  // namespace
 
 double DirkTable::weight(int stage) const noexcept { return stage + 1 < static_cast<int>(times.size()) ? weights.back()[at(stage)] : gamma; }
 
@@ -33,7 +29,7 @@ DirkTable sdirk2() {
     return {2, gamma, {gamma, 1.0}, {{}, {1.0 - gamma}}};
 }
 
-ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)) {
+ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)), push_(w_.layout().link_size(), w_.layout().links + 2) {
     const int size = w_.layout().link_size(), slips = solve_.space().contacts().slips();
     for (int k = 0; k < solve_.groups(); ++k) {
         kicks_.push_back({model::LaneRows(size), model::LaneRows(size), model::LaneRows(size), {}, model::LaneRows(slips),
@@ -49,8 +45,9 @@ int ImplicitLeapfrog::begin() {
     }
     frame_.begin();
     stage_ = 0;
-    at_ = At::evaluate;
-    return evaluate_cycle;
+    at_ = w_.layout().ledger ? At::evaluate : At::record;
+    if (w_.layout().ledger) return evaluate_cycle;   // accounts need the forces with friction
+    return record_cycle;
 }
 
 int ImplicitLeapfrog::next() {
@@ -76,34 +73,38 @@ int ImplicitLeapfrog::after_solve(int cycle) {
     return stage_cycle;
 }
 
-void ImplicitLeapfrog::record(int segment) noexcept { record_window(segment, stage_window(w_, segment), frame_.drift()); }
+/// Contacts and all other forces in the middle of the step.
+void ImplicitLeapfrog::record(int segment) noexcept {
+    const Segment& own = w_.partition[segment];
+    double* window = w_.windows[at(segment)].data();
+    fill_window(w_, own, window);
+    solve_.space().friction().record_and_push({own.first, own.last, window, w_.sheaves, w_.phases.data()}, frame_.drift(), field_, push_, normal_loads_.data() + own.first);
+}
 
 /// Contacts, and the slips of the velocities with which the other forces were evaluated and of those with which the step begins.
 void ImplicitLeapfrog::gather(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
-    read(w_.slopes[2], 0, number, g.velocity);
+    model::LaneRows& start = kicks_[at(number)].start;
     solve_.space().gather(field_, w_.phases.data(), table_.gamma * w_.h, g);
-    solve_.space().slips(0.0, g, g.own);
-    read(w_.states[0], w_.layout().link_size(), number, g.velocity);
-    std::copy_n(g.velocity.at(0), model::slip_lanes * w_.layout().link_size(), kicks_[at(number)].start.at(0));
+    read(w_.states[0], w_.layout().link_size(), number, start);
+    std::copy_n(start.at(0), model::slip_lanes * w_.layout().link_size(), g.velocity.at(0));
     solve_.space().slips(-0.5, g, g.own_start);
+    read(w_.slopes[1], w_.layout().link_size(), number, g.velocity);
+    for (int row = 0; row < w_.layout().link_size(); ++row) {
+        for (int lane = 0; lane < model::slip_lanes; ++lane) g.velocity.at(row)[lane] = start.at(row)[lane] + 0.5 * w_.h * g.velocity.at(row)[lane];
+    }
+    solve_.space().slips(0.0, g, g.own);
 }
 
 /// All forces but friction; then the first stage.
 void ImplicitLeapfrog::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
-    constexpr int local = model::slip_lanes * model::SlipContacts::local_slips;
-    std::copy_n(g.own.at(0), local, g.slip.at(0));
     solve_.share(number, g.slip);
-    solve_.space().forces(g);
-    solve_.space().accelerate(g);
-    std::copy_n(g.own_start.at(0), local, kick.begun.at(0));
     solve_.share(number, kick.begun, &model::SlipGroup::own_start);
     guess(number, std::min(2.0 * table_.times[0], 1.0));   // slips at hand belong to the middle; beyond it they are no better when extrapolated
-    read(w_.slopes[2], w_.layout().link_size(), number, kick.base);
     for (int row = 0; row < w_.layout().link_size(); ++row) {
-        for (int lane = 0; lane < model::slip_lanes; ++lane) kick.base.at(row)[lane] -= g.acceleration.at(row)[lane];
+        for (const auto& [link, lane] : g.links) kick.base.at(row)[lane] = *push_.at(row, link + 1);
     }
     std::fill_n(kick.impulses.at(0), 2 * model::tips_per_link * model::slip_lanes, 0.0);
     predict(number);
@@ -111,27 +112,28 @@ void ImplicitLeapfrog::base(int number) noexcept {
 
 /// Where the solve of a stage starts: slips at hand, as many times as far from those where the step begins.
 void ImplicitLeapfrog::guess(int number, double share) noexcept {
-    model::SlipGroup& g = solve_.group(number);
-    const model::LaneRows& begun = kicks_[at(number)].begun;
-    for (int row = 0; row < solve_.space().contacts().slips(); ++row) {
-        for (int lane = 0; lane < model::slip_lanes; ++lane) g.slip.at(row)[lane] = begun.at(row)[lane] + share * (g.slip.at(row)[lane] - begun.at(row)[lane]);
-    }
+    double* slip = solve_.group(number).slip.at(0);
+    const double* begun = kicks_[at(number)].begun.at(0);
+    for (int k = 0; k < solve_.space().contacts().slips() * model::slip_lanes; ++k) slip[k] = begun[k] + share * (slip[k] - begun[k]);
 }
 
 /// Velocities of the stage at hand before its friction acts, and their slips.
 void ImplicitLeapfrog::predict(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
-    const double share = table_.lean(stage_, frame_.rise()), step = w_.h * table_.gamma;
-    for (int row = 0; row < w_.layout().link_size(); ++row) {
-        for (int lane = 0; lane < model::slip_lanes; ++lane) {
-            const double now = kick.base.at(row)[lane];
-            double& slope = kick.slopes[at(stage_)].at(row)[lane];
-            slope = now + share * (now - kick.before.at(row)[lane]);
-            double sum = 0.0;
-            for (int other = 0; other < stage_; ++other) sum += table_.weights[at(stage_)][at(other)] * kick.slopes[at(other)].at(row)[lane];
-            g.velocity.at(row)[lane] = kick.start.at(row)[lane] + w_.h * sum + step * slope;
-        }
+    const double share = table_.lean(stage_, frame_.rise()), h = w_.h, step = h * table_.gamma;
+    const int numbers = w_.layout().link_size() * model::slip_lanes;
+    const double *now = kick.base.at(0), *before = kick.before.at(0), *start = kick.start.at(0);
+    double *slope = kick.slopes[at(stage_)].at(0), *velocity = g.velocity.at(0);
+    std::fill_n(velocity, numbers, 0.0);
+    for (int other = 0; other < stage_; ++other) {
+        const double weight = table_.weights[at(stage_)][at(other)];
+        const double* past = kick.slopes[at(other)].at(0);
+        for (int k = 0; k < numbers; ++k) velocity[k] += weight * past[k];
+    }
+    for (int k = 0; k < numbers; ++k) {
+        slope[k] = now[k] + share * (now[k] - before[k]);
+        velocity[k] = start[k] + h * velocity[k] + step * slope[k];
     }
     solve_.space().slips(table_.times[at(stage_)] - 0.5, g, g.predicted);
 }
@@ -164,10 +166,10 @@ void ImplicitLeapfrog::finish(int number) noexcept {
     const model::SlipGroup& g = solve_.group(number);
     const model::ChainLayout& layout = w_.layout();
     const double step = w_.h * table_.gamma;
-    for (int link = g.first; link < g.last; ++link) {
+    for (const auto& [link, lane] : g.links) {
         const int q = layout.link_begin(link), v = q + layout.link_size();
         for (int k = 0; k < layout.link_size(); ++k) {
-            w_.states[1][v + k] = g.velocity.at(k)[link - g.first] + step * g.acceleration.at(k)[link - g.first];
+            w_.states[1][v + k] = g.velocity.at(k)[lane] + step * g.acceleration.at(k)[lane];
             w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.h * (w_.states[0][v + k] + w_.states[1][v + k]);
         }
     }
@@ -177,13 +179,13 @@ void ImplicitLeapfrog::finish(int number) noexcept {
 void ImplicitLeapfrog::react(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     const model::LaneRows& impulses = kicks_[at(number)].impulses;
-    for (int link = g.first; link < g.last; ++link) {
+    for (const auto& [link, lane] : g.links) {
         w_.loads[at(link)] = normal_loads_[at(link)];
         model::SheaveLoad& load = w_.loads[at(link)].load;
         const model::TipArms& p = field_.arms[at(link)];
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (w_.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
-            const int side = corner % 2, lane = link - g.first, row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
+            const int side = corner % 2, row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
             const double first = impulses.at(2 * corner)[lane], second = impulses.at(2 * corner + 1)[lane];
             const auto along = [&](int axis) { return g.tips.at(row + axis)[lane] * first + g.tips.at(row + 3 + axis)[lane] * second; };
             const double fx = along(0), fy = along(1), fz = along(2);   // on the sheave

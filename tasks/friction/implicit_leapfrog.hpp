@@ -69,6 +69,7 @@ private:
 
     LeapfrogFrame frame_;
     const DirkTable table_;
+    model::Columns push_;                       ///< accelerations by all but friction; column = link + 1
     std::vector<Kick> kicks_;                   ///< [group]
     At at_ = At::evaluate;
     int stage_ = 0;

@@ -10,8 +10,4 @@ const double* window_of(Workspace& w, const double* state, int segment) noexcept
     return window;
 }
 
-const double* stage_window(Workspace& w, int segment) noexcept {
-    return w.staged_states ? window_of(w, w.stage_state, segment) : w.windows[static_cast<std::size_t>(segment)].data();
-}
-
 }  // namespace cvtflow::tasks

@@ -8,7 +8,4 @@ namespace cvtflow::tasks {
 /// States of links first - 1 … last of a segment in a state vector, in the segment's window.
 [[nodiscard]] const double* window_of(Workspace& workspace, const double* state, int segment) noexcept;
 
-/// The same of the last evaluation, wherever the assembly at work has left it.
-[[nodiscard]] const double* stage_window(Workspace& workspace, int segment) noexcept;
-
 }  // namespace cvtflow::tasks

@@ -1,0 +1,128 @@
+#pragma once
+/// Sixteen floats side by side, for factors of matrices that only have to be good enough to converge with. As with Lanes, every lane is rounded by
+/// itself: results do not depend on the instruction set.
+
+#include "model/basis/lanes.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+inline constexpr int float_lanes = 16;
+/// In a vector of the processor there are twice as many floats as doubles.
+inline constexpr int native_floats = 2 * native_lanes;
+
+/// W floats, W a power of two. Wider than the processor's vectors: two halves.
+template <int W>
+struct Floats {
+    Floats<W / 2> low, high;
+
+    Floats() = default;
+    Floats(float value) noexcept : low(value), high(value) {}
+    Floats(const Floats<W / 2>& first, const Floats<W / 2>& second) noexcept : low(first), high(second) {}
+    void copy_to(float* to) const noexcept { low.copy_to(to), high.copy_to(to + W / 2); }
+
+    friend Floats operator+(const Floats& a, const Floats& b) noexcept { return {a.low + b.low, a.high + b.high}; }
+    friend Floats operator-(const Floats& a, const Floats& b) noexcept { return {a.low - b.low, a.high - b.high}; }
+    friend Floats operator*(const Floats& a, const Floats& b) noexcept { return {a.low * b.low, a.high * b.high}; }
+    friend Floats operator/(const Floats& a, const Floats& b) noexcept { return {a.low / b.low, a.high / b.high}; }
+    friend Floats operator-(const Floats& a) noexcept { return {-a.low, -a.high}; }
+    friend Floats sqrt(const Floats& a) noexcept { return {sqrt(a.low), sqrt(a.high)}; }
+};
+
+/// One vector of the processor.
+template <>
+struct Floats<native_floats> {
+    typedef float Vector __attribute__((vector_size(native_floats * sizeof(float))));
+    Vector v;
+
+    Floats() = default;
+    Floats(float value) noexcept : v(value - Vector{}) {}
+    Floats(Vector vector) noexcept : v(vector) {}
+    void copy_to(float* to) const noexcept { __builtin_memcpy(to, &v, sizeof v); }
+
+    friend Floats operator+(const Floats& a, const Floats& b) noexcept { return a.v + b.v; }
+    friend Floats operator-(const Floats& a, const Floats& b) noexcept { return a.v - b.v; }
+    friend Floats operator*(const Floats& a, const Floats& b) noexcept { return a.v * b.v; }
+    friend Floats operator/(const Floats& a, const Floats& b) noexcept { return a.v / b.v; }
+    friend Floats operator-(const Floats& a) noexcept { return -a.v; }
+    /// Correctly rounded, as IEEE 754 asks of every processor.
+    friend Floats sqrt(const Floats& a) noexcept {
+#if defined(__AVX512F__)
+        return _mm512_maskz_sqrt_ps(0xffff, a.v);
+#elif defined(__AVX2__)
+        return _mm256_sqrt_ps(a.v);
+#elif defined(__x86_64__)
+        return _mm_sqrt_ps(a.v);
+#else
+        Vector root;
+        for (int lane = 0; lane < native_floats; ++lane) root[lane] = __builtin_sqrtf(a.v[lane]);
+        return root;
+#endif
+    }
+};
+
+using FloatLanes = Floats<float_lanes>;
+
+template <int W>
+[[nodiscard]] inline Floats<W> load_floats(const float* from) noexcept {
+    if constexpr (W == native_floats) {
+        Floats<W> floats;
+        __builtin_memcpy(&floats.v, from, sizeof floats.v);
+        return floats;
+    } else {
+        return {load_floats<W / 2>(from), load_floats<W / 2>(from + W / 2)};
+    }
+}
+[[nodiscard]] inline FloatLanes load(const float* from) noexcept { return load_floats<float_lanes>(from); }
+
+/// `chosen` where a > b, else `otherwise`; false for NaN.
+template <int W>
+[[nodiscard]] inline Floats<W> chosen_where_greater(const Floats<W>& a, const Floats<W>& b, const Floats<W>& chosen, const Floats<W>& otherwise) noexcept {
+    if constexpr (W == native_floats) {
+        return a.v > b.v ? chosen.v : otherwise.v;
+    } else {
+        return {chosen_where_greater<W / 2>(a.low, b.low, chosen.low, otherwise.low), chosen_where_greater<W / 2>(a.high, b.high, chosen.high, otherwise.high)};
+    }
+}
+[[nodiscard]] inline FloatLanes select_greater(const FloatLanes& a, const FloatLanes& b, const FloatLanes& chosen, const FloatLanes& otherwise) noexcept {
+    return chosen_where_greater<float_lanes>(a, b, chosen, otherwise);
+}
+
+/// The larger of both; b if a is NaN.
+[[nodiscard]] inline FloatLanes larger(const FloatLanes& a, const FloatLanes& b) noexcept { return select_greater(a, b, a, b); }
+
+/// Half a vector of floats for every vector of doubles.
+typedef float HalfFloats __attribute__((vector_size(native_lanes * sizeof(float))));
+
+template <int... lane>
+[[nodiscard]] inline Floats<native_floats> joined(HalfFloats low, HalfFloats high, std::integer_sequence<int, lane...>) noexcept {
+    return Floats<native_floats>(__builtin_shufflevector(low, high, lane...));
+}
+template <int begin, int... lane>
+[[nodiscard]] inline HalfFloats half_of(Floats<native_floats> floats, std::integer_sequence<int, lane...>) noexcept {
+    return __builtin_shufflevector(floats.v, floats.v, (begin + lane)...);
+}
+
+/// Rounded to the nearest float.
+template <int W>
+[[nodiscard]] inline Floats<W> narrow(const Lanes<W>& lanes) noexcept {
+    if constexpr (W == native_floats) {
+        return joined(__builtin_convertvector(lanes.low.v, HalfFloats), __builtin_convertvector(lanes.high.v, HalfFloats), std::make_integer_sequence<int, W>{});
+    } else {
+        return {narrow<W / 2>(lanes.low), narrow<W / 2>(lanes.high)};
+    }
+}
+
+template <int W>
+[[nodiscard]] inline Lanes<W> widen(const Floats<W>& floats) noexcept {
+    if constexpr (W == native_floats) {
+        using Half = Lanes<native_lanes>;
+        constexpr auto all = std::make_integer_sequence<int, native_lanes>{};
+        return {Half(__builtin_convertvector(half_of<0>(floats, all), typename Half::Vector)), Half(__builtin_convertvector(half_of<native_lanes>(floats, all), typename Half::Vector))};
+    } else {
+        return {widen<W / 2>(floats.low), widen<W / 2>(floats.high)};
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::model
