@@ -7,6 +7,7 @@
 #include "tasks/method_choice.hpp"
 #include "tasks/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
+#include "tests/engine/executor/executor_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -30,9 +31,10 @@ TEST(FrictionLeapfrog, GivesTheSameBitsForEverySchedule) {
         };
         const std::uint64_t serial = with({"run.schedule=serial"});
         EXPECT_EQ(with({"run.schedule=barrier", "run.threads=2", "run.segments=3"}), serial);
+        EXPECT_EQ(with({"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial);
+        if (engine::test::thread_sanitizer) continue;   // it sees into neither oneTBB nor OpenMP
         EXPECT_EQ(with({"run.schedule=flow", "run.threads=2", "run.segments=7"}), serial);
         EXPECT_EQ(with({"run.schedule=flow_messages", "run.threads=2", "run.segments=2"}), serial);
-        EXPECT_EQ(with({"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial);
         EXPECT_EQ(with({"run.schedule=serial", "run.segments=84"}), serial);
     }
 }

@@ -14,6 +14,7 @@
 #include "tasks/method_choice.hpp"
 #include "tasks/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
+#include "tests/engine/executor/executor_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -230,9 +231,10 @@ TEST(FrictionImplicit, GivesTheSameBitsForEverySchedule) {
         };
         const std::uint64_t serial = with({"run.schedule=serial"});
         EXPECT_EQ(with({"run.schedule=barrier", "run.threads=2", "run.segments=3"}), serial) << method;
+        EXPECT_EQ(with({"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial) << method;
+        if (engine::test::thread_sanitizer) continue;   // it sees into neither oneTBB nor OpenMP
         EXPECT_EQ(with({"run.schedule=flow", "run.threads=2", "run.segments=7"}), serial) << method;
         EXPECT_EQ(with({"run.schedule=flow_messages", "run.threads=2", "run.segments=2"}), serial) << method;
-        EXPECT_EQ(with({"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial) << method;
         EXPECT_EQ(with({"run.schedule=serial", "run.segments=84"}), serial) << method;
     }
 }
