@@ -34,7 +34,7 @@ public:
     [[nodiscard]] const std::string& description() const noexcept;
     /// The scene as TOML with every key.
     [[nodiscard]] std::string text() const;
-    /// Value of a key, as TOML: value("run.step") is "5e-8". @throws Error (argument) for an unknown key
+    /// Value of a key, as TOML: value("run.step") is "2e-6". @throws Error (argument) for an unknown key
     [[nodiscard]] std::string value(const std::string& key) const;
 
 private:
