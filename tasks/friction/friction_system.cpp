@@ -91,14 +91,8 @@ void FrictionSystem::react(Workspace& w, int segment) const noexcept {
         const model::TipArms& p = field_.arms[at(link)];
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (w.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
-            const int side = corner % 2;
             const double fx = *impulses_.at(3 * corner, link + 1), fy = *impulses_.at(3 * corner + 1, link + 1), fz = *impulses_.at(3 * corner + 2, link + 1);
-            load.fx[side] -= fx;
-            load.fy[side] -= fy;
-            load.fz[side] -= fz;
-            load.mx[side] -= p.y[corner] * fz - p.z[corner] * fy;
-            load.my[side] -= p.z[corner] * fx - p.x[corner] * fz;
-            load.mz[side] -= p.x[corner] * fy - p.y[corner] * fx;
+            load.add(corner % 2, -fx, -fy, -fz, p.x[corner], p.y[corner], p.z[corner]);
         }
     }
 }

@@ -185,16 +185,10 @@ void ImplicitLeapfrog::react(int number) noexcept {
         const model::TipArms& p = field_.arms[at(link)];
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (w_.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
-            const int side = corner % 2, row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
+            const int row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
             const double first = impulses.at(2 * corner)[lane], second = impulses.at(2 * corner + 1)[lane];
             const auto along = [&](int axis) { return g.tips.at(row + axis)[lane] * first + g.tips.at(row + 3 + axis)[lane] * second; };
-            const double fx = along(0), fy = along(1), fz = along(2);   // on the sheave
-            load.fx[side] += fx;
-            load.fy[side] += fy;
-            load.fz[side] += fz;
-            load.mx[side] += p.y[corner] * fz - p.z[corner] * fy;
-            load.my[side] += p.z[corner] * fx - p.x[corner] * fz;
-            load.mz[side] += p.x[corner] * fy - p.y[corner] * fx;
+            load.add(corner % 2, along(0), along(1), along(2), p.x[corner], p.y[corner], p.z[corner]);   // on the sheave
         }
     }
 }
