@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
-#include <cstdint>
 
 #include "model/kernels/kernels.hpp"
 
@@ -16,9 +15,6 @@ constexpr int line = 8;   // doubles of a cache line
 
 Columns::Columns(int components, int columns) : stride_((columns + line - 1 + line - 1) / line * line + line) {
     memory_.assign(static_cast<std::size_t>(components * stride_ + 2 * line), 0.0);
-    data_ = memory_.data();
-    while (reinterpret_cast<std::uintptr_t>(data_) % (line * sizeof(double)) != 0) ++data_;
-    data_ += before_first;
 }
 
 ContactField::ContactField(const ChainModel& chain)
@@ -59,6 +55,6 @@ FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
       axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 2)), by_phase_(by_phase),
       kernels_(kernels_of(chain.isa()).friction(chain.layout().order)) {}
 
-int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 4) * joint_stride(links) + line; }
+int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 4) * joint_stride(links); }
 
 }  // namespace cvtflow::model

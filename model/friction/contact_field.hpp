@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "model/basis/aligned.hpp"
 #include "model/chain_model.hpp"
 
 namespace cvtflow::model {
@@ -41,15 +42,14 @@ public:
     Columns() = default;
     Columns(int components, int columns);
 
-    [[nodiscard]] double* at(std::ptrdiff_t component, std::ptrdiff_t column) noexcept { return data_ + component * stride_ + column; }
-    [[nodiscard]] const double* at(std::ptrdiff_t component, std::ptrdiff_t column) const noexcept { return data_ + component * stride_ + column; }
+    [[nodiscard]] double* at(std::ptrdiff_t component, std::ptrdiff_t column) noexcept { return data() + component * stride_ + column; }
+    [[nodiscard]] const double* at(std::ptrdiff_t component, std::ptrdiff_t column) const noexcept { return data() + component * stride_ + column; }
     [[nodiscard]] int stride() const noexcept { return static_cast<int>(stride_); }
-    [[nodiscard]] const double* data() const noexcept { return data_; }
-    [[nodiscard]] double* data() noexcept { return data_; }
+    [[nodiscard]] const double* data() const noexcept { return memory_.data() + before_first; }
+    [[nodiscard]] double* data() noexcept { return memory_.data() + before_first; }
 
 private:
-    std::vector<double> memory_;
-    double* data_ = nullptr;
+    LineVector<double> memory_;
     std::ptrdiff_t stride_ = 0;
 };
 

@@ -17,7 +17,6 @@
 /// other joint of those at the stretches' ends, and so on until one is left; and back.
 
 #include <array>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -33,18 +32,12 @@ template <class Number>
 class RowsOf {
 public:
     RowsOf() = default;
-    explicit RowsOf(int rows) : memory_(static_cast<std::size_t>(rows * slip_lanes) + line, Number(0)), data_(memory_.data()) {
-        while (reinterpret_cast<std::uintptr_t>(data_) % (line * sizeof(Number)) != 0) ++data_;
-    }
-    RowsOf(RowsOf&&) noexcept = default;
-    RowsOf& operator=(RowsOf&&) noexcept = default;
-    [[nodiscard]] Number* at(int row) noexcept { return data_ + row * slip_lanes; }
-    [[nodiscard]] const Number* at(int row) const noexcept { return data_ + row * slip_lanes; }
+    explicit RowsOf(int rows) : memory_(static_cast<std::size_t>(rows * slip_lanes), Number(0)) {}
+    [[nodiscard]] Number* at(int row) noexcept { return memory_.data() + row * slip_lanes; }
+    [[nodiscard]] const Number* at(int row) const noexcept { return memory_.data() + row * slip_lanes; }
 
 private:
-    static constexpr std::size_t line = 64 / sizeof(Number);
-    std::vector<Number> memory_;
-    Number* data_ = nullptr;
+    LineVector<Number> memory_;
 };
 using LaneRows = RowsOf<double>;
 using FloatRows = RowsOf<float>;
