@@ -161,10 +161,7 @@ private:
             const F x_before = load(before + k * slip_lanes), x_next = load(next + k * slip_lanes);
             for (int row = 0; row < size(); ++row) y[row] = y[row] - get(from, step().panel(row, k)) * x_before - get(from, step().panel(row, size() + k)) * x_next;
         }
-        for (int row = 0; row < size(); ++row) y[row] = y[row] * get(from, step().factor(row, row));
-        for (int k = size() - 1; k > 0; --k) {
-            for (int row = 0; row < k; ++row) y[row] = y[row] - get(from, step().factor(k, row)) * y[k];
-        }
+        back_substitute(y, size(), [&](int row, int column) { return get(from, step().factor(row, column)); });
         for (int row = 0; row < size(); ++row) choose(missing, load(before + row * slip_lanes), y[row]).copy_to(to + row * slip_lanes);
     }
 

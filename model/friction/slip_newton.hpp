@@ -53,10 +53,7 @@ public:
             const F x = load(unknowns + k * slip_lanes);
             for (int row = 0; row < local(); ++row) y[row] = y[row] - panel(row, k) * x;
         }
-        for (int row = 0; row < local(); ++row) y[row] = y[row] * factor(row, row);
-        for (int k = local() - 1; k > 0; --k) {
-            for (int row = 0; row < k; ++row) y[row] = y[row] - factor(k, row) * y[k];
-        }
+        back_substitute(y, local(), [this](int row, int column) { return factor(row, column); });
         for (int contact = 0; contact < locals(); ++contact) step(contact, y[2 * contact], y[2 * contact + 1]);
     }
 

@@ -56,6 +56,15 @@ inline void ldl(FloatLanes* m, int size) noexcept {
     }
 }
 
+/// y ← L⁻ᵀ D⁻¹ y. @param factor (row, column ≤ row): L, and D⁻¹ on its diagonal
+template <class Factor>
+[[gnu::always_inline]] inline void back_substitute(FloatLanes* y, int size, const Factor& factor) noexcept {
+    for (int row = 0; row < size; ++row) y[row] = y[row] * factor(row, row);
+    for (int k = size - 1; k > 0; --k) {
+        for (int row = 0; row < k; ++row) y[row] = y[row] - factor(k, row) * y[k];
+    }
+}
+
 /// to = from - aᵀ b by tiles, rows of floats throughout; Lower: only those that reach below the diagonal. Depth: rows of a and b.
 /// @param from may be `to`; nullptr: zero
 template <int Depth, int Rows, int Columns, bool Lower>
