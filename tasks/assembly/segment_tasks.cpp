@@ -170,6 +170,12 @@ void copy_window(const Workspace& w, const Segment& own, const double* state, do
     copy(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
 }
 
+const double* window_of(Workspace& w, const double* state, int segment) noexcept {
+    double* window = w.windows[at(segment)].data();
+    copy_window(w, w.partition[segment], state, window);
+    return window;
+}
+
 void evaluate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();

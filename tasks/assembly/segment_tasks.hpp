@@ -11,6 +11,9 @@ void fill_window(Workspace& workspace, const Segment& own, double* window) noexc
 /// The same of a state vector, as it is: at the step's end, say.
 void copy_window(const Workspace& workspace, const Segment& own, const double* state, double* window) noexcept;
 
+/// The same in the segment's own window, which is returned.
+[[nodiscard]] const double* window_of(Workspace& workspace, const double* state, int segment) noexcept;
+
 /// Stage state of the segment and its halo, forces, slope of its links.
 void evaluate_segment(void* workspace, int segment) noexcept;
 /// Result of the step for its links; their tips at the step's end.

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "tasks/assembly/segment_tasks.hpp"
 #include "tasks/friction/index.hpp"
-#include "tasks/friction/stage_window.hpp"
 
 namespace cvtflow::tasks {
 

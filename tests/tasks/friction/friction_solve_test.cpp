@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "engine/graph/race_check.hpp"
-#include "tasks/friction/stage_window.hpp"
+#include "tasks/assembly/segment_tasks.hpp"
 #include "tasks/implicit/method_trial.hpp"
 #include "tasks/method_choice.hpp"
 #include "tasks/simulation.hpp"
