@@ -267,6 +267,7 @@ double Simulation::Impl::largest_stable_step() {
 
 double Simulation::Impl::step_length() const noexcept {
     const double interval = data().run.output_interval;
+    if (data().run.step.automatic()) return simulation_.step() > 0.0 ? simulation_.step() : simulation_.automatic_step();
     return interval / std::max(1.0, std::ceil(interval / data().run.step * (1.0 - 1e-12)));
 }
 

@@ -11,7 +11,7 @@ namespace cvtflow::api {
 
 namespace {
 
-constexpr std::string_view magic = "CVTFLOW1";
+constexpr std::string_view magic = "CVTFLOW2";
 
 [[noreturn]] void reject(const char* why) { throw Error(ErrorCode::state, std::string("saved state: ") + why); }
 
@@ -77,8 +77,9 @@ void visit(Stream& stream, Record& record) {
     stream(held.angle);
     stream(state.started);
     stream(state.settling);
-    for (auto* value : {&state.time, &state.begin, &state.output_interval, &state.step, &state.next_step}) stream(*value);
+    for (auto* value : {&state.time, &state.begin, &state.output_interval, &state.step, &state.next_step, &state.settling_suspicion, &state.settling_residual}) stream(*value);
     stream(state.grid_number);
+    stream(state.grid_steps);
     stream(state.outputs);
     stream(state.counters);
     stream(state.state);
@@ -86,6 +87,8 @@ void visit(Stream& stream, Record& record) {
     stream(state.changed);
     stream(state.before);
     stream(state.method);
+    stream(state.energy);
+    stream(state.step_choice);
 }
 
 [[nodiscard]] std::uint64_t checksum(std::span<const std::byte> bytes) { return engine::Hash().add(bytes).value(); }

@@ -119,6 +119,7 @@ void Observer::observe_pulleys(double t, const double* state, const Phase* phase
     o.work = pulleys.works(block, inputs);
     o.torque = {inputs.drive_torque, inputs.load_torque};
     o.clamping = inputs.clamping;
+    o.control_limited = inputs.control_limited;
     for (std::size_t sheave = 0; sheave < 4; ++sheave) o.axial_force[sheave] = forces[sheave][4];
     for (int shaft = 0; shaft < 2; ++shaft) {
         const std::size_t k = static_cast<std::size_t>(shaft);
@@ -134,20 +135,9 @@ void Observer::observe_pulleys(double t, const double* state, const Phase* phase
 
 double Observer::kinetic(const double* state) const noexcept {
     const ChainLayout& at = variator_.layout();
-    const LinkInertia& inertia = variator_.chain().inertia();
-    const int lateral = 2 * at.lateral();
-    const auto form = [](const double* matrix, const double* v, int size) {
-        double value = 0.0;
-        for (int row = 0; row < size; ++row) {
-            for (int column = 0; column < size; ++column) value += v[row] * matrix[row * size + column] * v[column];
-        }
-        return value;
-    };
     double energy = 0.0;
     for (int link = 0; link < at.links; ++link) {
-        const double* v = state + at.link_begin(link) + at.link_size();
-        energy += 0.5 * (form(inertia.lateral_matrix.data(), v, lateral) + form(inertia.lateral_matrix.data(), v + lateral, lateral) +
-                         form(inertia.axial_matrix.data(), v + 2 * lateral, 4));
+        energy += kinetic_energy(variator_.chain().inertia(), state + at.link_begin(link) + at.link_size(), 2 * at.lateral());
     }
     return at.pulley_size != 0 ? energy + variator_.pulleys().kinetic(state + at.pulley_begin()) : energy;
 }

@@ -36,11 +36,32 @@ void energy(const Instant& now, double* out) { *out = now.observation.account.en
 template <std::size_t Kind>
 void work(const Instant& now, double* out) { *out = now.observation.work[Kind]; }
 
+/// Sums of works and losses up to the instant.
+[[nodiscard]] EnergySums sums(const Instant& now) { return now.workspace.energy.sums(now.observation.time); }
+
+/// Of the instant where no output lies before it.
 void efficiency(const Instant& now, double* out) {
-    const Observation& o = now.observation;
-    const double in = -o.chain_torque[0] * o.speed[0];
-    *out = in != 0.0 ? o.chain_torque[1] * o.speed[1] / in : 0.0;
+    *out = now.workspace.energy.efficiency();
+    if (std::isfinite(*out)) return;
+    EnergySums powers;
+    powers.loss = now.observation.account.loss;
+    powers.work = now.observation.work;
+    *out = powers.efficiency_since({});
+    if (!std::isfinite(*out)) *out = 0.0;
 }
+template <std::size_t Shaft>
+void chain_torque(const Instant& now, double* out) {
+    *out = now.workspace.energy.chain_torque()[Shaft];
+    if (!std::isfinite(*out)) *out = now.observation.chain_torque[Shaft];
+}
+template <std::size_t Kind>
+void dissipated(const Instant& now, double* out) { *out = sums(now).loss[Kind]; }
+void dissipated_total(const Instant& now, double* out) { *out = sums(now).lost(); }
+template <std::size_t Kind>
+void done(const Instant& now, double* out) { *out = sums(now).work[Kind]; }
+void residual(const Instant& now, double* out) { *out = now.workspace.energy.balance().relative(); }
+void suspicion(const Instant& now, double* out) { *out = now.workspace.energy.suspicion(); }
+void control_limited(const Instant& now, double* out) { *out = now.observation.control_limited ? 1.0 : 0.0; }
 void thrust_ratio(const Instant& now, double* out) {
     const Observation& o = now.observation;
     *out = o.clamping[1] != 0.0 ? o.clamping[0] / o.clamping[1] : 0.0;
@@ -75,8 +96,8 @@ constexpr Channel table[] = {
     {"shaft_2/angle", "rad", "angle of the driven shaft", "", one, element<&O::angle, 1>},
     {"shaft_1/torque", "N*m", "torque of the drive on the driving shaft", "", one, element<&O::torque, 0>},
     {"shaft_2/torque", "N*m", "torque of the load on the driven shaft (negative brakes)", "", one, element<&O::torque, 1>},
-    {"shaft_1/chain_torque", "N*m", "torque of the chain on the driving sheaves", "", one, element<&O::chain_torque, 0>},
-    {"shaft_2/chain_torque", "N*m", "torque of the chain on the driven sheaves", "", one, element<&O::chain_torque, 1>},
+    {"shaft_1/chain_torque", "N*m", "torque of the chain on the driving sheaves, mean since the last output (their change of momentum)", "", one, chain_torque<0>},
+    {"shaft_2/chain_torque", "N*m", "torque of the chain on the driven sheaves, mean since the last output (their change of momentum)", "", one, chain_torque<1>},
     {"shaft_1/clamping", "N", "clamping force S_1 of the driving sheaves", "", one, element<&O::clamping, 0>},
     {"shaft_2/clamping", "N", "clamping force S_2 of the driven sheaves", "", one, element<&O::clamping, 1>},
     {"shaft_1/radius", "m", "mean running radius of the pins between the driving sheaves", "", one, element<&O::radius, 0>},
@@ -88,7 +109,7 @@ constexpr Channel table[] = {
     {"sheaves/axial_force", "N", "axial force of all tips on sheaves 1-, 1+, 2-, 2+", "sheave", four, list<&O::axial_force>},
     {"ratio", "1", "speed ratio: driving over driven", "", one, scalar<&O::ratio>},
     {"slip", "1", "creep of the contacts on both pulleys: 1 - (pins/shaft on the driving side) (shaft/pins on the driven side), angular speeds", "", one, scalar<&O::slip>},
-    {"efficiency", "1", "power that the chain brings to the driven shaft over power that it takes from the driving one, of the instant", "", one, efficiency},
+    {"efficiency", "1", "1 - losses/input over the last whole pin period (input: works of those inputs that brought energy)", "", one, efficiency},
     {"thrust_ratio", "1", "S_1/S_2", "", one, thrust_ratio},
     {"chain_speed", "m/s", "mean speed of the pins along the chain", "", one, scalar<&O::chain_speed>, false},
     {"tight_tension", "N", "mean plate tension of the strand that the driving sheaves pull (ring: of all links)", "", one, scalar<&O::tight>, false},
@@ -119,6 +140,22 @@ constexpr Channel table[] = {
     {"power/drive", "W", "power of the drive", "", one, work<0>},
     {"power/load", "W", "power of the load (negative: taken out)", "", one, work<1>},
     {"power/clamping", "W", "power of the clamping forces", "", one, work<2>},
+    {"dissipated/inner", "J", "energy dissipated inside pin halves and plate packs so far", "", one, dissipated<0>, false},
+    {"dissipated/plate_damping", "J", "energy dissipated by damping of plates so far", "", one, dissipated<1>, false},
+    {"dissipated/plate_friction", "J", "energy dissipated by friction of plates on pins so far", "", one, dissipated<2>, false},
+    {"dissipated/joint_damping", "J", "energy dissipated by damping of joints so far", "", one, dissipated<3>, false},
+    {"dissipated/joint_friction", "J", "energy dissipated by friction in joints so far", "", one, dissipated<4>, false},
+    {"dissipated/tip_damping", "J", "energy dissipated by damping of tip contacts so far", "", one, dissipated<5>},
+    {"dissipated/tip_friction", "J", "energy dissipated by friction of tips on sheaves so far", "", one, dissipated<6>},
+    {"dissipated/supports", "J", "energy dissipated in bearings and sheave attachments so far", "", one, dissipated<7>},
+    {"dissipated/cylinder", "J", "energy dissipated in the hydraulic cylinders so far", "", one, dissipated<8>},
+    {"dissipated/total", "J", "energy dissipated so far", "", one, dissipated_total, false},
+    {"work/drive", "J", "work of the drive so far", "", one, done<0>},
+    {"work/load", "J", "work of the load so far (negative: taken out)", "", one, done<1>},
+    {"work/clamping", "J", "work of the clamping forces so far", "", one, done<2>},
+    {"control/limited", "1", "1 while ratio control asks for more than its authority", "", one, control_limited},
+    {"balance/residual", "1", "|change of stored energy - work + losses| over the losses so far", "", one, residual, false},
+    {"balance/suspicion", "1", "residual over what an honest integration may leave; above 1 the results are unreliable", "", one, suspicion, false},
     {"run/steps", "1", "steps so far", "", one, count<&Counters::steps>, false},
     {"run/evaluations", "1", "evaluations of the right-hand side so far", "", one, count<&Counters::evaluations>, false},
     {"run/transitions", "1", "transitions of phase so far", "", one, count<&Counters::detected>, false},

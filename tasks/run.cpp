@@ -12,7 +12,6 @@
 #include "engine/record/state_file.hpp"
 #include "model/kernels/contraction.hpp"
 #include "tasks/run_recorder.hpp"
-#include "tasks/step_advice.hpp"
 
 namespace cvtflow::tasks {
 
@@ -85,6 +84,17 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
     report.wall = from.history.wall;
 }
 
+/// What the method is stable for where the run begins; said if the step is beyond.
+void foretell(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
+    AutoStep advice(simulation.variator(), scene.run.method);
+    (void)advice.longest(simulation.time(), simulation.state(), simulation.phases().data());
+    report.stable_step = advice.stable_step();
+    report.step = scene.run.step;
+    if (!report.beyond_stability() || !options.notice) return;
+    options.notice(fmt::format("run.step = {:.3g} s is beyond what {} is stable for here ({:.3g} s): run.step = \"auto\" takes {:.3g} s", report.step,
+                               scene.run.method, report.stable_step, simulation.automatic_step()));
+}
+
 /// Settling, if the start needs it, and the run.
 void run_parts(const Scene& scene, const RunOptions& options, Simulation& simulation, RunRecorder& recorder, RunReport& report) {
     const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
@@ -98,7 +108,7 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
     if (report.fault) return;
     const auto started = std::chrono::steady_clock::now();
     if (!simulation.integration_state().started) report.begin = simulation.time();
-    report.stable_step = largest_stable_step(simulation.variator(), scene.run.method, simulation.time(), simulation.state(), simulation.phases());
+    foretell(scene, options, simulation, report);
     report.fault = Keeper(scene, options, simulation, recorder).go(scene.run.until, cancel, report);
     report.counters = simulation.counters();
     report.local_errors = simulation.local_errors();
@@ -113,6 +123,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
     report.method = scene.run.method;
+    report.step_setting = scene.run.step;
     report.step_control = scene.run.step_control;
     report.tolerance = scene.run.tolerance;
     report.kernels = model::name_of(simulation.variator().chain().isa());
@@ -123,6 +134,10 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     run_parts(scene, options, simulation, recorder, report);
     report.end = simulation.time();
     report.step = simulation.step();
+    if (simulation.step_choice() != nullptr) report.stable_step = simulation.step_choice()->stable_step();
+    report.energy = simulation.energy().balance();
+    report.suspicion = simulation.suspicion();
+    report.settling_residual = simulation.integration_state().settling_residual;
     report.method_report = simulation.method_report();
     report.schedule = simulation.runner().text();
     report.hash = simulation.hash();
@@ -131,7 +146,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     return report;
 }
 
-void settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options) {
+double settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options) {
     Scene unsettled = scene;
     unsettled.state_file.clear();
     const engine::Cancellation& cancel = options.cancel != nullptr ? *options.cancel : never;
@@ -140,12 +155,18 @@ void settle_scene(const Scene& scene, const std::string& state_file, const RunOp
     quiet.file.clear();
     RunRecorder recorder(unsettled, simulation, quiet);
     recorder.begin_part(-unsettled.parameters.start.settling_time, 0.0);
-    if (!simulation.needs_settling()) return engine::write_state(state_file, simulation.saved_state());
-    if (const Fault fault = simulation.settle(recorder, cancel)) throw SettlingFault(fault);
+    if (simulation.needs_settling()) {
+        if (const Fault fault = simulation.settle(recorder, cancel)) throw SettlingFault(fault);
+    }
     engine::write_state(state_file, simulation.saved_state());
+    return simulation.suspicion();
 }
 
 namespace {
+
+std::string periods_text(const SpanMeans& means) {
+    return means.periods > 0.0 ? fmt::format("{:.0f} pin periods", means.periods) : "less than a pin period";
+}
 
 std::string operating_point(const RunReport& r) {
     std::string text;
@@ -162,8 +183,10 @@ std::string operating_point(const RunReport& r) {
          r.clamping[1] != 0.0 ? r.clamping[0] / r.clamping[1] : 0.0);
     line("axial tip forces    1-{:9.1f}  1+{:9.1f}  2-{:9.1f}  2+{:9.1f} N", r.axial_force[0], r.axial_force[1], r.axial_force[2], r.axial_force[3]);
     line("speed ratio         {:.5f}   (first fifth {:.5f}, last fifth {:.5f})", r.ratio, r.ratio_begin, r.ratio_end);
-    const bool steady = r.efficiency > 0.0 && r.efficiency < 1.02;   // else shafts are still speeding up or braking
-    line("slip                {:.3f} %      efficiency {}", 100.0 * r.slip, steady ? fmt::format("{:.2f} %", 100.0 * r.efficiency) : "- (not steady)");
+    const auto percent = [](const SpanMeans& means) { return std::isfinite(means.efficiency) ? fmt::format("{:.2f} %", 100.0 * means.efficiency) : std::string("- (no input)"); };
+    line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * r.slip, percent(r.whole), periods_text(r.whole));
+    line("last fifth          slip {:.3f} %      efficiency {}      tight {:.1f} N      slack {:.1f} N", 100.0 * r.last_fifth.slip, percent(r.last_fifth), r.last_fifth.tight,
+         r.last_fifth.slack);
     return text;
 }
 
@@ -171,14 +194,23 @@ std::string operating_point(const RunReport& r) {
 
 namespace {
 
-/// Said when the step is the likely reason of a fault, or beyond what the method can take: chattering friction looks plausible and is wrong.
-std::string stability_line(const RunReport& r) {
-    const bool unstable = r.fault.kind == FaultKind::non_finite || r.fault.kind == FaultKind::blow_up || r.fault.kind == FaultKind::penetration ||
-                          r.fault.kind == FaultKind::left_sheave;
+/// Step, and up to which one the method is stable.
+std::string step_text(const RunReport& r) {
     const bool known = r.stable_step > 0.0 && std::isfinite(r.stable_step);
-    if (!known || (r.step <= beyond_stability * r.stable_step && !unstable)) return "";
-    return fmt::format("  stable step         {} is stable for steps up to {:.2g} s here (estimate){}\n", r.method, r.stable_step,
-                       r.step > beyond_stability * r.stable_step ? "; this step is beyond" : "");
+    const std::string limit = known ? fmt::format("stable up to about {:.3g} s", r.stable_step) : "linear stability sets no limit";
+    if (r.step_setting.automatic()) return fmt::format("{:.4g} s (auto; {})", r.step, limit);
+    const bool shortened = r.step < r.step_setting * (1.0 - 1e-9) && r.step_control != StepControl::error;
+    return fmt::format("{:.4g} s ({}{})", r.step, shortened ? fmt::format("shortened from {:.4g} s to divide the time between outputs; ", r.step_setting.value) : "", limit) +
+           (r.beyond_stability() ? " BEYOND STABILITY" : "");
+}
+
+/// The energy balance, and what is odd.
+std::string trust_lines(const RunReport& r) {
+    std::string text = fmt::format("  energy balance      residual {:.3g} J, {:.2g} of what was dissipated ({:.3g} J)", r.energy.residual(), r.energy.relative(), r.energy.loss);
+    if (r.settled) text += fmt::format("; settling {:.2g}", r.settling_residual);
+    text += r.reliable() ? "\n" : "\n  " + unreliable_text(r) + "\n";
+    for (const Note& note : r.notes) text += fmt::format("  note                {}\n", note.text);
+    return text;
 }
 
 /// What was asked about local errors and what came out; empty if nothing was.
@@ -192,16 +224,21 @@ std::string error_lines(const RunReport& r) {
 
 }  // namespace
 
+std::string unreliable_text(const RunReport& r) {
+    return fmt::format("unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; a shorter step is needed (run.step = \"auto\", or less)",
+                       r.suspicion);
+}
+
 std::string summary(const RunReport& r) {
     const double simulated = r.end - r.begin;
-    std::string text = fmt::format("{}\n", r.fault ? "stopped: " + r.fault.message() : fmt::format("finished at t = {:.6g} s", r.end));
+    std::string text = fmt::format("{}\n", r.fault ? "stopped: " + r.fault.message() : fmt::format("{} at t = {:.6g} s", r.status(), r.end));
     for (const std::string& difference : r.start_differences) text += "  start state: " + difference + "\n";
     if (r.settled) text += fmt::format("  settled             {} steps, {} evaluations, {:.2f} s of wall time\n", r.settling.steps, r.settling.evaluations, r.settling_wall);
     if (r.outputs > 0) text += operating_point(r);
-    text += fmt::format("  method              {}, step {:.4g} s: {} steps, {} evaluations\n", r.method, r.step, r.counters.steps, r.counters.evaluations);
+    text += fmt::format("  method              {}, step {}: {} steps, {} evaluations\n", r.method, step_text(r), r.counters.steps, r.counters.evaluations);
     text += error_lines(r);
+    text += trust_lines(r);
     if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
-    text += stability_line(r);
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  kernels             {}, working set {} KiB\n", r.kernels, (r.working_set + 1023) / 1024);
     text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated, r.counters.suppressed);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tasks/checkpoint/checkpoint.hpp"
+#include "tasks/run_means.hpp"
 #include "tasks/simulation.hpp"
 
 namespace cvtflow::tasks {
@@ -25,17 +26,24 @@ struct RunOptions {
     const engine::Cancellation* cancel = nullptr;
     std::string checkpoint;                             ///< file to write checkpoints to; empty: none
     double checkpoint_every = 0.0;                      ///< wall time between checkpoints, at output times; 0: only if the run ends early [s]
+    std::function<void(const std::string&)> notice;     ///< told what is odd before the run begins
     const Checkpoint* from = nullptr;                   ///< to go on from; `file` is then the record to go on with
 };
 
 /// Mean values over the outputs with t ≥ 0, and what the run took.
 struct RunReport {
     Fault fault;
+    EnergyBalance energy;                 ///< of the run, without settling
+    double suspicion = 0.0;               ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable
+    double settling_residual = 0.0;       ///< relative residual of the energy balance of settling
+    SpanMeans whole, last_fifth;          ///< over the outputs of the run
+    std::vector<Note> notes;              ///< what is odd about results that are right
     bool settled = false;                 ///< whether the run began with settling
     std::vector<std::string> start_differences;
     double begin = 0.0, end = 0.0;        ///< simulated time, after settling [s]
-    double step = 0.0;                    ///< [s]
-    double stable_step = 0.0;             ///< largest that the method is stable for where the run began (stable_step.hpp); 0: not asked [s]
+    double step = 0.0;                    ///< last one in use [s]
+    AutoNumber step_setting;              ///< run.step
+    double stable_step = 0.0;             ///< largest that the method is stable for: where the run began, or where an automatic step was last chosen; 0: not asked [s]
     std::string method;
     std::string method_report;            ///< what the method did, one line; empty: nothing to say
     std::string schedule;                 ///< what ran it, and why if it was chosen
@@ -57,16 +65,25 @@ struct RunReport {
     std::array<double, 2> clamping{};     ///< mean [N]
     std::array<double, 2> radius{};       ///< mean [m]
     std::array<double, 4> axial_force{};  ///< mean, on sheaves 1-, 1+, 2-, 2+ [N]
-    double slip = 0.0, efficiency = 0.0;  ///< efficiency: mean power to the driven shaft over mean power from the driving one
+    double slip = 0.0;
     double ratio_begin = 0.0, ratio_end = 0.0;   ///< means over the first and the last fifth
     double ratio = 0.0;
     bool has_pulleys = true;
+
+    [[nodiscard]] bool reliable() const noexcept { return suspicion <= 1.0; }
+    /// "finished", "unreliable", or the fault's name: unreliable results of a run that also ended early are called so by its summary.
+    [[nodiscard]] std::string status() const { return fault ? fault.name() : reliable() ? "finished" : "unreliable"; }
+    /// Whether run.step was given and is beyond what the method is stable for.
+    [[nodiscard]] bool beyond_stability() const noexcept { return !step_setting.automatic() && step > stable_step && stable_step > 0.0; }
 };
 
 /// Runs the scene to run.until. A fault ends the run with what was recorded so far on file and is part of the report.
 /// A run that ends early (cancelled, budget) leaves a checkpoint if it may; a finished one takes its checkpoint away.
 /// @throws SimulationError, engine::RecordError, std::invalid_argument before the run; engine::RecordError during it (disk full)
 [[nodiscard]] RunReport run_scene(const Scene& scene, const RunOptions& options);
+
+/// One line about a balance that does not close.
+[[nodiscard]] std::string unreliable_text(const RunReport& report);
 
 /// The report as lines of text for a person.
 [[nodiscard]] std::string summary(const RunReport& report);
@@ -79,7 +96,8 @@ public:
 };
 
 /// Settles a scene's geometric start and writes the state at t = 0.
+/// @return EnergyLedger::suspicion(): above 1 the state is wrong, which the file says as well
 /// @throws as run_scene; SettlingFault, and then writes nothing
-void settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options);
+double settle_scene(const Scene& scene, const std::string& state_file, const RunOptions& options);
 
 }  // namespace cvtflow::tasks

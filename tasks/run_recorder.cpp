@@ -71,7 +71,6 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
         if (options.from != nullptr) former_ = engine::set_aside(options.file);
         file_ = std::make_unique<engine::RunFile>(options.file, contents_);
     }
-    ratios_.reserve(static_cast<std::size_t>(std::max(0.0, scene.run.until / scene.run.output_interval)) + 2);
 }
 
 void RunRecorder::begin_part(double begin, double until) noexcept {
@@ -86,7 +85,7 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     }
     if (begin_ < 0.0) return;   // settling is not recorded
     const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.phases.data());
-    gather(now);
+    gather(now, workspace);
     if (file_) write(time, workspace, {now, workspace, counters, followed_pin_});
 }
 
@@ -112,7 +111,7 @@ void RunRecorder::transition(const TransitionRecord& record) {
     ++written_.tables[0];
 }
 
-void RunRecorder::gather(const model::Observation& now) {
+void RunRecorder::gather(const model::Observation& now, const Workspace& workspace) {
     ++outputs_;
     const auto add = [](auto& sum, const auto& values) { std::transform(sum.begin(), sum.end(), values.begin(), sum.begin(), std::plus<>()); };
     sums_.tight += now.tight;
@@ -124,9 +123,7 @@ void RunRecorder::gather(const model::Observation& now) {
     add(sums_.clamping, now.clamping);
     add(sums_.radius, now.radius);
     add(sums_.axial_force, now.axial_force);
-    power_in_ -= now.chain_torque[0] * now.speed[0];
-    power_out_ += now.chain_torque[1] * now.speed[1];
-    ratios_.push_back(now.ratio);
+    means_.add(now, workspace.energy.sums(now.time), workspace.pin_period());
 }
 
 namespace {
@@ -144,9 +141,9 @@ void for_every_sum(RunReport& sums, const Each& each) {
 std::vector<double> RunRecorder::position() {
     if (file_) file_->flush();
     std::vector<double> numbers{static_cast<double>(written_.rows), static_cast<double>(written_.states), static_cast<double>(written_.tables[0]),
-                                next_state_, static_cast<double>(outputs_), power_in_, power_out_};
+                                next_state_, static_cast<double>(outputs_)};
     for_every_sum(sums_, [&](double sum) { numbers.push_back(sum); });
-    numbers.insert(numbers.end(), ratios_.begin(), ratios_.end());
+    means_.save(numbers);
     return numbers;
 }
 
@@ -157,10 +154,8 @@ void RunRecorder::restore(const std::vector<double>& position) {
     written_ = {count(), count(), {count()}};
     next_state_ = take();
     outputs_ = static_cast<long>(take());
-    power_in_ = take();
-    power_out_ = take();
     for_every_sum(sums_, [&](double& sum) { sum = take(); });
-    ratios_.assign(next, position.data() + position.size());
+    (void)means_.load(next);
     if (!file_) return;
     if (former_.empty() && written_.rows > 0) throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is gone");
     if (former_.empty()) return;
@@ -185,16 +180,21 @@ void RunRecorder::finish(RunReport& report) {
     report.clamping = mean(sums_.clamping);
     report.radius = mean(sums_.radius);
     report.axial_force = mean(sums_.axial_force);
-    report.efficiency = power_in_ != 0.0 ? power_out_ / power_in_ : 0.0;
-    const auto average = [](auto first, auto last) { return first == last ? 0.0 : std::accumulate(first, last, 0.0) / static_cast<double>(last - first); };
-    const std::ptrdiff_t fifth = std::max<std::ptrdiff_t>(1, static_cast<std::ptrdiff_t>(ratios_.size()) / 5);
-    if (!ratios_.empty()) {
-        report.ratio_begin = average(ratios_.begin(), ratios_.begin() + fifth);
-        report.ratio_end = average(ratios_.end() - fifth, ratios_.end());
-        report.ratio = average(ratios_.begin(), ratios_.end());
-    }
+    report.whole = means_.all();
+    report.last_fifth = means_.last_fifth();
+    if (report.has_pulleys) report.notes = means_.notes();
+    report.ratio = report.whole.ratio;
+    report.ratio_begin = means_.first_fifth().ratio;
+    report.ratio_end = report.last_fifth.ratio;
     if (!file_) return;
     if (report.fault) file_->set_status(report.fault.message());
+    else if (!report.reliable()) file_->set_status(unreliable_text(report));
+    file_->set_attribute({"energy_residual", report.energy.residual()});
+    file_->set_attribute({"energy_residual_relative", report.energy.relative()});
+    file_->set_attribute({"energy_suspicion", report.suspicion});
+    std::string notes;
+    for (const Note& note : report.notes) notes += (notes.empty() ? "" : "; ") + std::string(note.name);
+    file_->set_attribute({"notes", notes});
     file_->set_attribute({"state_hash", engine::hex(report.hash)});
     file_->set_attribute({"wall_seconds", report.wall});
     file_->close();

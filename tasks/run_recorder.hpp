@@ -28,7 +28,7 @@ public:
     void begin_part(double begin, double until) noexcept;
 
 private:
-    void gather(const model::Observation& now);
+    void gather(const model::Observation& now, const Workspace& workspace);
     void write(double time, const Workspace& workspace, const Instant& instant);
 
     const RunOptions& options_;
@@ -47,8 +47,7 @@ private:
 
     long outputs_ = 0;
     RunReport sums_;
-    double power_in_ = 0.0, power_out_ = 0.0;
-    std::vector<double> ratios_;
+    RunMeans means_;
 };
 
 }  // namespace cvtflow::tasks

@@ -37,6 +37,17 @@ std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) 
     return method;
 }
 
+/// Of a saved state: what its energy balance said (EnergyLedger::suspicion). Whoever starts from a wrong state gets wrong results.
+constexpr std::string_view suspicion_attribute = "energy_suspicion";
+
+double suspicion_of(const engine::SavedState& saved) {
+    for (const engine::Attribute& attribute : saved.attributes) {
+        if (attribute.name != suspicion_attribute) continue;
+        if (const auto* value = std::get_if<double>(&attribute.value)) return *value;
+    }
+    return 0.0;
+}
+
 const std::string* text_attribute(const engine::SavedState& saved, std::string_view name) {
     for (const engine::Attribute& attribute : saved.attributes) {
         if (attribute.name == name) return std::get_if<std::string>(&attribute.value);
@@ -92,6 +103,7 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
         runner_.forget_graphs();
     }
     counters_ = {};
+    rest_.settling_suspicion = rest_.settling_residual = 0.0;
     start_differences_.clear();
     needs_settling_ = false;
     if (saved != nullptr) take_state(*saved);
@@ -141,6 +153,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
     if (at.ledger && beyond >= ledger_size) std::copy(behind + had_control, saved.state.end(), workspace_->states[0] + at.ledger_begin());
     const bool stick_slip = scene_.parameters.detail.stick_slip;
     std::transform(saved.phases.begin(), saved.phases.end(), workspace_->phases.begin(), [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
+    rest_.settling_suspicion = suspicion_of(saved);
     time_ = saved.time;   // inputs and the governor's angle go on from there
 }
 
@@ -163,16 +176,20 @@ Fault Simulation::drive(StepController& controller) {
 
 namespace {
 
-StepSettings step_settings(const RunSettings& run, double begin, double until, double interval, const bool* pause) {
-    return {begin, until, run.step, interval, run.max_steps, run.max_wall, run.step_control, run.tolerance, pause};
+StepSettings step_settings(const RunSettings& run, double begin, double until, double interval, AutoStep* choice, const bool* pause) {
+    return {begin, until, run.step, interval, run.max_steps, run.max_wall, run.step_control, run.tolerance, choice, pause};
 }
 
 }  // namespace
 
+double Simulation::automatic_step() const {
+    return AutoStep(workspace_->variator, scene_.run.method).longest(time_, state(), phases().data());
+}
+
 StepSettings Simulation::settling_settings() const {
     const double duration = scene_.parameters.start.settling_time;
     const double intervals = std::max(1.0, std::ceil(duration / scene_.run.output_interval * (1.0 - 1e-12)));
-    return step_settings(scene_.run, -duration, 0.0, duration / intervals, pause_);
+    return step_settings(scene_.run, -duration, 0.0, duration / intervals, choice_.get(), pause_);
 }
 
 Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& cancel) {
@@ -184,6 +201,8 @@ Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& canc
 void Simulation::end_settling() {
     needs_settling_ = false;
     time_ = 0.0;
+    rest_.settling_suspicion = workspace_->energy.suspicion();
+    rest_.settling_residual = workspace_->energy.balance().relative();
     rest_at_start();
 }
 
@@ -201,7 +220,7 @@ Fault Simulation::proceed(double until, RunObserver& observer, const engine::Can
 }
 
 Fault Simulation::run(double until, RunObserver& observer, const engine::Cancellation& cancel) {
-    return integrate(step_settings(scene_.run, time_, until, scene_.run.output_interval, pause_), observer, cancel);
+    return integrate(step_settings(scene_.run, time_, until, scene_.run.output_interval, choice_.get(), pause_), observer, cancel);
 }
 
 Fault Simulation::advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel) {
@@ -228,7 +247,7 @@ Fault Simulation::advance(double until, long steps, RunObserver& observer, const
 }
 
 Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel) {
-    StepSettings settings = step_settings(scene_.run, time_, time_ + 1e6, scene_.run.output_interval, nullptr);
+    StepSettings settings = step_settings(scene_.run, time_, time_ + 1e6, scene_.run.output_interval, choice_.get(), nullptr);
     settings.max_steps = steps;
     settings.max_wall = 0.0;
     return integrate(settings, observer, cancel);
@@ -236,6 +255,9 @@ Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Can
 
 void Simulation::rest_at_start() {
     const Workspace& w = *workspace_;
+    if (!scene_.run.step.automatic()) choice_.reset();
+    else if (choice_ == nullptr) choice_ = std::make_unique<AutoStep>(w.variator, scene_.run.method);
+    workspace_->energy.restart();
     rest_.started = false;
     rest_.settling = needs_settling_;
     rest_.time = time_;
@@ -244,6 +266,8 @@ void Simulation::rest_at_start() {
     rest_.phases = w.phases;
     rest_.changed = w.changed;
     rest_.before = w.before;
+    rest_.energy.clear();
+    rest_.step_choice.clear();
 }
 
 void Simulation::restore(const IntegrationState& from) {
@@ -258,6 +282,7 @@ void Simulation::restore(const IntegrationState& from) {
     w.before = from.before;
     w.list_touching();
     method_->restart();
+    w.energy.load(from.energy);
     rest_ = from;
     needs_settling_ = from.settling;
     time_ = from.time;
@@ -278,7 +303,7 @@ engine::SavedState Simulation::saved_state() const {
     for (const model::Phase phase : phases()) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     const std::string text = write_scene(scene_);
     saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
-    saved.attributes = {{"scene", text}};
+    saved.attributes = {{"scene", text}, {std::string(suspicion_attribute), suspicion()}};
     return saved;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// One simulation of one scene: its start state, its step loop, its counters. No global state; any number may live side by side.
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -82,6 +83,14 @@ public:
     [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->phases; }
     /// Of the last settle() or run().
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+    /// Works, losses and balance of the part at hand: settling, or the run.
+    [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
+    /// The largest EnergyLedger::suspicion() of settling and run: above 1 the results are wrong.
+    [[nodiscard]] double suspicion() const noexcept { return std::max(rest_.settling_suspicion, workspace_->energy.suspicion()); }
+    /// What chooses steps, with what it found last; nullptr: run.step is given.
+    [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
+    /// The automatic step at the present state, whatever run.step says [s].
+    [[nodiscard]] double automatic_step() const;
     /// Of the last settle() or run(), if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// What its step method has to say of its work; empty: nothing.
@@ -110,6 +119,7 @@ private:
     std::unique_ptr<Workspace> workspace_;
     std::unique_ptr<StepMethod> method_;
     ScheduleRunner runner_;
+    std::unique_ptr<AutoStep> choice_;   ///< of automatic steps
     bool needs_settling_ = false;
     double time_ = 0.0;
     double step_ = 0.0;

@@ -18,10 +18,25 @@ constexpr double dwell_steps = 1.5;
 /// A step shorter than this fraction of the longest one will not help [1].
 constexpr double shortest_step = 1e-7;
 
-/// Steps between two outputs: with the error in charge, the grid is that of outputs.
-long grid_steps(const StepSettings& settings) {
-    if (settings.control == StepControl::error) return 1;
-    return std::max(1L, static_cast<long>(std::ceil(settings.output_interval / settings.step * (1.0 - 1e-12))));
+/// A new choice replaces a shorter step only where it is longer by this.
+constexpr double worth_while = 1.05;
+
+[[nodiscard]] bool automatic(const StepSettings& settings) noexcept { return settings.choice != nullptr && settings.step == 0.0; }
+
+/// With the error in charge, the grid is that of outputs.
+[[nodiscard]] StepGrid grid_of(const StepSettings& settings) noexcept {
+    StepGrid grid;
+    grid.begin = settings.begin;
+    grid.output_interval = settings.output_interval;
+    const bool free = settings.control == StepControl::error;
+    if (automatic(settings) && !free) grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / AutoStep::look_interval * (1.0 - 1e-12)));
+    grid.divide(free ? settings.output_interval : automatic(settings) ? AutoStep::longest_step : settings.step);
+    return grid;
+}
+
+/// Longest step where the error decides.
+[[nodiscard]] double longest_free_step(const StepSettings& settings) noexcept {
+    return automatic(settings) ? settings.output_interval : std::min(settings.step, settings.output_interval);
 }
 
 }  // namespace
@@ -36,27 +51,34 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
 StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings,
                                RunObserver& observer, const engine::Cancellation& cancel)
     : w_(workspace), own_method_(std::move(own)), method_(own_method_ ? *own_method_ : *method), settings_(settings), observer_(observer), cancel_(cancel),
-      steps_per_output_(grid_steps(settings)), grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)),
-      control_(std::min(settings.step, settings.output_interval), std::max(1, method_.error_power())), phases_before_(workspace.phases) {
+      grid_(grid_of(settings)), control_(longest_free_step(settings), std::max(1, method_.error_power())), phases_before_(workspace.phases) {
     w_.estimate_error = settings.control != StepControl::fixed;
     if (w_.estimate_error && method_.error_power() == 0)
         throw std::invalid_argument("this method has no estimate of its error: run.step_control can only be \"fixed\"");
     w_.time = settings.begin;
-    w_.dwell = dwell_steps * grid_step_;
+    w_.dwell = dwell_steps * grid_.step;
     w_.secant = method_.retakes();
     w_.evaluations = 0;
     method_.restart();   // a run does not depend on what ran before it
+    w_.energy.restart();
+    if (settings.choice != nullptr) settings.choice->restart();
     probe_start();
 }
 
 StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from, RunObserver& observer,
                                const engine::Cancellation& cancel)
-    : w_(workspace), method_(method), settings_(settings), observer_(observer), cancel_(cancel), outputs_(from.outputs), grid_number_(from.grid_number),
-      steps_per_output_(grid_steps(settings)), grid_step_(settings.output_interval / static_cast<double>(steps_per_output_)),
-      control_(std::min(settings.step, settings.output_interval), std::max(1, method_.error_power())), counters_(from.counters), phases_before_(workspace.phases) {
+    : w_(workspace), method_(method), settings_(settings), observer_(observer), cancel_(cancel), outputs_(from.outputs), grid_(grid_of(settings)),
+      control_(longest_free_step(settings), std::max(1, method_.error_power())), counters_(from.counters), phases_before_(workspace.phases) {
     w_.estimate_error = settings.control != StepControl::fixed;
     w_.time = from.time;
-    w_.dwell = dwell_steps * grid_step_;
+    if (from.grid_steps > 0) {
+        grid_.divide(grid_.leg_length() / static_cast<double>(from.grid_steps));
+        grid_.leg = from.grid_number / grid_.steps_per_leg;
+        grid_.point = from.grid_number % grid_.steps_per_leg;
+    }
+    w_.dwell = dwell_steps * grid_.step;
+    w_.energy.load(from.energy);
+    if (settings.choice != nullptr) settings.choice->load(from.step_choice);
     w_.secant = method_.retakes();
     w_.evaluations = from.counters.evaluations;
     method_.restart();
@@ -73,7 +95,11 @@ void StepController::save(IntegrationState& state) const {
     state.begin = settings_.begin;
     state.output_interval = settings_.output_interval;
     state.step = settings_.step;
-    state.grid_number = grid_number_;
+    state.grid_number = grid_.leg * grid_.steps_per_leg + grid_.point;
+    state.grid_steps = grid_.steps_per_leg;
+    w_.energy.save(state.energy);
+    state.step_choice.clear();
+    if (settings_.choice != nullptr) settings_.choice->save(state.step_choice);
     state.outputs = outputs_;
     state.counters = counters_;
     state.state.assign(w_.states[0], w_.states[0] + w_.layout().size());
@@ -112,6 +138,7 @@ int StepController::next() noexcept {
     try {
         switch (state_) {
             case State::begin_step: return begin_step();
+            case State::observe: return finish_observation();
             case State::method: return take(method_.next());
             case State::detect: return finish_detect();
             case State::end_slope:
@@ -126,9 +153,21 @@ int StepController::next() noexcept {
     return stop;
 }
 
-double StepController::grid_time(long number) const noexcept {
-    const long interval = number / steps_per_output_;
-    return settings_.begin + static_cast<double>(interval) * settings_.output_interval + static_cast<double>(number % steps_per_output_) * grid_step_;
+void StepGrid::divide(double longest) noexcept {
+    steps_per_leg = std::max(1L, static_cast<long>(std::ceil(leg_length() / longest * (1.0 - 1e-12))));
+    step = leg_length() / static_cast<double>(steps_per_leg);
+}
+
+double StepGrid::time(long of_leg, long of_point) const noexcept {
+    const long interval = of_leg / legs_per_output;
+    const double whole = begin + static_cast<double>(interval) * output_interval;
+    return whole + (static_cast<double>(of_leg % legs_per_output) * leg_length() + static_cast<double>(of_point) * step);
+}
+
+void StepGrid::pass() noexcept {
+    if (++point < steps_per_leg) return;
+    point = 0;
+    ++leg;
 }
 
 int StepController::end(Fault fault) {
@@ -151,25 +190,57 @@ Fault StepController::budget() const {
 /// Stages must lie at times of their own, and a step must move the time by what it says, to three digits.
 Fault StepController::lost_in_rounding() const {
     const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.time);
-    if (grid_step_ >= shortest) return {};
-    return {FaultKind::step_too_short, w_.time, -1, grid_step_, shortest};
+    if (grid_.step >= shortest) return {};
+    return {FaultKind::step_too_short, w_.time, -1, grid_.step, shortest};
 }
 
 int StepController::begin_step() {
     if (const Fault lost = lost_in_rounding()) return end(lost);
     counters_.evaluations = w_.evaluations;
-    const bool due = w_.time == grid_time(grid_number_) && grid_number_ == outputs_ * steps_per_output_;
+    if (w_.energy.due(w_.time)) return start_observation();
+    return go_on();
+}
+
+int StepController::start_observation() {
+    state_ = State::observe;
+    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.observed_sheaves);
+    return observe_cycle;
+}
+
+int StepController::finish_observation() {
+    w_.energy.sample(w_.time, w_.observed(), w_.pin_period());
+    return go_on();
+}
+
+int StepController::go_on() {
+    const bool due = w_.time == grid_.here() && grid_.at_output(outputs_);
     const bool over = w_.time >= settings_.until - 1e-9 * settings_.output_interval;
-    if (due || over) observer_.output(w_.time, w_, counters_);
+    if (due || over) {
+        w_.energy.output(w_.time, w_.shaft_momentum());
+        observer_.output(w_.time, w_, counters_);
+    }
     if (due) ++outputs_;
     if (over) return end(Fault{});
     if (const Fault spent = budget()) return end(spent);
+    if (automatic(settings_) && grid_.point == 0 && w_.time == grid_.here()) choose_step();
     return start_step();
+}
+
+/// Steps of the leg that begins: shorter ones as soon as they are needed, longer ones where it is worth while.
+void StepController::choose_step() {
+    if (settings_.control == StepControl::error) return;
+    const double longest = std::min(method_.longest_step(AutoStep::longest_step), settings_.choice->longest(w_.time, w_.states[0], w_.phases.data()));
+    StepGrid next = grid_;
+    next.divide(longest);
+    const bool longer = next.step > grid_.step;
+    if (longer && grid_.leg > 0) next.divide(longest / worth_while);
+    if (!longer || next.step > grid_.step) grid_ = next;
+    w_.dwell = dwell_steps * grid_.step;
 }
 
 /// To the next grid point, in as many equal steps as the error asks for.
 int StepController::start_step() {
-    w_.h = grid_time(grid_number_ + 1) - w_.time;
+    w_.h = grid_.next() - w_.time;
     lands_ = true;
     retaking_ = false;
     if (settings_.control == StepControl::error) {
@@ -269,10 +340,12 @@ int StepController::start_end_slope() {
 }
 
 int StepController::accept() {
+    const double begin = w_.time;
+    if (lands_) grid_.pass();
+    w_.time = lands_ ? grid_.here() : w_.time + w_.h;
+    w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.time, w_.end_state + w_.layout().pulley_begin());
     std::swap(w_.states[0], w_.end_state);
     std::swap(w_.before, w_.after);
-    grid_number_ += lands_ ? 1 : 0;
-    w_.time = lands_ ? grid_time(grid_number_) : w_.time + w_.h;
     ++counters_.steps;
     return begin_step();
 }

@@ -12,6 +12,7 @@
 
 #include "engine/executor/cancellation.hpp"
 #include "engine/executor/executor.hpp"
+#include "tasks/auto_step.hpp"
 #include "tasks/step_graph.hpp"
 #include "tasks/step_method.hpp"
 #include "tasks/workspace.hpp"
@@ -64,12 +65,13 @@ public:
 struct StepSettings {
     double begin = 0.0;              ///< [s]
     double until = 0.0;              ///< [s]
-    double step = 5e-8;              ///< longest step [s]; a fixed step divides the output interval
+    double step = 5e-8;              ///< longest step [s]; a fixed step divides the output interval. 0: automatic, and `choice` must be there
     double output_interval = 1e-5;   ///< [s]
     long max_steps = 0;              ///< 0: no budget
     double max_wall = 0.0;           ///< [s], 0: no budget
     StepControl control = StepControl::fixed;
     double tolerance = 1.0;          ///< of local errors, in units of ErrorScale
+    AutoStep* choice = nullptr;      ///< what chooses automatic steps; outlives the controller
     const bool* pause = nullptr;     ///< if it becomes true (an observer's wish), the run ends before the next step as if cancelled
 };
 
@@ -80,6 +82,28 @@ struct LocalErrorStatistics {
     double sum = 0.0;
 
     [[nodiscard]] double mean() const noexcept { return steps > 0 ? sum / static_cast<double>(steps) : 0.0; }
+};
+
+/// Times at which fixed and automatic steps end. Outputs are `output_interval` apart; between two of them lie one or more legs, equally long, at
+/// whose ends the length of steps may change; a leg is divided into equal steps.
+struct StepGrid {
+    double begin = 0.0, output_interval = 0.0;   ///< [s]
+    long legs_per_output = 1;
+    long steps_per_leg = 1;
+    double step = 0.0;        ///< [s]
+    long leg = 0, point = 0;  ///< legs passed, and points of the leg at hand
+
+    /// Steps of at most this length [s].
+    void divide(double longest) noexcept;
+    [[nodiscard]] double leg_length() const noexcept { return output_interval / static_cast<double>(legs_per_output); }
+    /// When the point at hand, or the next one, is due [s].
+    [[nodiscard]] double here() const noexcept { return time(leg, point); }
+    [[nodiscard]] double next() const noexcept { return point + 1 < steps_per_leg ? time(leg, point + 1) : time(leg + 1, 0); }
+    [[nodiscard]] bool at_output(long outputs) const noexcept { return point == 0 && leg == outputs * legs_per_output; }
+    void pass() noexcept;
+
+private:
+    [[nodiscard]] double time(long of_leg, long of_point) const noexcept;
 };
 
 class StepController final : public engine::Controller {
@@ -101,8 +125,8 @@ public:
     [[nodiscard]] const Fault& fault() const noexcept { return fault_; }
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     [[nodiscard]] double time() const noexcept { return w_.time; }
-    /// Step in use: settings.step or a little less, so that it divides the output interval; the longest one if the error decides [s].
-    [[nodiscard]] double step() const noexcept { return settings_.control == StepControl::error ? settings_.step : grid_step_; }
+    /// Step in use: settings.step, or what was chosen, or a little less, so that it divides the output interval; the longest one if the error decides [s].
+    [[nodiscard]] double step() const noexcept { return settings_.control == StepControl::error ? settings_.step : grid_.step; }
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// Rethrows what the observer threw.
     void rethrow() const;
@@ -112,10 +136,14 @@ private:
     StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings, RunObserver& observer,
                    const engine::Cancellation& cancel);
 
-    enum class State { begin_step, method, detect, end_slope, locate, truncate };
+    enum class State { begin_step, observe, method, detect, end_slope, locate, truncate };
 
     int begin_step();
+    int start_observation();
+    int finish_observation();
+    int go_on();
     int start_step();
+    void choose_step();
     int reject();
     [[nodiscard]] double step_error();
     int take(int cycle);
@@ -133,7 +161,6 @@ private:
     void record_transitions();
     [[nodiscard]] Fault budget() const;
     [[nodiscard]] Fault lost_in_rounding() const;
-    [[nodiscard]] double grid_time(long number) const noexcept;
     void probe_start();
 
     Workspace& w_;
@@ -145,9 +172,7 @@ private:
     State state_ = State::begin_step;
     bool retaking_ = false;     ///< the step at hand ends at a transition that has been located
     long outputs_ = 0;          ///< outputs delivered
-    long grid_number_ = 0;      ///< grid points passed
-    long steps_per_output_;
-    double grid_step_;
+    StepGrid grid_;
     bool lands_ = true;         ///< the step at hand ends at the next grid point
     StepSizeControl control_;
     LocalErrorStatistics local_errors_;

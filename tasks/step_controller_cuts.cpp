@@ -50,9 +50,11 @@ void StepController::record_transitions() {
 }
 
 int StepController::finish_truncate() {
+    const double begin = w_.time;
+    w_.time += w_.theta * w_.h;
+    w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.time, w_.cut_state + w_.layout().pulley_begin());
     std::swap(w_.states[0], w_.cut_state);
     std::swap(w_.before, w_.after);
-    w_.time += w_.theta * w_.h;
     ++counters_.truncated;
     ++counters_.steps;
     method_.transition();

@@ -13,6 +13,7 @@ enum Cycle : int {
     detect_cycle,     ///< combine the step's result, probe its tips: is a transition due, is the state sound
     locate_cycle,     ///< find the earliest transition of each segment on the interpolant
     truncate_cycle,   ///< state at the earliest transition of all, phases changed there
+    observe_cycle,    ///< losses and energies of every link at the step's start
     method_cycles,    ///< first number of a step method's own cycles
 };
 

@@ -1,5 +1,6 @@
 #include "tasks/workspace.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "tasks/step_method.hpp"
@@ -40,7 +41,7 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     split_sums.reserve(sums.size());
     link_errors.resize(links);
     error_scale.velocity = p.tip.friction.saturation_speed;
-    if (layout().ledger) accounts.resize(model::account_parts * links);
+    accounts.resize(model::account_parts * links);
     phases.assign(model::tips_per_link * links, model::Phase::free);
     before.assign(phases.size(), {});
     after.assign(phases.size(), {});
@@ -86,6 +87,32 @@ model::SheaveForces Workspace::sheave_forces() noexcept {
     if (staged_states) return variator.sheave_forces(phases.data(), loads.data());
     for (const int group : split_sums) variator.add_up(group, phases.data(), loads.data(), sums[static_cast<std::size_t>(group)]);
     return variator.sheave_forces(sums.data());
+}
+
+model::Account Workspace::observed() const noexcept {
+    model::Account total;
+    for (const model::Account& account : accounts) {
+        for (std::size_t kind = 0; kind < model::loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
+        for (std::size_t kind = 0; kind < model::energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
+    }
+    if (layout().pulley_size == 0) return total;
+    variator.pulleys().account(states[0] + layout().pulley_begin(), total);
+    return total;
+}
+
+double Workspace::pin_period() const noexcept {
+    double speed = 0.0;
+    for (int link = 0; link < layout().links; ++link) {
+        const double* v = states[0] + layout().link_begin(link) + layout().link_size();
+        speed += std::hypot(v[layout().x(model::End::rear, 0)], v[layout().y(model::End::rear, 0)]);
+    }
+    return speed > 0.0 ? model::chain_length(parameters.chain) / speed : 0.0;   // mean pitch over mean speed
+}
+
+std::array<double, 2> Workspace::shaft_momentum() const noexcept {
+    if (layout().pulley_size == 0) return {};
+    const double* block = states[0] + layout().pulley_begin();
+    return {variator.pulleys().momentum(block, 0), variator.pulleys().momentum(block, 1)};
 }
 
 std::size_t Workspace::bytes() const noexcept {

@@ -9,6 +9,7 @@
 #include "model/staged_chain.hpp"
 #include "model/transition/phase_rule.hpp"
 #include "model/variator.hpp"
+#include "tasks/energy_ledger.hpp"
 #include "tasks/fault.hpp"
 #include "tasks/partition.hpp"
 #include "tasks/step_control.hpp"
@@ -75,7 +76,7 @@ public:
     std::vector<model::LinkLoad> loads;        ///< [links]
     std::vector<model::SheaveSum> sums;        ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
     std::vector<int> split_sums;               ///< those whose links several segments share
-    std::vector<model::Account> accounts;      ///< [links * account_parts], only with a ledger
+    std::vector<model::Account> accounts;      ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation
     std::vector<model::Phase> phases;          ///< [4 links]
     std::vector<model::TipIndicator> before;   ///< [4 links] at the step's start
     std::vector<model::TipIndicator> after;    ///< [4 links] at its end
@@ -99,6 +100,9 @@ public:
     model::SheaveMotion sheaves[4]{};          ///< of the stage
     model::SheaveMotion end_sheaves[4]{};      ///< at the step's end
 
+    EnergyLedger energy;                       ///< works, losses and balance so far, written by the controller
+    model::SheaveMotion observed_sheaves[4]{}; ///< at the step's start, for an observe cycle
+
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
     /// Another variator of the same layout, at rest before its start; between runs only.
     void adopt(const model::Parameters& other);
@@ -110,6 +114,12 @@ public:
     void add_up(const Segment& own) noexcept;
     /// Forces of the chain on the sheaves after an evaluate cycle; called by the controller.
     [[nodiscard]] model::SheaveForces sheave_forces() noexcept;
+    /// Losses and energies of everything after an observe cycle: of all links in their order, and of the pulleys.
+    [[nodiscard]] model::Account observed() const noexcept;
+    /// Time that a pin takes to the place of the next one, by the chain's mean speed; 0: it stands [s].
+    [[nodiscard]] double pin_period() const noexcept;
+    /// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].
+    [[nodiscard]] std::array<double, 2> shaft_momentum() const noexcept;
     /// The staged evaluation's view of this workspace.
     [[nodiscard]] model::StagedChain staged_chain() noexcept;
     [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }

@@ -20,4 +20,8 @@ ExitStatus exit_status(tasks::FaultKind kind) noexcept {
     return ExitStatus::error;
 }
 
+ExitStatus exit_status(const tasks::RunReport& report) noexcept {
+    return report.fault || report.reliable() ? exit_status(report.fault.kind) : ExitStatus::unreliable;
+}
+
 }  // namespace cvtflow::tools

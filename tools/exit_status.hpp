@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "tasks/fault.hpp"
+#include "tasks/run.hpp"
 
 namespace cvtflow::tools {
 
@@ -14,10 +14,13 @@ enum class ExitStatus {
     fault = 3,       ///< the simulation ran into a state that it cannot continue from
     budget = 4,      ///< run.max_steps or run.max_wall used up
     incomplete = 5,  ///< a sweep whose cases did not all end well; shards or cases that are missing
+    unreliable = 6,  ///< a run that finished and whose energy balance says that its results are wrong
     cancelled = 130  ///< interrupted by SIGINT or SIGTERM; as shells report it
 };
 
 [[nodiscard]] ExitStatus exit_status(tasks::FaultKind kind) noexcept;
+
+[[nodiscard]] ExitStatus exit_status(const tasks::RunReport& report) noexcept;
 
 /// The table above for --help.
 inline constexpr std::string_view exit_status_help =
@@ -29,6 +32,7 @@ inline constexpr std::string_view exit_status_help =
     "       step too short\n"
     "  4    budget used up: run.max_steps, run.max_wall\n"
     "  5    cases of a sweep failed or are missing\n"
+    "  6    finished, but the energy balance does not close: the results are unreliable\n"
     "  130  interrupted; the record is complete up to there";
 
 }  // namespace cvtflow::tools

@@ -138,7 +138,8 @@ Inputs PulleyModel::inputs(double t, const double* block, double control) const 
     if (control_.enabled) {
         const double error = (shaft_speed(block, 0) - (held_.ratio ? *held_.ratio : control_.ratio.at(now)) * shaft_speed(block, 1)) / reference_speed_;
         const double correction = control_.proportional * error + control_.integral * control;
-        const bool winds_up = std::abs(correction) > control_.authority && correction * error > 0.0;
+        in.control_limited = std::abs(correction) > control_.authority;
+        const bool winds_up = in.control_limited && correction * error > 0.0;
         in.control_rate = winds_up ? 0.0 : error;
         driving = std::max(0.0, driving + std::clamp(correction, -control_.authority, control_.authority));
     }
@@ -150,6 +151,24 @@ WorkRates PulleyModel::works(const double* block, const Inputs& inputs) const no
     WorkRates rates{inputs.drive_torque * shaft_speed(block, 0), inputs.load_torque * shaft_speed(block, 1), 0.0};
     for (int shaft = 0; shaft < 2; ++shaft) rates[2] -= movable_side(shaft) * inputs.clamping[at(shaft)] * opening(block + size_, shaft);
     return rates;
+}
+
+WorkRates PulleyModel::work(const double* from, const double* to, const Inputs& inputs) const noexcept {
+    const auto turned = [&](int shaft) { return to[rotation(shaft)] - from[rotation(shaft)]; };
+    WorkRates done{inputs.drive_torque * turned(0), inputs.load_torque * turned(1), 0.0};
+    for (int shaft = 0; shaft < 2; ++shaft) done[2] -= movable_side(shaft) * inputs.clamping[at(shaft)] * (opening(to, shaft) - opening(from, shaft));
+    return done;
+}
+
+double PulleyModel::momentum(const double* block, int shaft) const noexcept {
+    const double* v = block + size_;
+    double sum = inertia_[at(rotation(shaft))] * v[rotation(shaft)];
+    if (!elastic()) return sum;
+    for (int side = 0; side < 2; ++side) {
+        const int freedom = body_freedom(sheave_body(shaft, side), 5);
+        sum += inertia_[at(freedom)] * v[freedom];
+    }
+    return sum;
 }
 
 void PulleyModel::add_supports(const double* block, double* force, Account* account) const noexcept {
@@ -214,6 +233,13 @@ void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveF
     force[rotation(0)] += inputs.drive_torque;
     force[rotation(1)] += inputs.load_torque;
     for (int k = 0; k < size_; ++k) force[k] /= inertia_[at(k)];
+}
+
+void PulleyModel::account(const double* block, Account& account) const noexcept {
+    std::array<double, 36> unused{};
+    add_supports(block, unused.data(), &account);
+    add_clamping(block, {}, unused.data(), &account);
+    account.store(Energy::kinetic, kinetic(block));
 }
 
 double PulleyModel::kinetic(const double* block) const noexcept {

@@ -20,6 +20,7 @@ struct Inputs {
     double load_torque = 0.0;        ///< on shaft 2, negative brakes [N·m]
     std::array<double, 2> clamping{};///< S_1, S_2 [N]
     double control_rate = 0.0;       ///< I' of ratio control, zero without control
+    bool control_limited = false;    ///< ratio control asks for more than its authority
 };
 
 /// Inputs that somebody has set by hand: a value in place of the scene's table, from then on.
@@ -58,6 +59,10 @@ public:
     /// Slope [v | acceleration] of the pulleys' block. Losses and energies are added to the account if there is one.
     void slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept;
     [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;
+    /// Work of constant inputs while the pulleys move from one position to another [J]. @param from, to blocks [q | v]
+    [[nodiscard]] WorkRates work(const double* from, const double* to, const Inputs& inputs) const noexcept;
+    /// Angular momentum of shaft 0 or 1 and its sheaves about the shaft's axis [N·m·s].
+    [[nodiscard]] double momentum(const double* block, int shaft) const noexcept;
     /// Angle, speed of shaft 0 or 1; axial position of its movable sheave relative to its shaft.
     [[nodiscard]] double shaft_speed(const double* block, int shaft) const noexcept { return block[size_ + rotation(shaft)]; }
     [[nodiscard]] double clamped_position(const double* block, int shaft) const noexcept { return opening(block, shaft); }
@@ -65,6 +70,8 @@ public:
     [[nodiscard]] int rotation(int shaft) const noexcept { return elastic() ? body_freedom(shaft, 5) : shaft; }
     [[nodiscard]] int movable(int shaft) const noexcept { return elastic() ? body_freedom(movable_body(shaft), 4) : 2 + shaft; }
     [[nodiscard]] double inertia(int coordinate) const noexcept { return inertia_[static_cast<std::size_t>(coordinate)]; }
+    /// Adds losses and energies of supports, cylinders and motion.
+    void account(const double* block, Account& account) const noexcept;
     /// Kinetic energy of the pulleys [J].
     [[nodiscard]] double kinetic(const double* block) const noexcept;
 

@@ -67,4 +67,16 @@ LinkInertia link_inertia(const Parameters& p) {
     return inertia;
 }
 
+double kinetic_energy(const LinkInertia& inertia, const double* v, int lateral) noexcept {
+    const auto form = [](const double* matrix, const double* u, int size) {
+        double value = 0.0;
+        for (int row = 0; row < size; ++row) {
+            for (int column = 0; column < size; ++column) value += u[row] * matrix[row * size + column] * u[column];
+        }
+        return value;
+    };
+    return 0.5 * (form(inertia.lateral_matrix.data(), v, lateral) + form(inertia.lateral_matrix.data(), v + lateral, lateral) +
+                  form(inertia.axial_matrix.data(), v + 2 * lateral, 4));
+}
+
 }  // namespace cvtflow::model

@@ -24,6 +24,9 @@ struct LinkInertia {
     std::array<double, 16> axial_matrix{};                                         ///< C itself
 };
 
+/// Kinetic energy of a link [J]. @param v its velocities as in the state, [2 lateral + 2 lateral + 4] @param lateral 2(p+1), the size of B
+[[nodiscard]] double kinetic_energy(const LinkInertia& inertia, const double* v, int lateral) noexcept;
+
 /// Inertia of a link with the given parameters; the same for every link as plates weigh the same whatever their pitch.
 [[nodiscard]] LinkInertia link_inertia(const Parameters& parameters);
 

@@ -21,6 +21,10 @@ void add_transition_tasks(engine::TaskGraph& graph, const Workspace& w, int s) {
     graph.add({"truncate" + number, truncate_cycle, truncate_segment, s, truncate_accesses(w, s)});
 }
 
+void add_observe_task(engine::TaskGraph& graph, const Workspace& w, int s) {
+    graph.add({"observe[" + std::to_string(s) + "]", observe_cycle, observe_segment, s, observe_accesses(w, s)});
+}
+
 engine::TaskGraph fused_graph(const Workspace& w) {
     engine::TaskGraph graph;
     for (int s = 0; s < w.partition.size(); ++s) {
@@ -30,6 +34,7 @@ engine::TaskGraph fused_graph(const Workspace& w) {
                    LinkAccesses(w, s).with_halo(Field::states_read).with_halo(Field::slopes_read).with_halo(Field::end_state).own(Field::slope_written, true)
                        .own(Field::state_kept, true).own(Field::load, true).own(Field::account, true).own(Field::phase, false).segment(Field::window, true).list()});
         add_transition_tasks(graph, w, s);
+        add_observe_task(graph, w, s);
     }
     return graph;
 }

@@ -63,6 +63,13 @@ private:
         .own(Field::cut_state, true).own(Field::phase, true).segment(Field::verdict, true).list();
 }
 
+[[nodiscard]] inline std::vector<engine::Access> observe_accesses(const Workspace& w, int s) {
+    return LinkAccesses(w, s).with_halo(Field::states_read).own(Field::phase, false).own(Field::load, true).own(Field::account, true)
+        .own(Field::cut_state, true).segment(Field::window, true).list();
+}
+
+/// Observation of one segment at the step's start: the same in every assembly.
+void add_observe_task(engine::TaskGraph& graph, const Workspace& workspace, int segment);
 /// Detection, location and truncation of one segment: the same in every assembly.
 void add_transition_tasks(engine::TaskGraph& graph, const Workspace& workspace, int segment);
 

@@ -16,6 +16,8 @@ void copy_window(const Workspace& workspace, const Segment& own, const double* s
 
 /// Stage state of the segment and its halo, forces, slope of its links.
 void evaluate_segment(void* workspace, int segment) noexcept;
+/// Losses and stored energies of its links at the step's start, kinetic ones too, into workspace.accounts; on workspace.observed_sheaves.
+void observe_segment(void* workspace, int segment) noexcept;
 /// Result of the step for its links; their tips at the step's end.
 void detect_segment(void* workspace, int segment) noexcept;
 /// Earliest transition of its tips.

@@ -73,6 +73,7 @@ engine::TaskGraph staged_graph(const Workspace& w, const AssemblyOptions& option
     barrier(graph, tasks.chain, tasks.boundary);
     barrier(graph, tasks.boundary, tasks.forward);
     for (std::size_t k = 0; k < tasks.forward.size(); ++k) graph.order(tasks.forward[k], tasks.reverse[k]);
+    for (int s = 0; s < w.partition.size(); ++s) add_observe_task(graph, w, s);
     if (options.parallel_transitions) {
         for (int s = 0; s < w.partition.size(); ++s) add_transition_tasks(graph, w, s);
     } else {

@@ -84,7 +84,7 @@ std::string axis_text(const Parameter& parameter, const AxisValue& value) {
 
 bool continuous(const Parameter& parameter) {
     const Kind kind = parameter.kind();
-    return kind == Kind::number || kind == Kind::integer || kind == Kind::number_list || kind == Kind::time_table;
+    return kind == Kind::number || kind == Kind::auto_number || kind == Kind::integer || kind == Kind::number_list || kind == Kind::time_table;
 }
 
 std::vector<double> spaced(double from, double to, std::size_t count, bool logarithmic) {

@@ -1,5 +1,7 @@
 #include "tasks/batch/case_engine.hpp"
 
+#include "tasks/auto_step.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -43,7 +45,7 @@ int BatchControl::threads_per_case() {
 double case_cost(const Sweep& sweep, const Scene& scene) {
     const bool settles = sweep.start == StartMode::settle || (sweep.start == StartMode::scene && scene.state_file.empty());
     const double time = scene.run.until + (settles ? scene.parameters.start.settling_time : 0.0);
-    return time / scene.run.step * step_cost(scene);
+    return time / scene.run.step.value_or(AutoStep::longest_step) * step_cost(scene);
 }
 
 double step_cost(const Scene& scene) { return static_cast<double>(std::max(1, evaluations_per_step(scene.run.method))) * model::layout_of(scene.parameters).size(); }

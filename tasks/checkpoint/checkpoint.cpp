@@ -56,7 +56,8 @@ using Numbers = std::vector<double>;
 Numbers packed(const IntegrationState& s) {
     const Counters& c = s.counters;
     Numbers numbers{static_cast<double>(s.started), static_cast<double>(s.settling), s.time, s.begin, s.output_interval, s.step, s.next_step};
-    for (const long count : {s.grid_number, s.outputs, c.steps, c.evaluations, c.detected, c.truncated, c.suppressed, c.rejected}) numbers.push_back(static_cast<double>(count));
+    for (const long count : {s.grid_number, s.outputs, c.steps, c.evaluations, c.detected, c.truncated, c.suppressed, c.rejected, s.grid_steps}) numbers.push_back(static_cast<double>(count));
+    numbers.insert(numbers.end(), {s.settling_suspicion, s.settling_residual});
     return numbers;
 }
 
@@ -73,6 +74,9 @@ void unpack(const Numbers& n, IntegrationState& s) {
     s.grid_number = whole(n[7]);
     s.outputs = whole(n[8]);
     s.counters = {whole(n[9]), whole(n[10]), whole(n[11]), whole(n[12]), whole(n[13]), whole(n[14])};
+    s.grid_steps = whole(n[15]);
+    s.settling_suspicion = n[16];
+    s.settling_residual = n[17];
 }
 
 Numbers packed(const RunHistory& h) {
@@ -129,14 +133,15 @@ void write_checkpoint(const std::string& path, const Checkpoint& c) {
     saved.attributes = {{"scene", c.scene},     {"scene_name", c.name},       {"scene_path", c.path},           {"scene_text", c.text},
                         {"record", c.record},   {"program", c.program},       {"method_hash", c.method_hash},   {"slope_hash", c.slope_hash}};
     saved.more = {{"integration", packed(c.integration)}, {"changed", c.integration.changed}, {"before", packed(c.integration.before)},
-                  {"method", c.integration.method},       {"history", packed(c.history)},     {"recorder", c.recorder}};
+                  {"method", c.integration.method},       {"energy", c.integration.energy},   {"step_choice", c.integration.step_choice},
+                  {"history", packed(c.history)},     {"recorder", c.recorder}};
     engine::write_state(path, saved);
 }
 
 Checkpoint read_checkpoint(const std::string& path) {
     const engine::SavedState saved = engine::read_state(path);
     Checkpoint c;
-    unpack(array(saved, path, "integration", 14), c.integration);
+    unpack(array(saved, path, "integration", 18), c.integration);
     unpack(array(saved, path, "history", 9), c.history);
     c.integration.state = saved.state;
     for (const std::uint8_t phase : saved.phases) c.integration.phases.push_back(static_cast<model::Phase>(phase));
@@ -144,6 +149,8 @@ Checkpoint read_checkpoint(const std::string& path) {
     const Numbers& before = array(saved, path, "before", 0);
     for (std::size_t i = 0; i + 1 < before.size(); i += 2) c.integration.before.push_back({before[i], before[i + 1]});
     c.integration.method = array(saved, path, "method", 0);
+    c.integration.energy = array(saved, path, "energy", 0);
+    c.integration.step_choice = array(saved, path, "step_choice", 0);
     c.recorder = array(saved, path, "recorder", 0);
     c.scene = text(saved, "scene");
     c.name = text(saved, "scene_name");

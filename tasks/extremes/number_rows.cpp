@@ -97,7 +97,7 @@ void add_limit_rows(std::vector<Extreme>& rows) {
     for (const Parameter& parameter : parameter_table()) {
         const std::string_view section = parameter.section();
         if (section == "run" || section == "scene" || section == "record") continue;
-        if (parameter.kind() != Kind::number && parameter.kind() != Kind::time_table && parameter.kind() != Kind::number_list) continue;
+        if (parameter.kind() != Kind::number && parameter.kind() != Kind::auto_number && parameter.kind() != Kind::time_table && parameter.kind() != Kind::number_list) continue;
         for (const double value : {parameter.min, parameter.max}) {
             const std::string text = number_text(value);
             const std::string setting = parameter.kind() == Kind::number_list ? fmt::format("{}=[{}]", parameter.key, text) : fmt::format("{}={}", parameter.key, text);

@@ -113,7 +113,7 @@ Violation control_has_speed(const Scene& scene) {
 }
 
 Violation outputs_take_steps(const Scene& scene) {
-    if (scene.run.output_interval >= scene.run.step) return {};
+    if (scene.run.output_interval >= scene.run.step) return {};   // an automatic step is 0 here: it gives way
     return fmt::format("run.output_interval: {} is shorter than run.step = {}", seconds(scene.run.output_interval),
                        seconds(scene.run.step));
 }

@@ -24,6 +24,7 @@ std::string form_text(const Parameter& parameter) {
     const auto number = plain ? "a number" : fmt::format("a number in {} or a text with a unit (\"... {}\")", parameter.unit, example);
     switch (parameter.kind()) {
         case Kind::number: return number;
+        case Kind::auto_number: return number + ", or \"auto\"";
         case Kind::integer: return "an integer";
         case Kind::choice: return fmt::format("\"{}\"", fmt::join(parameter.choices, "\" or \""));
         case Kind::boolean: return "true or false";
@@ -43,7 +44,8 @@ std::string explain(std::string_view key) {
     text += fmt::format("  value:    {}\n", form_text(*parameter));
     if (!parameter->unit.empty()) text += fmt::format("  range:    {}\n", range_text(*parameter));
     const std::string unit = parameter->unit.empty() || parameter->unit == "1" ? "" : fmt::format(" {}", parameter->unit);
-    text += fmt::format("  default:  {}{}\n", value_text(*parameter, Scene{}), unit);
+    const std::string usual = value_text(*parameter, Scene{});
+    text += fmt::format("  default:  {}{}\n", usual, usual.starts_with('"') ? "" : unit);
     text += fmt::format("  source:   {}\n", parameter->source);
     return text;
 }

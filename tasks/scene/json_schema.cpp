@@ -39,6 +39,7 @@ Json value_schema(const Parameter& parameter) {
     const Json number = number_schema(parameter.min, parameter.max);
     switch (parameter.kind()) {
         case Kind::number: return number;
+        case Kind::auto_number: return {{"anyOf", {number, {{"const", "auto"}}}}};
         case Kind::integer:
             return {{"type", "integer"},
                     {"minimum", static_cast<std::int64_t>(parameter.min)},

@@ -19,10 +19,22 @@
 
 namespace cvtflow::tasks {
 
+/// A positive number, or "auto": the program chooses it.
+struct AutoNumber {
+    double value = 0.0;   ///< 0: automatic
+
+    constexpr AutoNumber() = default;
+    constexpr AutoNumber(double number) noexcept : value(number) {}
+    constexpr operator double() const noexcept { return value; }
+    [[nodiscard]] constexpr bool automatic() const noexcept { return value == 0.0; }
+    [[nodiscard]] constexpr double value_or(double other) const noexcept { return automatic() ? other : value; }
+    bool operator==(const AutoNumber&) const = default;
+};
+
 /// How a scene is integrated and what is recorded.
 struct RunSettings {
     std::string method = "leapfrog-chebyshev";   ///< name in the catalogue of methods
-    double step = 2e-6;               ///< fixed or longest [s]
+    AutoNumber step;                  ///< fixed or longest [s]; automatic: as long as the method is stable and good at the state at hand
     StepControl step_control = StepControl::fixed;
     double tolerance = 1.0;           ///< of local errors, in units of ErrorScale
     double until = 5e-3;              ///< [s]

@@ -34,6 +34,7 @@ std::string value_text(const Parameter& parameter, const Scene& scene) {
         [&](const auto* member) -> std::string {
             using T = std::remove_cv_t<std::remove_pointer_t<decltype(member)>>;
             if constexpr (std::is_same_v<T, double>) return number_text(*member);
+            else if constexpr (std::is_same_v<T, AutoNumber>) return member->automatic() ? "\"auto\"" : number_text(*member);
             else if constexpr (std::is_same_v<T, bool>) return *member ? "true" : "false";
             else if constexpr (std::is_same_v<T, std::string>) return toml_text(*member);
             else if constexpr (std::is_same_v<T, std::vector<double>>) return list_text(*member);
@@ -51,8 +52,9 @@ std::string write_scene(const Scene& scene) {
         if (parameter.section() != section) text += fmt::format("{}[{}]\n", section.empty() ? "" : "\n", parameter.section());
         section = parameter.section();
         const bool has_unit = !parameter.unit.empty() && parameter.unit != "1";
-        const auto unit = has_unit ? fmt::format("  # {}", parameter.unit) : "";
-        text += fmt::format("{} = {}{}\n", parameter.name(), value_text(parameter, scene), unit);
+        const std::string value = value_text(parameter, scene);
+        const auto unit = has_unit && !value.starts_with('"') ? fmt::format("  # {}", parameter.unit) : "";
+        text += fmt::format("{} = {}{}\n", parameter.name(), value, unit);
     }
     return text;
 }

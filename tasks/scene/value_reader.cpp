@@ -68,6 +68,12 @@ public:
         if (const auto value = number(node, rule())) member = *value;
     }
 
+    void read(const Node& node, AutoNumber& member) {
+        const auto* text = std::get_if<std::string>(&node.value);
+        if (text && *text == "auto") member = AutoNumber();
+        else if (const auto value = number(node, rule())) member = *value;
+    }
+
     template <class Integer>
         requires(std::is_integral_v<Integer> && !std::is_same_v<Integer, bool>)
     void read(const Node& node, Integer& member) {

@@ -39,9 +39,10 @@ std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simul
 std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation) {
     const tasks::RunSettings& run = scene.run;
     const long stages = static_cast<long>(tasks::evaluations_per_step(run.method));
-    const long running = steps_over(run.until, run.output_interval, run.step);
-    const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, run.step) : 0;
-    std::string text = field("run", fmt::format("until {}, {} with step {}, {}", time_text(run.until), run.method, time_text(run.step),
+    const double step = run.step.value_or(simulation.automatic_step());
+    const long running = steps_over(run.until, run.output_interval, step);
+    const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, step) : 0;
+    std::string text = field("run", fmt::format("until {}, {} with step {}, {}", time_text(run.until), run.method, run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step),
                                                 plural(run.segments, "segment")));
     text += field("steps",
                   settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));

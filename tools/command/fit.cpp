@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "engine/method/fitted.hpp"
+#include "tasks/auto_step.hpp"
 #include "tasks/frozen_step.hpp"
 #include "tasks/spectral_bound.hpp"
 #include "tasks/spectrum.hpp"
@@ -64,7 +65,7 @@ ExitStatus fit(const FitArguments& arguments) {
     if (simulation.needs_settling())
         throw tasks::SceneError(fmt::format("{}: the start is not settled, its spectrum would mean nothing (cvtflow settle)", loaded.scene.name));
     const tasks::FrozenStart start = tasks::frozen_start(simulation);
-    const double step = loaded.scene.run.step;
+    const double step = loaded.scene.run.step.value_or(tasks::AutoStep::longest_step);
     fmt::print("{}: polynomial for steps of {}\n", loaded.scene.name, time_text(step));
     const Extent extent = arguments.eigenvalues ? extent_by_eigenvalues(simulation.variator(), start) : extent_by_power_iteration(simulation.variator(), start);
     const auto began = std::chrono::steady_clock::now();

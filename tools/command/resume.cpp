@@ -70,7 +70,7 @@ ExitStatus go_on(const ResumeArguments& arguments) {
     } else if (report.fault) {
         fmt::print(stderr, "cvtflow: {}\n", report.fault.message());
     }
-    return exit_status(report.fault.kind);
+    return exit_status(report);
 }
 
 }  // namespace

@@ -62,6 +62,7 @@ tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& sce
         options.checkpoint_every = seconds_of("--checkpoint-every", arguments.checkpoint_every);
         options.checkpoint = checkpoint_path(arguments, scene, file);
     }
+    options.notice = [](const std::string& text) { fmt::print(stderr, "cvtflow: {}\n", text); };
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
     return tasks::run_scene(scene, options);
 }
@@ -75,8 +76,10 @@ ExitStatus run(const RunArguments& arguments) {
         fmt::print("{}: {}{}{}", loaded.scene.name, tasks::summary(report), machine_text(), field("record", record_text(file)));
     } else if (report.fault) {
         fmt::print(stderr, "cvtflow: {}\n", report.fault.message());
+    } else if (!report.reliable()) {
+        fmt::print(stderr, "cvtflow: {}\n", tasks::unreliable_text(report));
     }
-    return exit_status(report.fault.kind);
+    return exit_status(report);
 }
 
 }  // namespace

@@ -37,12 +37,12 @@ void require_place(const std::filesystem::path& file) {
         throw engine::RecordError(fmt::format("{}: cannot create: {}", file.string(), std::strerror(errno)));
 }
 
-void simulate(const SettleArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+double simulate(const SettleArguments& arguments, const tasks::Scene& scene, const std::string& file) {
     ProgressDisplay display(progress_style(arguments.quiet), 0.0);
     tasks::RunOptions options;
     options.cancel = &catch_interrupts();
     options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
-    tasks::settle_scene(scene, file, options);
+    return tasks::settle_scene(scene, file, options);
 }
 
 ExitStatus settle(SettleArguments& arguments) {
@@ -54,12 +54,15 @@ ExitStatus settle(SettleArguments& arguments) {
         throw tasks::SceneError(fmt::format("{}: nothing to settle, start.layout and start.settling_time say so", scene.name));
     }
     require_place(file);
-    simulate(arguments, scene, file);
-    if (arguments.quiet) return ExitStatus::finished;
+    const double suspicion = simulate(arguments, scene, file);
+    const ExitStatus status = suspicion <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
+    if (status == ExitStatus::unreliable)
+        fmt::print(stderr, "cvtflow: {}: unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; runs from this state are called unreliable\n", scene.name, suspicion);
+    if (arguments.quiet) return status;
     fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
     fmt::print("{}", field("to use it", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}",
                                                     std::filesystem::path(file).filename().string(), file)));
-    return ExitStatus::finished;
+    return status;
 }
 
 }  // namespace

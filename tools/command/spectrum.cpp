@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "engine/method/catalogue.hpp"
+#include "tasks/auto_step.hpp"
 #include "tasks/method_choice.hpp"
 #include "tasks/spectrum.hpp"
 #include "tools/command.hpp"
@@ -75,7 +76,7 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
     result.time = start.time;
     result.touching = touching_tips(start);
     result.method = scene.run.method;
-    result.step = scene.run.step;
+    result.step = scene.run.step.value_or(tasks::AutoStep::longest_step);
     find_values(result, variator, start, arguments.extremal, tell);
     result.limit = limit_of(result, variator, start, tell);
     if (arguments.attribute) result.attribution = tasks::attribute(scene.parameters, start, result.border, tell);

@@ -1,0 +1,81 @@
+#include "tasks/auto_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <string>
+
+#include "engine/method/catalogue.hpp"
+#include "engine/method/stability.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/program_stability.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr double forever = std::numeric_limits<double>::infinity();
+/// Elastic oscillations are damped by this share of the critical damping at least.
+constexpr double least_damping = 1e-3;
+
+[[nodiscard]] MethodReach reach_of_table(const engine::StagePlan& plan) {
+    return {engine::stability_reach(plan, {-least_damping, std::sqrt(1.0 - least_damping * least_damping)}, 1e-6), engine::real_stability(plan)};
+}
+
+[[nodiscard]] MethodReach found_reach(std::string_view method) {
+    if (const MethodProgram* program = find_program(method)) {
+        if (program->stability == nullptr) return {forever, forever};
+        const ProgramStability stability = program->stability();
+        if (stability.equation == TestEquation::oscillator) return {limit_with_any_friction(stability).oscillation, stability.longest_decay};
+        return {reach(stability, 0.0, 0.0, -least_damping, std::sqrt(1.0 - least_damping * least_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0)};
+    }
+    const auto plan = engine::make_method(method);
+    return plan ? reach_of_table(*plan) : MethodReach{forever, forever};
+}
+
+}  // namespace
+
+MethodReach reach_of(std::string_view method) {
+    static std::mutex gate;
+    static std::map<std::string, MethodReach, std::less<>> known;
+    const std::scoped_lock lock(gate);
+    const auto found = known.find(method);
+    return found != known.end() ? found->second : known.emplace(method, found_reach(method)).first->second;
+}
+
+AutoStep::AutoStep(const model::Variator& variator, std::string_view method) : reach_(reach_of(method)), bound_(variator) {}
+
+void AutoStep::restart() noexcept {
+    bound_.forget();
+    looked_ = -1e300;
+    stable_ = 0.0;
+    evaluations_ = 0;
+}
+
+double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
+    if (time - looked_ >= look_interval * (1.0 - 1e-9)) {
+        evaluations_ += bound_.estimate(time, state, phases);
+        looked_ = time;
+        const auto within = [](double reach, double extent) { return extent > 0.0 ? reach / extent : forever; };
+        stable_ = std::min(within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()));
+    }
+    return std::min(longest_step, margin * stable_);
+}
+
+void AutoStep::save(std::vector<double>& memory) const {
+    memory.assign({looked_, stable_, static_cast<double>(evaluations_)});
+    bound_.save(memory);
+}
+
+void AutoStep::load(std::span<const double> memory) {
+    restart();
+    if (memory.empty()) return;
+    looked_ = memory[0];
+    stable_ = memory[1];
+    evaluations_ = static_cast<long>(memory[2]);
+    (void)bound_.load(memory.subspan(3));
+}
+
+}  // namespace cvtflow::tasks

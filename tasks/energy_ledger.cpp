@@ -1,0 +1,187 @@
+#include "tasks/energy_ledger.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <type_traits>
+
+#include "model/variator.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+// What a right run leaves of its balance, and what a wrong one does, is measured by `cvtflow lottery`; DECISIONS 71 has the table.
+constexpr double share_of_losses = 1e-3;
+constexpr double share_of_through = 1e-5;
+constexpr double share_of_stored = 1e-6;
+constexpr double deviations = 3.0;
+constexpr double most_deviation = 1e-3;   ///< of the losses: noise excuses no more
+
+[[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+[[nodiscard]] model::Inputs mean_of(const model::Inputs& a, const model::Inputs& b) noexcept {
+    model::Inputs mean;
+    mean.drive_torque = 0.5 * (a.drive_torque + b.drive_torque);
+    mean.load_torque = 0.5 * (a.load_torque + b.load_torque);
+    for (std::size_t k = 0; k < 2; ++k) mean.clamping[k] = 0.5 * (a.clamping[k] + b.clamping[k]);
+    return mean;
+}
+
+}  // namespace
+
+double EnergyBalance::relative() const noexcept { return loss > 0.0 ? std::abs(residual()) / loss : 0.0; }
+
+double EnergyBalance::tolerance() const noexcept {
+    return share_of_losses * loss + share_of_through * through + share_of_stored * stored + std::min(deviations * deviation, most_deviation * loss);
+}
+
+double EnergySums::lost() const noexcept { return total(loss); }
+
+double EnergySums::efficiency_since(const EnergySums& before) const noexcept {
+    double input = 0.0;
+    for (std::size_t k = 0; k < work.size(); ++k) input += std::max(0.0, work[k] - before.work[k]);
+    return input > 0.0 ? 1.0 - (lost() - before.lost()) / input : std::numeric_limits<double>::quiet_NaN();
+}
+
+void EnergyLedger::restart() noexcept {
+    m_ = {};
+    known_ = false;
+}
+
+void EnergyLedger::step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept {
+    const model::ChainLayout& at = variator.layout();
+    m_.steps += 1.0;
+    if (at.pulley_size == 0) return;
+    const model::PulleyModel& pulleys = variator.pulleys();
+    const auto inputs = [&](double t, const double* tail) { return pulleys.inputs(t, tail, at.control ? tail[at.pulley_block()] : 0.0); };
+    if (!known_) inputs_ = inputs(begin, from);
+    const model::Inputs after = inputs(end, to);
+    const model::Inputs mean = mean_of(inputs_, after);
+    const model::WorkRates done = pulleys.work(from, to, mean);
+    for (std::size_t k = 0; k < done.size(); ++k) m_.work[k] += done[k];
+    m_.impulse[0] += (end - begin) * mean.drive_torque;
+    m_.impulse[1] += (end - begin) * mean.load_torque;
+    inputs_ = after;
+    known_ = true;
+}
+
+bool EnergyLedger::due(double time) const noexcept {
+    return m_.samples == 0.0 || (m_.steps >= sample_steps && time - m_.sampled >= sample_interval * (1.0 - 1e-9));
+}
+
+void EnergyLedger::sample(double time, const model::Account& now, double pin_period) noexcept {
+    const double spacing = time - m_.sampled, power = total(now.loss);
+    m_.stored = total(now.energy);
+    m_.most_stored = std::max(m_.most_stored, std::abs(m_.stored));
+    m_.pin_period = pin_period;
+    if (m_.samples > 0.0) {
+        for (std::size_t k = 0; k < now.loss.size(); ++k) m_.loss[k] += 0.5 * spacing * (m_.power[k] + now.loss[k]);
+        for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
+    }
+    if (m_.samples > 1.0) {   // second differences hold what the trapezoidal rule cannot see, six times for noise without memory
+        const double bend = (power - m_.power_last) / spacing - (m_.power_last - m_.power_before) / m_.spacing;
+        const double noise = 0.5 * (spacing + m_.spacing) * bend;
+        m_.noise += noise * noise / 6.0 * spacing * spacing;
+    }
+    m_.power_before = m_.power_last;
+    m_.power_last = power;
+    m_.power = now.loss;
+    m_.spacing = spacing;
+    m_.sampled = time;
+    m_.work_sampled = m_.work;
+    m_.samples += 1.0;
+    m_.steps = 0.0;
+    if (m_.samples == 1.0) m_.all = m_.part = here();
+    if (time - m_.part.begin < window) return;
+    const EnergyBalance closed = balance_since(m_.part);
+    m_.worst = std::max(m_.worst, std::abs(closed.residual()) / closed.tolerance());
+    m_.part = here();
+}
+
+EnergyLedger::Span EnergyLedger::here() const noexcept { return {m_.sampled, total(m_.loss), total(m_.work_sampled), m_.stored, m_.through, m_.noise}; }
+
+EnergyBalance EnergyLedger::balance_since(const Span& span) const noexcept {
+    const Span now = here();
+    return {now.begin - span.begin, now.stored - span.stored,  now.work - span.work, now.loss - span.loss, now.through - span.through,
+            m_.most_stored,         std::sqrt(std::max(0.0, now.noise - span.noise))};
+}
+
+EnergyBalance EnergyLedger::balance() const noexcept { return balance_since(m_.all); }
+
+double EnergyLedger::suspicion() const noexcept {
+    double most = m_.worst;
+    for (const Span* span : {&m_.all, &m_.part}) {
+        const EnergyBalance at_hand = balance_since(*span);
+        if (at_hand.span <= 0.0) continue;
+        const double ratio = std::abs(at_hand.residual()) / at_hand.tolerance();
+        most = std::isnan(ratio) ? std::numeric_limits<double>::infinity() : std::max(most, ratio);
+    }
+    return most;
+}
+
+EnergySums EnergyLedger::sums(double time) const noexcept {
+    EnergySums now{time, m_.loss, m_.work};
+    if (m_.samples == 0.0) return now;
+    for (std::size_t k = 0; k < now.loss.size(); ++k) now.loss[k] += (time - m_.sampled) * m_.power[k];
+    return now;
+}
+
+void EnergyLedger::output(double time, const std::array<double, 2>& momentum) noexcept {
+    for (std::size_t k = 0; k < 2 && m_.outputs > 0.0; ++k) {
+        const double gained = momentum[k] - m_.momentum_output[k], given = m_.impulse[k] - m_.impulse_output[k];
+        m_.chain_torque[k] = (gained - given) / (time - m_.output_time);
+    }
+    m_.impulse_output = m_.impulse;
+    m_.momentum_output = momentum;
+    m_.output_time = time;
+    m_.outputs += 1.0;
+    remember(sums(time));
+}
+
+/// Keeps what is needed of the last pin period, and looks back over it.
+void EnergyLedger::remember(const EnergySums& now) noexcept {
+    const auto entry = [&](double number) -> EnergySums& { return m_.past[static_cast<std::size_t>(std::fmod(m_.past_begin + number, past_size))]; };
+    while (m_.past_count > 1.0 && now.time - entry(1.0).time >= m_.pin_period) {
+        m_.past_begin = std::fmod(m_.past_begin + 1.0, past_size);
+        m_.past_count -= 1.0;
+    }
+    if (m_.past_count > 0.0) {
+        EnergySums from = entry(0.0);
+        const double start = now.time - m_.pin_period;
+        if (m_.past_count > 1.0 && from.time < start) {   // between the first two
+            const EnergySums& next = entry(1.0);
+            const double share = (start - from.time) / (next.time - from.time);
+            for (std::size_t k = 0; k < from.loss.size(); ++k) from.loss[k] += share * (next.loss[k] - from.loss[k]);
+            for (std::size_t k = 0; k < from.work.size(); ++k) from.work[k] += share * (next.work[k] - from.work[k]);
+        }
+        m_.last = now;
+        m_.before_last = from;
+    }
+    const bool crowded = m_.past_count > 0.0 && now.time - entry(m_.past_count - 1.0).time < m_.pin_period / static_cast<double>(past_per_period);
+    if (crowded || m_.past_count >= static_cast<double>(past_size)) return;
+    entry(m_.past_count) = now;
+    m_.past_count += 1.0;
+}
+
+std::array<double, 2> EnergyLedger::chain_torque() const noexcept {
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    return m_.outputs > 1.0 ? m_.chain_torque : std::array{unknown, unknown};
+}
+
+double EnergyLedger::efficiency() const noexcept { return m_.last.efficiency_since(m_.before_last); }
+
+void EnergyLedger::save(std::vector<double>& memory) const {
+    static_assert(std::is_trivially_copyable_v<Memory> && sizeof(Memory) % sizeof(double) == 0);
+    memory.resize(sizeof(Memory) / sizeof(double));
+    std::memcpy(memory.data(), &m_, sizeof(Memory));
+}
+
+void EnergyLedger::load(std::span<const double> memory) noexcept {
+    restart();
+    if (memory.size_bytes() == sizeof(Memory)) std::memcpy(static_cast<void*>(&m_), memory.data(), sizeof(Memory));
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,145 @@
+#include "tasks/run_means.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr double gross_slip = 0.03;          ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
+constexpr double often = 0.05;               ///< share of outputs
+constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
+
+constexpr NoteKind kinds[] = {
+    {"gross_slip", "mean slip of the last fifth above 3 %"},
+    {"control_limit", "ratio control had used up its authority at more than 5 % of the last fifth's outputs"},
+    {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
+    {"efficiency", "efficiency of all of the run, or of its last fifth, outside 0 … 1"},
+    {"unsteady", "ratio of the first and the last fifth differ by more than 1 %, or slip by more than a fifth of it"},
+};
+
+}  // namespace
+
+std::span<const NoteKind> note_kinds() noexcept { return kinds; }
+
+void RunMeans::add(const model::Observation& now, const EnergySums& sums, double pin_period) {
+    if (bins_.empty() || bins_.back().outputs >= per_bin_) {
+        if (bins_.size() == most_bins) halve();
+        if (bins_.empty() || bins_.back().outputs >= per_bin_) bins_.emplace_back();
+    }
+    Bin& bin = bins_.back();
+    bin.outputs += 1.0;
+    bin.time = now.time;
+    bin.ratio += now.ratio;
+    bin.slip += now.slip;
+    bin.tight += now.tight;
+    bin.slack += now.slack;
+    bin.limited += now.control_limited ? 1.0 : 0.0;
+    bin.loose += now.slack <= 0.0 ? 1.0 : 0.0;
+    bin.energy = sums;
+    pin_period_ = pin_period;
+}
+
+/// Twice as many outputs in each.
+void RunMeans::halve() {
+    for (std::size_t k = 0; 2 * k + 1 < bins_.size(); ++k) {
+        Bin sum = bins_[2 * k + 1];
+        const Bin& first = bins_[2 * k];
+        sum.outputs += first.outputs;
+        sum.ratio += first.ratio;
+        sum.slip += first.slip;
+        sum.tight += first.tight;
+        sum.slack += first.slack;
+        sum.limited += first.limited;
+        sum.loose += first.loose;
+        bins_[k] = sum;
+    }
+    bins_.resize(bins_.size() / 2);
+    per_bin_ *= 2.0;
+}
+
+EnergySums RunMeans::energy_at(double time) const {
+    const auto after = std::find_if(bins_.begin(), bins_.end(), [&](const Bin& bin) { return bin.energy.time >= time; });
+    if (after == bins_.end()) return bins_.back().energy;
+    if (after == bins_.begin()) return after->energy;
+    const EnergySums &from = (after - 1)->energy, &to = after->energy;
+    const double share = (time - from.time) / (to.time - from.time);
+    EnergySums at = from;
+    at.time = time;
+    for (std::size_t k = 0; k < at.loss.size(); ++k) at.loss[k] += share * (to.loss[k] - from.loss[k]);
+    for (std::size_t k = 0; k < at.work.size(); ++k) at.work[k] += share * (to.work[k] - from.work[k]);
+    return at;
+}
+
+SpanMeans RunMeans::span(double from, double to) const {
+    SpanMeans means;
+    if (bins_.empty()) return means;
+    const auto size = static_cast<double>(bins_.size());
+    const auto width = [&](double share) { return static_cast<std::size_t>(share * size); };
+    const std::size_t most = bins_.size();
+    const std::size_t begin = from == 0.0 ? 0 : most - std::max<std::size_t>(1, width(1.0 - from)), end = to == 1.0 ? most : std::max<std::size_t>(1, width(to));
+    double outputs = 0.0;
+    for (std::size_t k = begin; k < end; ++k) {
+        const Bin& bin = bins_[k];
+        outputs += bin.outputs;
+        means.ratio += bin.ratio;
+        means.slip += bin.slip;
+        means.tight += bin.tight;
+        means.slack += bin.slack;
+        means.limited += bin.limited;
+        means.loose += bin.loose;
+    }
+    for (double* sum : {&means.ratio, &means.slip, &means.tight, &means.slack, &means.limited, &means.loose}) *sum /= outputs;
+    means.begin = begin == 0 ? bins_.front().time : bins_[begin - 1].time;
+    means.end = bins_[end - 1].time;
+    means.periods = pin_period_ > 0.0 ? std::floor((means.end - means.begin) / pin_period_) : 0.0;
+    if (means.periods == 0.0 && pin_period_ > 0.0 && means.end - bins_.front().time >= pin_period_) means.periods = 1.0;   // a fifth shorter than a period
+    const EnergySums before = energy_at(means.periods > 0.0 ? means.end - means.periods * pin_period_ : means.begin);
+    means.efficiency = energy_at(means.end).efficiency_since(before);
+    return means;
+}
+
+std::vector<Note> RunMeans::notes() const {
+    std::vector<Note> found;
+    if (bins_.empty()) return found;
+    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
+    if (std::abs(last.slip) > gross_slip) found.push_back({kinds[0].name, "the chain slips by " + percent(last.slip)});
+    if (last.limited > often) found.push_back({kinds[1].name, "ratio control is at the limit of its authority (" + percent(last.limited) + " of the time)"});
+    if (last.loose > often) found.push_back({kinds[2].name, "the slack strand carries no tension (" + percent(last.loose) + " of the time)"});
+    for (const SpanMeans* means : {&whole, &last}) {
+        if (!(means->efficiency < 0.0 || means->efficiency > 1.0)) continue;
+        found.push_back({kinds[3].name, "an efficiency of " + percent(means->efficiency) + " is none: what moves has taken or given energy"});
+        break;
+    }
+    const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
+    const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
+    if (ratio_drifts || slip_drifts)
+        found.push_back({kinds[4].name, fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio, percent(first.slip), percent(last.slip))});
+    return found;
+}
+
+void RunMeans::save(std::vector<double>& memory) const {
+    static_assert(std::is_trivially_copyable_v<Bin> && sizeof(Bin) % sizeof(double) == 0);
+    constexpr std::size_t numbers = sizeof(Bin) / sizeof(double);
+    memory.insert(memory.end(), {static_cast<double>(bins_.size()), per_bin_, pin_period_});
+    const std::size_t begin = memory.size();
+    memory.resize(begin + bins_.size() * numbers);
+    std::memcpy(memory.data() + begin, bins_.data(), bins_.size() * sizeof(Bin));
+}
+
+const double* RunMeans::load(const double* memory) {
+    bins_.resize(static_cast<std::size_t>(memory[0]));
+    per_bin_ = memory[1];
+    pin_period_ = memory[2];
+    std::memcpy(static_cast<void*>(bins_.data()), memory + 3, bins_.size() * sizeof(Bin));
+    return memory + 3 + bins_.size() * (sizeof(Bin) / sizeof(double));
+}
+
+}  // namespace cvtflow::tasks
