@@ -18,6 +18,7 @@ constexpr double share_of_losses = 1e-3;
 constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;
 constexpr double deviations = 3.0;
+constexpr double dense_share = 0.05, dense_time = 5e-4;   // [1], [s]
 constexpr double most_deviation = 1e-3;   ///< of the losses: noise excuses no more
 
 [[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }
@@ -69,7 +70,10 @@ void EnergyLedger::step(const model::Variator& variator, double begin, const dou
 }
 
 bool EnergyLedger::due(double time) const noexcept {
-    return m_.samples == 0.0 || (m_.steps >= sample_steps && time - m_.sampled >= sample_interval * (1.0 - 1e-9));
+    if (m_.samples == 0.0) return true;
+    const double since = time - m_.jumped;   // what follows a jump dies out fast at first: samples lie as close as it is young
+    const double wanted = std::min(sample_interval, dense_share * since);
+    return time - m_.sampled >= wanted * (1.0 - 1e-9) && (m_.steps >= sample_steps || since < dense_time);
 }
 
 void EnergyLedger::sample(double time, const model::Account& now, double pin_period) noexcept {
@@ -94,6 +98,7 @@ void EnergyLedger::sample(double time, const model::Account& now, double pin_per
     m_.work_sampled = m_.work;
     m_.samples += 1.0;
     m_.steps = 0.0;
+    if (m_.samples == 1.0) m_.jumped = time;
     if (m_.samples == 1.0) m_.all = m_.part = here();
     if (time - m_.part.begin < window) return;
     const EnergyBalance closed = balance_since(m_.part);

@@ -101,6 +101,7 @@ private:
     /// Numbers only: saved and loaded as they lie.
     struct Memory {
         double samples, sampled, steps;          ///< how many; when the last one was [s]; steps since
+        double jumped;                           ///< when inputs or the state jumped last, the beginning included [s]
         std::array<double, model::loss_kinds> power, loss;
         double power_before, power_last, spacing;        ///< of the last two samples, for the noise of sampling [W], [s]
         double stored, most_stored, noise, through, pin_period;
