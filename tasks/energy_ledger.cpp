@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-// What a right run leaves of its balance, and what a wrong one does, is measured by `cvtflow lottery`; DECISIONS 71 has the table.
+// What a right run leaves of its balance, and what a wrong one does, stands in DECISIONS 71; the test Lottery draws machines and counts.
 constexpr double share_of_losses = 1e-3;
 constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;
@@ -71,6 +71,7 @@ void EnergyLedger::step(const model::Variator& variator, double begin, const dou
 
 bool EnergyLedger::due(double time) const noexcept {
     if (m_.samples == 0.0) return true;
+    if (m_.steps == 0.0) return false;
     const double since = time - m_.jumped;   // what follows a jump dies out fast at first: samples lie as close as it is young
     const double wanted = std::min(sample_interval, dense_share * since);
     return time - m_.sampled >= wanted * (1.0 - 1e-9) && (m_.steps >= sample_steps || since < dense_time);

@@ -28,6 +28,12 @@ constexpr NoteKind kinds[] = {
 
 std::span<const NoteKind> note_kinds() noexcept { return kinds; }
 
+void RunMeans::clear() noexcept {
+    bins_.clear();
+    per_bin_ = 1.0;
+    pin_period_ = 0.0;
+}
+
 void RunMeans::add(const model::Observation& now, const EnergySums& sums, double pin_period) {
     if (bins_.empty() || bins_.back().outputs >= per_bin_) {
         if (bins_.size() == most_bins) halve();
@@ -105,24 +111,39 @@ SpanMeans RunMeans::span(double from, double to) const {
     return means;
 }
 
-std::vector<Note> RunMeans::notes() const {
-    std::vector<Note> found;
-    if (bins_.empty()) return found;
+std::array<bool, 5> RunMeans::odd() const {
+    if (bins_.empty()) return {};
     const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
-    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
-    if (std::abs(last.slip) > gross_slip) found.push_back({kinds[0].name, "the chain slips by " + percent(last.slip)});
-    if (last.limited > often) found.push_back({kinds[1].name, "ratio control is at the limit of its authority (" + percent(last.limited) + " of the time)"});
-    if (last.loose > often) found.push_back({kinds[2].name, "the slack strand carries no tension (" + percent(last.loose) + " of the time)"});
-    for (const SpanMeans* means : {&whole, &last}) {
-        if (!(means->efficiency < 0.0 || means->efficiency > 1.0)) continue;
-        found.push_back({kinds[3].name, "an efficiency of " + percent(means->efficiency) + " is none: what moves has taken or given energy"});
-        break;
-    }
+    const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };   // not a number: none
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
-    if (ratio_drifts || slip_drifts)
-        found.push_back({kinds[4].name, fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio, percent(first.slip), percent(last.slip))});
-    return found;
+    return {std::abs(last.slip) > gross_slip, last.limited > often, last.loose > often, impossible(whole.efficiency) || impossible(last.efficiency), ratio_drifts || slip_drifts};
+}
+
+std::vector<Note> RunMeans::notes() const {
+    const std::array<bool, 5> found = odd();
+    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
+    const std::string texts[] = {
+        fmt::format("the chain slips by {}", percent(last.slip)),
+        fmt::format("ratio control is at the limit of its authority ({} of the last fifth)", percent(last.limited)),
+        fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
+        fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency), percent(last.efficiency)),
+        fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio, percent(first.slip), percent(last.slip)),
+    };
+    std::vector<Note> notes;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        if (found[k]) notes.push_back({kinds[k].name, texts[k]});
+    }
+    return notes;
+}
+
+void RunMeans::name_notes(std::string& names) const {
+    const std::array<bool, 5> found = odd();
+    names.clear();
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);
+    }
 }
 
 void RunMeans::save(std::vector<double>& memory) const {

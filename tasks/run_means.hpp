@@ -1,6 +1,7 @@
 #pragma once
 /// Means of a run over its outputs, over all of it and over its first and last fifth, and what is odd about them. Memory does not grow with the run.
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -30,6 +31,7 @@ struct Note {
 
 class RunMeans {
 public:
+    void clear() noexcept;
     /// An output. @param sums of the energies so far   @param pin_period see Workspace [s]
     void add(const model::Observation& now, const EnergySums& sums, double pin_period);
 
@@ -38,6 +40,8 @@ public:
     [[nodiscard]] SpanMeans last_fifth() const { return span(0.8, 1.0); }
     /// What is odd about them.
     [[nodiscard]] std::vector<Note> notes() const;
+    /// Their names, blank between them, in `names`.
+    void name_notes(std::string& names) const;
 
     /// For checkpoints: goes on bit for bit. load() returns what follows in memory.
     void save(std::vector<double>& memory) const;
@@ -52,6 +56,8 @@ private:
     };
     static constexpr std::size_t most_bins = 2000;
 
+    /// Which of note_kinds() there are.
+    [[nodiscard]] std::array<bool, 5> odd() const;
     [[nodiscard]] SpanMeans span(double from, double to) const;
     [[nodiscard]] EnergySums energy_at(double time) const;
     void halve();

@@ -10,6 +10,12 @@
 
 namespace cvtflow::tasks {
 
+namespace {
+
+constexpr std::size_t least_reducer_memory = 6;   ///< two sums of three numbers
+
+}  // namespace
+
 std::string CaseEngine::checkpoint_file() const { return (places_.checkpoints / fmt::format("{}-{:06}.h5", own_start_ ? "check" : "case", result_.number)).string(); }
 
 void CaseEngine::save() {
@@ -18,7 +24,8 @@ void CaseEngine::save() {
     checkpoint.integration = simulation_->integration_state();
     checkpoint.history.settling = result_.settling;
     checkpoint.history.wall = elapsed();
-    for (const Reducer& reducer : reducers_) checkpoint.recorder.insert(checkpoint.recorder.end(), {static_cast<double>(reducer.count), reducer.value});
+    for (const Reducer& reducer : reducers_) reducer.save(checkpoint.recorder);
+    means_.save(checkpoint.recorder);
     if (recorder_) {
         const std::vector<double> position = recorder_->position();
         checkpoint.recorder.insert(checkpoint.recorder.end(), position.begin(), position.end());
@@ -40,7 +47,7 @@ bool CaseEngine::restore() {
     on_disk_ = resumable_ && std::filesystem::exists(checkpoint_file(), missing);
     if (!on_disk_) return false;
     const Checkpoint checkpoint = read_checkpoint(checkpoint_file());
-    if (checkpoint.recorder.size() < 2 * reducers_.size()) return false;
+    if (checkpoint.recorder.size() < least_reducer_memory * reducers_.size()) return false;
     record_options_.from = &checkpoint;
     begin(nullptr);
     record_options_.from = nullptr;
@@ -48,11 +55,9 @@ bool CaseEngine::restore() {
     simulation_->restore(checkpoint.integration);
     result_.settling = checkpoint.history.settling;
     wall_before_ = checkpoint.history.wall;
-    const double* next = checkpoint.recorder.data();
-    for (Reducer& reducer : reducers_) {
-        reducer.count = static_cast<long>(*next++);
-        reducer.value = *next++;
-    }
+    std::span<const double> memory(checkpoint.recorder);
+    for (Reducer& reducer : reducers_) memory = reducer.load(memory);
+    const double* next = means_.load(memory.data());
     if (recorder_) recorder_->restore({next, checkpoint.recorder.data() + checkpoint.recorder.size()});
     return true;
 }

@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::string_view statuses[] = {"ok", "diverged", "budget", "bad_parameters", "crashed", "undefined", "stopped"};
+constexpr std::string_view statuses[] = {"ok", "unreliable", "diverged", "budget", "bad_parameters", "crashed", "undefined", "stopped"};
 constexpr double worth_a_switch = 0.2;   ///< wall time that a case must have left to get more threads [s]
 constexpr double trial_seconds = 0.05;   ///< in which more threads have to show their worth [s]
 constexpr double required_gain = 1.1;
@@ -114,7 +114,10 @@ void CaseEngine::prepare() {
     pause_ = on_disk_ = false;
     why_ = Pause::none;
     recorder_.reset();
-    std::fill(reducers_.begin(), reducers_.end(), Reducer{});
+    for (Reducer& reducer : reducers_) reducer.clear();
+    means_.clear();
+    result_.efficiency = result_.residual = result_.suspicion = std::numeric_limits<double>::quiet_NaN();
+    result_.notes.clear();
     result_.counters = result_.settling = {};
     result_.threads = 1;
     result_.hash = 0;
@@ -146,6 +149,7 @@ void CaseEngine::integrate() {
     do fault = part();
     while (!fault && simulation_->time() < scene_.run.until - 1e-9 * scene_.run.output_interval);
     judge(fault);
+    judge_energy();
     result_.hash = simulation_->hash();
     result_.counters = simulation_->counters();
     for (std::size_t i = 0; i < reducers_.size(); ++i) {
@@ -185,12 +189,27 @@ void CaseEngine::judge(const Fault& fault) {
     result_.error = fault.message();
 }
 
+/// Whether what came out can be believed, and what is odd about it.
+void CaseEngine::judge_energy() {
+    result_.residual = simulation_->energy().balance().relative();
+    result_.suspicion = simulation_->suspicion();
+    if (simulation_->workspace().layout().pulley_size != 0) {
+        result_.efficiency = means_.all().efficiency;
+        means_.name_notes(result_.notes);
+    }
+    if (result_.status != CaseStatus::ok || result_.suspicion <= 1.0) return;
+    result_.status = CaseStatus::unreliable;
+    result_.error = fmt::format("the energy balance is off by {:.2g} times what an honest integration leaves", result_.suspicion);
+}
+
 void CaseEngine::finish_record(const Fault& fault) {
     if (!recorder_) return;
     RunReport report;
     report.fault = fault;
     report.hash = result_.hash;
     report.wall = elapsed();
+    report.energy = simulation_->energy().balance();
+    report.suspicion = simulation_->suspicion();
     recorder_->finish(report);
     recorder_.reset();
 }
@@ -208,13 +227,17 @@ void CaseEngine::transition(const TransitionRecord& record) {
 
 void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
     const Instant instant{eye_->observe(time, workspace.states[0], workspace.phases.data()), workspace, counters, scene_.run.followed_pin};
+    means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period());
     for (std::size_t i = 0; i < reducers_.size(); ++i) {
         const Scalar& scalar = sweep_.scalars[i];
-        const auto width = static_cast<std::size_t>(scalar.channel->width(workspace.layout()));
-        if (values_.size() < width) values_.resize(width);
-        if (static_cast<std::size_t>(scalar.element) >= width) throw SimulationError(fmt::format("{}: there are only {} numbers", scalar.text, width));
-        scalar.channel->read(instant, values_.data());
-        reducers_[i].add(scalar, time, values_[static_cast<std::size_t>(scalar.element)]);
+        for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
+            const Channel& channel = *scalar.terms[term].channel;
+            const int width = channel.width(workspace.layout());
+            if (values_.size() < static_cast<std::size_t>(width)) values_.resize(static_cast<std::size_t>(width));
+            if (scalar.terms[term].element >= width) throw SimulationError(fmt::format("{}: there are only {} numbers", scalar.text, width));
+            channel.read(instant, values_.data());
+            reducers_[i].add(scalar, term, time, {values_.data(), static_cast<std::size_t>(width)});
+        }
     }
 }
 

@@ -14,7 +14,7 @@
 namespace cvtflow::tasks {
 
 /// How a case ended; the column `status` has these names.
-enum class CaseStatus { ok, diverged, budget, bad_parameters, crashed, undefined, stopped };
+enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped };
 [[nodiscard]] std::string_view status_name(CaseStatus status) noexcept;
 
 struct CaseResult {
@@ -27,6 +27,10 @@ struct CaseResult {
     double wall = 0.0;               ///< settling and resumed parts included [s]
     int threads = 1;                 ///< most that worked on it at once
     std::uint64_t hash = 0;          ///< of the final state
+    double efficiency = 0.0;         ///< 1 - losses/input over whole pin periods since sweep.from
+    double residual = 0.0;           ///< of the energy balance over the losses, settling left out
+    double suspicion = 0.0;          ///< of settling and run: above 1 unreliable
+    std::string notes;               ///< names of what is odd, blank between them
 };
 
 /// What all workers share: when to stop, and how many threads a case may have.
@@ -84,6 +88,7 @@ private:
     void integrate();
     [[nodiscard]] Fault part();
     void judge(const Fault& fault);
+    void judge_energy();
     void finish_record(const Fault& fault);
     void reduce(double time, const Workspace& workspace, const Counters& counters);
     void save();
@@ -101,6 +106,7 @@ private:
     Scene scene_;
     CaseResult result_;
     std::vector<Reducer> reducers_;
+    RunMeans means_;                                ///< since sweep.from
     std::vector<double> values_;                    ///< of one channel
     std::unique_ptr<Simulation> serial_, parallel_;
     std::unique_ptr<model::Observer> serial_eye_, parallel_eye_;

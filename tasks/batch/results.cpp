@@ -53,11 +53,15 @@ constexpr std::string_view unsteady[] = {"wall", "threads"};   // columns that d
 }  // namespace
 
 engine::RowLayout result_layout(const Sweep& sweep) {
-    std::vector<CaseColumn> columns{{"case", "1", "number of the case", Type::integer}, {"status", "", "ok, diverged, budget, bad_parameters, crashed or undefined", Type::text, 16}};
+    std::vector<CaseColumn> columns{{"case", "1", "number of the case", Type::integer}, {"status", "", "ok, unreliable, diverged, budget, bad_parameters, crashed or undefined", Type::text, 16}};
     for (const Axis& axis : sweep.axes) {
         for (std::size_t key = 0; key < axis.keys.size(); ++key) columns.push_back(key_column(axis, key));
     }
-    for (const Scalar& scalar : sweep.scalars) columns.push_back({scalar.column, std::string(scalar.channel->unit), fmt::format("{}: {}", scalar.text, scalar.channel->description)});
+    for (const Scalar& scalar : sweep.scalars) columns.push_back({scalar.column, scalar.unit(), scalar.description()});
+    columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on"});
+    columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
+    columns.push_back({"energy_suspicion", "1", "residual over what an honest integration may leave, settling included; above 1 the status is unreliable"});
+    columns.push_back({"notes", "", "what is odd: gross_slip, control_limit, slack_strand, efficiency, unsteady", Type::text, 64});
     columns.push_back({"start", "", "where the case began: scene, geometric, settled, shared or continued", Type::text, 16});
     for (const auto& [name, what] : {std::pair{"steps", "accepted steps"}, {"evaluations", "evaluations of the right-hand side"}, {"transitions", "changes of phase of tips"},
                                      {"truncated", "steps cut at a transition"}, {"settling_evaluations", "evaluations while this case settled"}}) {
@@ -119,6 +123,8 @@ void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseRes
         }
     }
     for (const double scalar : r.scalars) layout.put(row, column++, scalar);
+    for (const double number : {r.efficiency, r.residual, r.suspicion}) layout.put(row, column++, number);
+    layout.put(row, column++, std::string_view(r.notes));
     layout.put(row, column++, r.start);
     for (const long count : {r.counters.steps, r.counters.evaluations, r.counters.detected, r.counters.truncated, r.settling.evaluations}) layout.put(row, column++, static_cast<std::int64_t>(count));
     layout.put(row, column++, r.wall);

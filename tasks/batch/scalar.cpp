@@ -15,7 +15,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::string_view reductions[] = {"mean", "min", "max", "rms", "final", "at"};
+constexpr std::string_view reductions[] = {"mean", "min", "max", "rms", "final", "at", "median"};
 
 /// Letters and digits; every run of others one underscore.
 std::string column_name(std::string_view text) {
@@ -29,25 +29,25 @@ std::string column_name(std::string_view text) {
     return name;
 }
 
-/// Reads one scalar; every way to be wrong is a message.
-class ScalarReader {
+/// Reads one term; every way to be wrong is a message.
+class TermReader {
 public:
-    explicit ScalarReader(const std::string& text) {
+    explicit TermReader(const std::string& text) {
         std::istringstream words(text);
-        std::string rest;
         words >> name_ >> how_;
         for (std::string word; words >> word;) when_ += (when_.empty() ? "" : " ") + word;
-        scalar_.text = name_ + (how_.empty() ? "" : " " + how_) + (when_.empty() ? "" : " " + when_);
-        scalar_.column = column_name(scalar_.text);
     }
 
+    /// As written, white space tidied.
+    [[nodiscard]] std::string text() const { return name_ + (how_.empty() ? "" : " " + how_) + (when_.empty() ? "" : " " + when_); }
+
     /// What is wrong, or nothing.
-    std::string read(Scalar& out) {
+    std::string read(ScalarTerm& out) {
         std::string wrong = read_element();
         if (wrong.empty()) wrong = read_channel();
         if (wrong.empty()) wrong = read_reduction();
         if (wrong.empty()) wrong = read_time();
-        if (wrong.empty()) out = scalar_;
+        if (wrong.empty()) out = term_;
         return wrong;
     }
 
@@ -55,11 +55,16 @@ private:
     std::string read_element() {
         const auto bracket = name_.find('[');
         if (bracket == std::string::npos) return {};
-        const char* end = name_.data() + name_.size();
-        const auto [stop, error] = std::from_chars(name_.data() + bracket + 1, end, scalar_.element);
-        if (error != std::errc() || std::string_view(stop, end) != "]" || scalar_.element < 0) return fmt::format("{} is not a channel's element such as links/tension[0]", name_);
-        name_.resize(bracket);
         indexed_ = true;
+        if (name_.substr(bracket) == "[*]") {
+            term_.element = every_element;
+        } else {
+            const char* end = name_.data() + name_.size();
+            const auto [stop, error] = std::from_chars(name_.data() + bracket + 1, end, term_.element);
+            if (error != std::errc() || std::string_view(stop, end) != "]" || term_.element < 0)
+                return fmt::format("{} is not a channel's element such as links/tension[0] or links/tension[*]", name_);
+        }
+        name_.resize(bracket);
         return {};
     }
 
@@ -67,11 +72,12 @@ private:
         std::vector<std::string> names;
         for (const Channel& channel : channels()) {
             names.emplace_back(channel.name);
-            if (channel.name == name_) scalar_.channel = &channel;
+            if (channel.name == name_) term_.channel = &channel;
         }
-        if (scalar_.channel == nullptr) return fmt::format("there is no channel {}{}", toml_text(name_), did_you_mean(closest(name_, names)));
-        const bool several = !scalar_.channel->axis.empty();
-        if (several != indexed_) return several ? fmt::format("{0} has several numbers; write {0}[0] …", name_) : fmt::format("{} has one number, no element {}", name_, scalar_.element);
+        if (term_.channel == nullptr) return fmt::format("there is no channel {}{}", toml_text(name_), did_you_mean(closest(name_, names)));
+        const bool several = !term_.channel->axis.empty();
+        if (several != indexed_)
+            return several ? fmt::format("{0} has several numbers; write {0}[0] … or {0}[*] for all of them", name_) : fmt::format("{} has one number, no elements", name_);
         return {};
     }
 
@@ -81,53 +87,127 @@ private:
             const std::string near = closest(how_, {std::begin(reductions), std::end(reductions)});
             return fmt::format("{} is not one of {}{}", toml_text(how_), fmt::join(reductions, ", "), did_you_mean(near));
         }
-        scalar_.reduction = static_cast<Reduction>(found - std::begin(reductions));
+        term_.reduction = static_cast<Reduction>(found - std::begin(reductions));
+        const bool one_output = term_.reduction == Reduction::final || term_.reduction == Reduction::at;
+        if (one_output && term_.element == every_element) return fmt::format("{} is of one output: of which element of {}?", how_, name_);
         return {};
     }
 
     std::string read_time() {
-        if (scalar_.reduction != Reduction::at) return when_.empty() ? "" : fmt::format("{} takes no time", how_);
+        if (term_.reduction != Reduction::at) return when_.empty() ? "" : fmt::format("{} takes no time", how_);
         const auto parsed = parse_quantity(when_);
         const auto* quantity = std::get_if<Quantity>(&parsed);
         if (quantity == nullptr || !(quantity->dimension == dimension_of("s")) || !quantity->has_unit) return fmt::format("{} is not a time", toml_text(when_));
-        scalar_.time = quantity->value;
+        term_.time = quantity->value;
         return {};
     }
 
     std::string name_, how_, when_;
     bool indexed_ = false;
-    Scalar scalar_;
+    ScalarTerm term_;
 };
+
+/// Between the terms of a quotient; channels have slashes without spaces.
+constexpr std::string_view divided_by = " / ";
 
 }  // namespace
 
+std::string Scalar::unit() const {
+    const std::string_view over = terms.front().channel->unit;
+    if (terms.size() == 1) return std::string(over);
+    const std::string_view under = terms.back().channel->unit;
+    return over == under ? "1" : under == "1" ? std::string(over) : fmt::format("{}/{}", over, under);
+}
+
+std::string Scalar::description() const {
+    if (terms.size() == 1) return fmt::format("{}: {}", text, terms.front().channel->description);
+    return fmt::format("{}: {} over {}", text, terms.front().channel->description, terms.back().channel->description);
+}
+
 Scalar parse_scalar(const std::string& text, Position position, std::vector<Problem>& problems) {
     Scalar scalar;
-    const std::string wrong = ScalarReader(text).read(scalar);
-    if (!wrong.empty()) problems.push_back({position, fmt::format("outputs.scalars: {}: {}", toml_text(text), wrong)});
+    std::string rest = text;
+    for (bool more = true; more;) {
+        const auto at = rest.find(divided_by);
+        more = at != std::string::npos;
+        TermReader reader(rest.substr(0, at));
+        ScalarTerm term;
+        std::string wrong = reader.read(term);
+        if (wrong.empty() && scalar.terms.size() == 2) wrong = "a quotient has two parts";
+        if (!wrong.empty()) {
+            problems.push_back({position, fmt::format("outputs.scalars: {}: {}", toml_text(text), wrong)});
+            return {};
+        }
+        scalar.terms.push_back(term);
+        scalar.text += (scalar.text.empty() ? "" : std::string(divided_by)) + reader.text();
+        if (more) rest = rest.substr(at + divided_by.size());
+    }
+    scalar.column = column_name(scalar.text);
     return scalar;
 }
 
-void Reducer::add(const Scalar& scalar, double time, double number) noexcept {
-    switch (scalar.reduction) {
+void TermSum::add(const ScalarTerm& term, double time, double number) {
+    switch (term.reduction) {
         case Reduction::mean: value += number; break;
         case Reduction::rms: value += number * number; break;
         case Reduction::min: value = count == 0 || number < value || std::isnan(number) ? number : value; break;
         case Reduction::max: value = count == 0 || number > value || std::isnan(number) ? number : value; break;
         case Reduction::final: value = number; break;
+        case Reduction::median: all.push_back(number); break;
         case Reduction::at:
-            if (time < scalar.time * (1.0 - 1e-12) || count > 0) return;
+            if (time < term.time * (1.0 - 1e-12) || count > 0) return;
             value = number;
             break;
     }
     ++count;
 }
 
-double Reducer::result(const Scalar& scalar) const noexcept {
+double TermSum::result(const ScalarTerm& term) const {
     if (count == 0) return std::numeric_limits<double>::quiet_NaN();
     const double n = static_cast<double>(count);
-    if (scalar.reduction == Reduction::mean) return value / n;
-    return scalar.reduction == Reduction::rms ? std::sqrt(value / n) : value;
+    if (term.reduction == Reduction::mean) return value / n;
+    if (term.reduction != Reduction::median) return term.reduction == Reduction::rms ? std::sqrt(value / n) : value;
+    std::vector<double> sorted = all;
+    std::sort(sorted.begin(), sorted.end());
+    const std::size_t middle = sorted.size() / 2;
+    return sorted.size() % 2 != 0 ? sorted[middle] : 0.5 * (sorted[middle - 1] + sorted[middle]);
+}
+
+void Reducer::add(const Scalar& scalar, std::size_t term, double time, std::span<const double> numbers) {
+    const ScalarTerm& of = scalar.terms[term];
+    if (of.element != every_element) return sums[term].add(of, time, numbers[static_cast<std::size_t>(of.element)]);
+    for (const double number : numbers) sums[term].add(of, time, number);
+}
+
+double Reducer::result(const Scalar& scalar) const {
+    const double first = sums[0].result(scalar.terms[0]);
+    return scalar.terms.size() == 1 ? first : first / sums[1].result(scalar.terms[1]);
+}
+
+void Reducer::clear() noexcept {
+    for (TermSum& sum : sums) {
+        sum.count = 0;
+        sum.value = 0.0;
+        sum.all.clear();
+    }
+}
+
+void Reducer::save(std::vector<double>& memory) const {
+    for (const TermSum& sum : sums) {
+        memory.insert(memory.end(), {static_cast<double>(sum.count), sum.value, static_cast<double>(sum.all.size())});
+        memory.insert(memory.end(), sum.all.begin(), sum.all.end());
+    }
+}
+
+std::span<const double> Reducer::load(std::span<const double> memory) {
+    for (TermSum& sum : sums) {
+        sum.count = static_cast<long>(memory[0]);
+        sum.value = memory[1];
+        const auto numbers = static_cast<std::size_t>(memory[2]);
+        sum.all.assign(memory.begin() + 3, memory.begin() + 3 + static_cast<std::ptrdiff_t>(numbers));
+        memory = memory.subspan(3 + numbers);
+    }
+    return memory;
 }
 
 }  // namespace cvtflow::tasks

@@ -48,12 +48,15 @@ std::string real_text(double number) {
 }
 
 /// The default of a number, list or table (its first value); 0 for other kinds.
+constexpr double usual_step = 1e-6;   ///< where a number may be automatic, that is of steps [s]
+
 double default_number(const Parameter& parameter) {
     Scene scene;
     const Slot slot = parameter.member(scene);
     if (const auto* number = std::get_if<double*>(&slot)) return **number;
     if (const auto* list = std::get_if<std::vector<double>*>(&slot)) return (*list)->front();
     if (const auto* table = std::get_if<model::TimeTable*>(&slot)) return (*table)->value.front();
+    if (std::holds_alternative<AutoNumber*>(slot)) return usual_step;
     return 0.0;
 }
 

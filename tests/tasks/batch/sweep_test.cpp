@@ -139,16 +139,39 @@ TEST_F(SweepFile, ShardsHaveEveryCaseOnceAndAboutEqualCost) {
 
 TEST(Reducer, ReducesAsItSays) {
     std::vector<Problem> none;
-    const std::map<std::string, double> expected{{"slip mean", 7.0 / 3.0}, {"slip min", 1.0}, {"slip max", 4.0}, {"slip rms", std::sqrt(7.0)}, {"slip final", 2.0}, {"slip at 0.5 s", 4.0}};
+    const std::map<std::string, double> expected{{"slip mean", 7.0 / 3.0}, {"slip min", 1.0}, {"slip max", 4.0}, {"slip rms", std::sqrt(7.0)}, {"slip final", 2.0}, {"slip at 0.5 s", 4.0},
+                                                 {"slip median", 2.0}, {"slip max / slip mean", 12.0 / 7.0}};
     for (const auto& [text, value] : expected) {
         const Scalar scalar = parse_scalar(text, {}, none);
         Reducer reducer;
         EXPECT_TRUE(std::isnan(reducer.result(scalar)));
         double time = 0.0;
-        for (const double number : {1.0, 4.0, 2.0}) reducer.add(scalar, time += 0.25, number);
+        for (const double number : {1.0, 4.0, 2.0}) {
+            time += 0.25;
+            for (std::size_t term = 0; term < scalar.terms.size(); ++term) reducer.add(scalar, term, time, {&number, 1});
+        }
         EXPECT_DOUBLE_EQ(reducer.result(scalar), value) << text;
+        std::vector<double> memory;
+        reducer.save(memory);
+        Reducer resumed;
+        EXPECT_TRUE(resumed.load(memory).empty());
+        EXPECT_DOUBLE_EQ(resumed.result(scalar), value) << text << ": from a checkpoint";
     }
     EXPECT_TRUE(none.empty());
+}
+
+TEST(Reducer, TakesAllElementsOfAChannel) {
+    std::vector<Problem> none;
+    const Scalar scalar = parse_scalar("tips/axial_force[*] max", {}, none);
+    Reducer reducer;
+    const double first[] = {1.0, -3.0, 2.0}, second[] = {0.5, 7.0, 1.0};
+    reducer.add(scalar, 0, 0.0, first);
+    reducer.add(scalar, 0, 1.0, second);
+    EXPECT_DOUBLE_EQ(reducer.result(scalar), 7.0);
+    EXPECT_TRUE(none.empty());
+    (void)parse_scalar("tips/axial_force[*] final", {}, none);
+    ASSERT_EQ(none.size(), 1u);
+    EXPECT_THAT(none.front().message, testing::HasSubstr("of which element"));
 }
 
 }  // namespace
