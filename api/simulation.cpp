@@ -64,7 +64,9 @@ std::span<const double> Simulation::channel(std::size_t index) { return impl_->c
 std::span<const double> Simulation::channel(const std::string& name) { return impl_->channel(impl_->find_channel(name)); }
 
 Counters Simulation::counters() const noexcept { return impl_->counters(); }
-std::vector<std::string> Simulation::notices() const { return impl_->simulation().start_differences(); }
+std::vector<std::string> Simulation::notices() const { return impl_->notices(); }
+Energy Simulation::energy() const noexcept { return impl_->energy(); }
+
 double Simulation::largest_stable_step() {
     return api::translated(ErrorCode::internal, [&] { return impl_->largest_stable_step(); });
 }

@@ -52,6 +52,8 @@ public:
     [[nodiscard]] std::size_t find_channel(const std::string& name) const;
     void on_output(double interval, std::function<void(Simulation&)> callback);
     void on_transition(std::function<void(Simulation&, const Transition&)> callback) { transition_callback_ = std::move(callback); }
+    [[nodiscard]] std::vector<std::string> notices() const;
+    [[nodiscard]] Energy energy() const noexcept;
     [[nodiscard]] double largest_stable_step();
 
     [[nodiscard]] const Scene& scene() const noexcept { return scene_; }

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <string>
 
+#include "engine/executor/job_pool.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/method/stability.hpp"
 #include "tasks/method_choice.hpp"
@@ -38,11 +38,12 @@ constexpr double least_damping = 1e-3;
 }  // namespace
 
 MethodReach reach_of(std::string_view method) {
-    static std::mutex gate;
+    static engine::Gate gate;
     static std::map<std::string, MethodReach, std::less<>> known;
-    const std::scoped_lock lock(gate);
-    const auto found = known.find(method);
-    return found != known.end() ? found->second : known.emplace(method, found_reach(method)).first->second;
+    return gate.through([&] {
+        const auto found = known.find(method);
+        return found != known.end() ? found->second : known.emplace(method, found_reach(method)).first->second;
+    });
 }
 
 AutoStep::AutoStep(const model::Variator& variator, std::string_view method) : reach_(reach_of(method)), bound_(variator) {}

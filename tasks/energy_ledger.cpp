@@ -69,6 +69,11 @@ void EnergyLedger::step(const model::Variator& variator, double begin, const dou
     known_ = true;
 }
 
+void EnergyLedger::inputs_changed(double time) noexcept {
+    known_ = false;
+    if (m_.samples > 0.0 && time - m_.jumped > window) m_.jumped = time;
+}
+
 bool EnergyLedger::due(double time) const noexcept {
     if (m_.samples == 0.0) return true;
     if (m_.steps == 0.0) return false;

@@ -56,8 +56,8 @@ public:
 
     /// A new integration begins.
     void restart() noexcept;
-    /// Inputs may have been changed from outside since the last step.
-    void inputs_changed() noexcept { known_ = false; }
+    /// Inputs have been changed from outside: losses are sampled densely for a while, unless that has just been so.
+    void inputs_changed(double time) noexcept;
     /// A step has been taken. @param from, to states behind the links at its ends, which begin at pulley_begin()
     void step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept;
     /// Whether losses should be sampled before the next step.

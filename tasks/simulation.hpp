@@ -59,6 +59,11 @@ public:
     [[nodiscard]] Fault advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel);
     /// Puts values in place of the tables of inputs, between runs.
     void hold(const model::HeldInputs& held) noexcept { workspace_->variator.hold(held); }
+    /// They are not those of the last step: what follows may be fast.
+    void inputs_changed() {
+        workspace_->energy.inputs_changed(time_);
+        if (rest_.started) workspace_->energy.save(rest_.energy);
+    }
     /// The next run ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr: none.
     void pause_on(const bool* flag) noexcept { pause_ = flag; }
 

@@ -49,5 +49,6 @@ Action declare_newton(CLI::App& app);
 Action declare_detail(CLI::App& app);
 Action declare_tradeoff(CLI::App& app);
 Action declare_extremes(CLI::App& app);
+Action declare_lottery(CLI::App& app);
 
 }  // namespace cvtflow::tools

@@ -29,6 +29,7 @@ std::span<const Command> commands() noexcept {
         Command{"detail", "Compare levels of detail: what each dial costs and what it changes", declare_detail},
         Command{"tradeoff", "Measure what accuracy costs: methods and steps, the Pareto front, a recommendation", declare_tradeoff},
         Command{"extremes", "Run the edges of every parameter and say what comes of each", declare_extremes},
+        Command{"lottery", "Run machines drawn by chance with defaults and count how they end", declare_lottery},
         Command{"dot", "Draw the task graph of a step in Graphviz' language", declare_dot},
     };
     return rows;

@@ -146,6 +146,14 @@ cvtflow_code cvtflow_counters_get(const cvtflow_simulation* simulation, cvtflow_
     });
 }
 
+cvtflow_code cvtflow_energy_get(const cvtflow_simulation* simulation, cvtflow_energy* energy) {
+    return api::guarded(nullptr, [&] {
+        const Energy now = api::given(simulation, "simulation").simulation.energy();
+        const cvtflow_energy ours{sizeof ours, now.reliable ? 1 : 0, now.residual, now.dissipated, now.suspicion};
+        api::fill_versioned(&api::given(energy, "energy"), &ours, sizeof ours, sizeof ours);
+    });
+}
+
 cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, cvtflow_output_function function, void* user, cvtflow_message* message) {
     return api::guarded(message, [&] {
         std::function<void(Simulation&)> callback;

@@ -82,6 +82,15 @@ typedef struct cvtflow_counters {
     int64_t steps, evaluations, transitions, truncated, suppressed;
 } cvtflow_counters;
 
+/* Whether results can be believed: the energy balance since the start (after settling, since t = 0). */
+typedef struct cvtflow_energy {
+    uint32_t size;
+    int32_t reliable;  /* 0: results are wrong, take a shorter step or run.step = "auto" */
+    double residual;   /* change of the stored energy - work of the inputs + losses [J] */
+    double dissipated; /* [J] */
+    double suspicion;  /* |residual| over what an honest integration may leave; above 1 unreliable */
+} cvtflow_energy;
+
 /* Strings live as long as the library is loaded. */
 typedef struct cvtflow_channel_info {
     uint32_t size;
@@ -165,6 +174,8 @@ CVTFLOW_API cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, 
                                                 cvtflow_message* message);
 
 CVTFLOW_API cvtflow_code cvtflow_counters_get(const cvtflow_simulation* simulation, cvtflow_counters* counters);
+
+CVTFLOW_API cvtflow_code cvtflow_energy_get(const cvtflow_simulation* simulation, cvtflow_energy* energy);
 
 /* One function of each kind per simulation; NULL removes it. */
 CVTFLOW_API cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, cvtflow_output_function function, void* user,

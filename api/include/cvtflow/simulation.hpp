@@ -49,6 +49,15 @@ struct Counters {
     bool operator==(const Counters&) const = default;
 };
 
+/// Whether results can be believed: the energy balance since the start (after settling, since t = 0).
+struct Energy {
+    double residual = 0.0;          ///< change of the stored energy - work of the inputs + losses [J]
+    double dissipated = 0.0;        ///< [J]
+    double suspicion = 0.0;         ///< |residual| over what an honest integration may leave, the largest of settling, of windows of 5 ms and of all
+    bool reliable = true;           ///< suspicion ≤ 1; else results are wrong: take a shorter step, or run.step = "auto"
+    bool operator==(const Energy&) const = default;
+};
+
 struct ChannelInfo {
     std::string_view name;          ///< "shaft_1/torque"; all three live as long as the library is loaded and end in 0
     std::string_view unit;          ///< "N*m", "1" for none
@@ -135,7 +144,9 @@ public:
     [[nodiscard]] std::span<const double> channel(const std::string& name);
 
     [[nodiscard]] Counters counters() const noexcept;
-    /// What a user should know: differences between the scene and the one that its state file was settled with, one line each.
+    [[nodiscard]] Energy energy() const noexcept;
+    /// What a user should know: differences between the scene and the one that its state file was settled with, one line each; an
+    /// energy balance that does not close.
     [[nodiscard]] std::vector<std::string> notices() const;
     /// Largest step for which the scene's method is linearly stable here, from the extreme eigenvalues (about a hundred evaluations) [s].
     /// @throws Error busy
