@@ -20,19 +20,33 @@ constexpr double forever = std::numeric_limits<double>::infinity();
 /// Elastic oscillations are damped by this share of the critical damping at least.
 constexpr double least_damping = 1e-3;
 
+/// Numerical damping of an oscillation in a step, over h ω, that is taken: a tenth of what the chain's own damping of a hundredth does.
+constexpr double most_damping = 1e-3;
+
+/// Largest h ω up to which a table damps oscillations by no more than that.
+[[nodiscard]] double accurate_oscillation(const engine::StagePlan& plan, double stable) {
+    constexpr double fine = 0.01;
+    const auto function = engine::stability_function(plan);
+    double y = fine;
+    while (y < stable && std::abs(function({0.0, y})) >= 1.0 - most_damping * y) y += fine;
+    return y;
+}
+
 [[nodiscard]] MethodReach reach_of_table(const engine::StagePlan& plan) {
-    return {engine::stability_reach(plan, {-least_damping, std::sqrt(1.0 - least_damping * least_damping)}, 1e-6), engine::real_stability(plan)};
+    MethodReach reach{engine::stability_reach(plan, {-least_damping, std::sqrt(1.0 - least_damping * least_damping)}, 1e-6), engine::real_stability(plan), 0.0};
+    reach.accurate = accurate_oscillation(plan, reach.oscillation);
+    return reach;
 }
 
 [[nodiscard]] MethodReach found_reach(std::string_view method) {
     if (const MethodProgram* program = find_program(method)) {
-        if (program->stability == nullptr) return {forever, forever};
+        if (program->stability == nullptr) return {forever, forever, forever};
         const ProgramStability stability = program->stability();
-        if (stability.equation == TestEquation::oscillator) return {limit_with_any_friction(stability).oscillation, stability.longest_decay};
-        return {reach(stability, 0.0, 0.0, -least_damping, std::sqrt(1.0 - least_damping * least_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0)};
+        if (stability.equation == TestEquation::oscillator) return {limit_with_any_friction(stability).oscillation, stability.longest_decay, forever};
+        return {reach(stability, 0.0, 0.0, -least_damping, std::sqrt(1.0 - least_damping * least_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0), forever};
     }
     const auto plan = engine::make_method(method);
-    return plan ? reach_of_table(*plan) : MethodReach{forever, forever};
+    return plan ? reach_of_table(*plan) : MethodReach{forever, forever, forever};
 }
 
 }  // namespace
@@ -50,23 +64,25 @@ AutoStep::AutoStep(const model::Variator& variator, std::string_view method) : r
 
 void AutoStep::restart() noexcept {
     bound_.forget();
-    looked_ = -1e300;
+    looked_ = begun_ = -1e300;
     stable_ = 0.0;
     evaluations_ = 0;
 }
 
 double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
-    if (time - looked_ >= look_interval * (1.0 - 1e-9)) {
-        evaluations_ += bound_.estimate(time, state, phases);
+    if (begun_ == -1e300) begun_ = time;
+    if (time - looked_ >= std::min(look_interval, looked_ - begun_) * (1.0 - 1e-9)) {
+        evaluations_ += bound_.estimate_at_rest(time, state, phases);
         looked_ = time;
         const auto within = [](double reach, double extent) { return extent > 0.0 ? reach / extent : forever; };
         stable_ = std::min(within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()));
     }
-    return std::min(longest_step, margin * stable_);
+    const double accurate = bound_.imaginary() > 0.0 ? reach_.accurate / bound_.imaginary() : forever;
+    return std::min({longest_step, margin * stable_, accurate});
 }
 
 void AutoStep::save(std::vector<double>& memory) const {
-    memory.assign({looked_, stable_, static_cast<double>(evaluations_)});
+    memory.assign({looked_, begun_, stable_, static_cast<double>(evaluations_)});
     bound_.save(memory);
 }
 
@@ -74,9 +90,10 @@ void AutoStep::load(std::span<const double> memory) {
     restart();
     if (memory.empty()) return;
     looked_ = memory[0];
-    stable_ = memory[1];
-    evaluations_ = static_cast<long>(memory[2]);
-    (void)bound_.load(memory.subspan(3));
+    begun_ = memory[1];
+    stable_ = memory[2];
+    evaluations_ = static_cast<long>(memory[3]);
+    (void)bound_.load(memory.subspan(4));
 }
 
 }  // namespace cvtflow::tasks

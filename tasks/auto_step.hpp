@@ -14,6 +14,7 @@ namespace cvtflow::tasks {
 struct MethodReach {
     double oscillation;   ///< largest h ω of an elastic oscillation, whatever the friction beside it
     double decay;         ///< largest h |λ| of friction and damping
+    double accurate;      ///< largest h ω that it does not damp much more than the chain does itself
 };
 
 /// Of any method of the catalogue; computed once per name. Infinite where linear stability sets no limit, or where the method
@@ -27,8 +28,11 @@ public:
     static constexpr double margin = 0.85;
     /// Longest step that is taken however stable [s]: what friction leaves of a step is of first order.
     static constexpr double longest_step = 2e-6;
-    /// Time after which the spectrum is looked at again [s].
+    /// Time after which the spectrum is looked at again [s]; sooner in the beginning, when tips come to the sheaves and loads rise: whenever the time
+    /// since the beginning has doubled.
     static constexpr double look_interval = 1e-3;
+    /// Longest time between two questions [s].
+    static constexpr double ask_interval = 125e-6;
 
     /// `variator` must outlive it. Takes all its memory here.
     AutoStep(const model::Variator& variator, std::string_view method);
@@ -51,7 +55,7 @@ public:
 private:
     MethodReach reach_;
     SpectralBound bound_;
-    double looked_ = -1e300;   ///< when [s]
+    double looked_ = -1e300, begun_ = -1e300;   ///< when [s]
     double stable_ = 0.0;
     long evaluations_ = 0;
 };

@@ -17,9 +17,9 @@ namespace {
 constexpr double share_of_losses = 1e-3;
 constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;
-constexpr double deviations = 3.0;
+constexpr double deviations = 4.0;
 constexpr double dense_share = 0.05, dense_time = 5e-4;   // [1], [s]
-constexpr double most_deviation = 1e-3;   ///< of the losses: noise excuses no more
+constexpr double closer = 8.0;   ///< by which samples lie closer in doubt
 
 [[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -35,9 +35,9 @@ constexpr double most_deviation = 1e-3;   ///< of the losses: noise excuses no m
 
 double EnergyBalance::relative() const noexcept { return loss > 0.0 ? std::abs(residual()) / loss : 0.0; }
 
-double EnergyBalance::tolerance() const noexcept {
-    return share_of_losses * loss + share_of_through * through + share_of_stored * stored + std::min(deviations * deviation, most_deviation * loss);
-}
+double EnergyBalance::honest() const noexcept { return share_of_losses * loss + share_of_through * through + share_of_stored * stored; }
+
+double EnergyBalance::tolerance() const noexcept { return honest() + deviations * deviation; }
 
 double EnergySums::lost() const noexcept { return total(loss); }
 
@@ -47,9 +47,10 @@ double EnergySums::efficiency_since(const EnergySums& before) const noexcept {
     return input > 0.0 ? 1.0 - (lost() - before.lost()) / input : std::numeric_limits<double>::quiet_NaN();
 }
 
-void EnergyLedger::restart() noexcept {
+void EnergyLedger::restart(long stride) noexcept {
     m_ = {};
     known_ = false;
+    stride_ = static_cast<double>(stride);
 }
 
 void EnergyLedger::step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept {
@@ -76,10 +77,9 @@ void EnergyLedger::inputs_changed(double time) noexcept {
 
 bool EnergyLedger::due(double time) const noexcept {
     if (m_.samples == 0.0) return true;
-    if (m_.steps == 0.0) return false;
     const double since = time - m_.jumped;   // what follows a jump dies out fast at first: samples lie as close as it is young
-    const double wanted = std::min(sample_interval, dense_share * since);
-    return time - m_.sampled >= wanted * (1.0 - 1e-9) && (m_.steps >= sample_steps || since < dense_time);
+    if (since < dense_time && m_.steps >= 1.0 && time - m_.sampled >= dense_share * since) return true;
+    return m_.steps >= (m_.doubt != 0.0 ? std::max(1.0, stride_ / closer) : stride_);
 }
 
 void EnergyLedger::sample(double time, const model::Account& now, double pin_period) noexcept {
@@ -106,9 +106,15 @@ void EnergyLedger::sample(double time, const model::Account& now, double pin_per
     m_.steps = 0.0;
     if (m_.samples == 1.0) m_.jumped = time;
     if (m_.samples == 1.0) m_.all = m_.part = here();
-    if (time - m_.part.begin < window) return;
+    if (time - m_.part.begin >= window) close_window();
+}
+
+/// A residual that noise alone could have made is looked at more closely; one that it could not is remembered.
+void EnergyLedger::close_window() noexcept {
     const EnergyBalance closed = balance_since(m_.part);
-    m_.worst = std::max(m_.worst, std::abs(closed.residual()) / closed.tolerance());
+    const double residual = std::abs(closed.residual());
+    m_.worst = std::max(m_.worst, residual / closed.tolerance());
+    m_.doubt = residual > closed.honest() ? 1.0 : 0.0;
     m_.part = here();
 }
 
@@ -190,8 +196,8 @@ void EnergyLedger::save(std::vector<double>& memory) const {
     std::memcpy(memory.data(), &m_, sizeof(Memory));
 }
 
-void EnergyLedger::load(std::span<const double> memory) noexcept {
-    restart();
+void EnergyLedger::load(std::span<const double> memory, long stride) noexcept {
+    restart(stride);
     if (memory.size_bytes() == sizeof(Memory)) std::memcpy(static_cast<void*>(&m_), memory.data(), sizeof(Memory));
 }
 

@@ -2,8 +2,9 @@
 /// Where the energy of an integration goes: works of the inputs, losses by kind, what is stored, and whether they agree.
 ///
 /// Works are exact sums over all steps: mean input times displacement. Losses are powers of the contact and damping laws at the states
-/// that the method produced, sampled every `sample_interval` and integrated by the trapezoidal rule; they are no negative of
-/// the works, so that a method that makes energy, or destroys it, cannot balance them. (DECISIONS 71)
+/// that the method produced, sampled every so many steps and integrated by the trapezoidal rule; they are no negative of
+/// the works, so that a method that makes energy, or destroys it, cannot balance them. A window of time whose balance could be off by
+/// the noise of sampling alone puts the run in doubt: in the next one samples lie closer. (DECISIONS 71)
 
 #include <array>
 #include <span>
@@ -31,7 +32,9 @@ struct EnergyBalance {
     [[nodiscard]] double residual() const noexcept { return change - work + loss; }
     /// |residual| over the losses; the threshold stands beside it as tolerance() over the losses.
     [[nodiscard]] double relative() const noexcept;
-    /// What a residual may be before it is called wrong [J].
+    /// What a residual may be that honest steps leave [J].
+    [[nodiscard]] double honest() const noexcept;
+    /// The same with what sampling may add: beyond it the residual is wrong [J].
     [[nodiscard]] double tolerance() const noexcept;
 };
 
@@ -48,14 +51,11 @@ struct EnergySums {
 
 class EnergyLedger {
 public:
-    /// Time between samples of the losses [s], and steps that lie between them at least.
-    static constexpr double sample_interval = 25e-6;
-    static constexpr double sample_steps = 16.0;
     /// Time after which a balance is judged by itself [s]: what went wrong once is not forgotten in what follows.
-    static constexpr double window = 5e-3;
+    static constexpr double window = 2e-3;
 
-    /// A new integration begins.
-    void restart() noexcept;
+    /// A new integration begins. @param stride steps between samples of the losses (StepMethod::observation_stride)
+    void restart(long stride) noexcept;
     /// Inputs have been changed from outside: losses are sampled densely for a while, unless that has just been so.
     void inputs_changed(double time) noexcept;
     /// A step has been taken. @param from, to states behind the links at its ends, which begin at pulley_begin()
@@ -85,7 +85,7 @@ public:
 
     /// For checkpoints: goes on bit for bit.
     void save(std::vector<double>& memory) const;
-    void load(std::span<const double> memory) noexcept;
+    void load(std::span<const double> memory, long stride) noexcept;
 
 private:
     static constexpr std::size_t past_size = 80, past_per_period = 64;
@@ -97,6 +97,7 @@ private:
     [[nodiscard]] EnergyBalance balance_since(const Span& span) const noexcept;
     [[nodiscard]] Span here() const noexcept;
     void remember(const EnergySums& now) noexcept;
+    void close_window() noexcept;
 
     /// Numbers only: saved and loaded as they lie.
     struct Memory {
@@ -111,7 +112,7 @@ private:
         double outputs, output_time;
         EnergySums last, before_last;            ///< ends of the pin period that efficiency() is about
         Span all, part;
-        double worst;
+        double worst, doubt;                     ///< doubt: 1 while samples lie close
         std::array<EnergySums, past_size> past;  ///< at outputs, round and round
         double past_begin, past_count;
     };
@@ -119,6 +120,7 @@ private:
     Memory m_{};
     model::Inputs inputs_;   ///< at the end of the last step
     bool known_ = false;
+    double stride_ = 16.0;   ///< steps between samples
 };
 
 }  // namespace cvtflow::tasks

@@ -257,7 +257,7 @@ void Simulation::rest_at_start() {
     const Workspace& w = *workspace_;
     if (!scene_.run.step.automatic()) choice_.reset();
     else if (choice_ == nullptr) choice_ = std::make_unique<AutoStep>(w.variator, scene_.run.method);
-    workspace_->energy.restart();
+    workspace_->energy.restart(method_->observation_stride());
     rest_.started = false;
     rest_.settling = needs_settling_;
     rest_.time = time_;
@@ -282,7 +282,7 @@ void Simulation::restore(const IntegrationState& from) {
     w.before = from.before;
     w.list_touching();
     method_->restart();
-    w.energy.load(from.energy);
+    w.energy.load(from.energy, method_->observation_stride());
     rest_ = from;
     needs_settling_ = from.settling;
     time_ = from.time;

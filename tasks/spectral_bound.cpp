@@ -18,7 +18,7 @@ double seed(int index) { return std::sin(1.0 + 2.399963 * index) + 0.3 * ((index
 
 SpectralBound::SpectralBound(const model::Variator& variator) : variator_(variator), scratch_(variator.layout()) {
     const auto size = static_cast<std::size_t>(variator.layout().size());
-    for (auto* field : {&velocity_.direction, &coordinate_.direction, &base_, &moved_, &slope_}) field->assign(size, 0.0);
+    for (auto* field : {&velocity_.direction, &coordinate_.direction, &base_, &moved_, &slope_, &rest_}) field->assign(size, 0.0);
     velocity_.size = 1e-9;
     coordinate_.size = 1e-11;
 }
@@ -64,13 +64,28 @@ int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, c
     return evaluations;
 }
 
+void SpectralBound::begin() noexcept {
+    if (!cold_) return;
+    for_each_unknown([&](int q, int v) {
+        coordinate_.direction[static_cast<std::size_t>(q)] = seed(q);
+        velocity_.direction[static_cast<std::size_t>(v)] = seed(v);
+    });
+}
+
+int SpectralBound::estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept {
+    begin();
+    std::copy_n(state, rest_.size(), rest_.begin());
+    for_each_unknown([&](int, int v) { rest_[static_cast<std::size_t>(v)] = 0.0; });
+    model::right_hand_side(variator_, t, rest_.data(), phases, base_.data(), scratch_);
+    int evaluations = 2 + iterate(velocity_, true, t, rest_.data(), phases);
+    model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
+    evaluations += iterate(coordinate_, false, t, state, phases);
+    cold_ = false;
+    return evaluations;
+}
+
 int SpectralBound::estimate(double t, const double* state, const model::Phase* phases) noexcept {
-    if (cold_) {
-        for_each_unknown([&](int q, int v) {
-            coordinate_.direction[static_cast<std::size_t>(q)] = seed(q);
-            velocity_.direction[static_cast<std::size_t>(v)] = seed(v);
-        });
-    }
+    begin();
     model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
     const int evaluations = 1 + iterate(velocity_, true, t, state, phases) + iterate(coordinate_, false, t, state, phases);
     cold_ = false;

@@ -18,6 +18,9 @@ public:
     /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
     /// @return evaluations of the right-hand side that it took
     int estimate(double t, const double* state, const model::Phase* phases) noexcept;
+    /// The same with real() of the state brought to rest: no contact slides, so each is as stiff as its load lets it be. Which of them slide changes from
+    /// one microsecond to the next; at rest they are a bound for as long as loads stay.
+    int estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept;
 
     /// Largest |λ| of the accelerations by velocities: all friction and damping [1/s]. From below, as power iterations are, by some per cent.
     [[nodiscard]] double real() const noexcept { return velocity_.value; }
@@ -41,13 +44,14 @@ private:
         double size = 0.0;               ///< of the perturbation, largest entry
     };
 
+    void begin() noexcept;
     int iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases) noexcept;
     template <class Action>
     void for_each_unknown(Action action) const noexcept;
 
     const model::Variator& variator_;
     Iteration velocity_, coordinate_;
-    std::vector<double> base_, moved_, slope_;
+    std::vector<double> base_, moved_, slope_, rest_;
     model::EvaluationScratch scratch_;
     bool cold_ = true;
 };

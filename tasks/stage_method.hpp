@@ -3,6 +3,8 @@
 /// is the next step's first, unless a transition or anybody else has changed the state in between; where a step was rejected, its first slope
 /// still holds. Neither is evaluated again.
 
+#include <algorithm>
+
 #include "tasks/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -21,6 +23,7 @@ public:
     void load(std::span<const double> memory) override;
     [[nodiscard]] std::optional<engine::PlanStep> error_row() const noexcept override;
     [[nodiscard]] int error_power() const noexcept override { return error_power_; }
+    [[nodiscard]] long observation_stride() const noexcept override { return std::max(1L, 100L / w_.plan.stages()); }
 
 protected:
     /// Takes the following steps with another plan, whose slots the workspace must have. The slope at hand stays good.

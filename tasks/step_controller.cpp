@@ -29,7 +29,7 @@ constexpr double worth_while = 1.05;
     grid.begin = settings.begin;
     grid.output_interval = settings.output_interval;
     const bool free = settings.control == StepControl::error;
-    if (automatic(settings) && !free) grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / AutoStep::look_interval * (1.0 - 1e-12)));
+    if (automatic(settings) && !free) grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / AutoStep::ask_interval * (1.0 - 1e-12)));
     grid.divide(free ? settings.output_interval : automatic(settings) ? AutoStep::longest_step : settings.step);
     return grid;
 }
@@ -60,7 +60,7 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
     w_.secant = method_.retakes();
     w_.evaluations = 0;
     method_.restart();   // a run does not depend on what ran before it
-    w_.energy.restart();
+    w_.energy.restart(method_.observation_stride());
     if (settings.choice != nullptr) settings.choice->restart();
     probe_start();
 }
@@ -77,7 +77,7 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
         grid_.point = from.grid_number % grid_.steps_per_leg;
     }
     w_.dwell = dwell_steps * grid_.step;
-    w_.energy.load(from.energy);
+    w_.energy.load(from.energy, method_.observation_stride());
     if (settings.choice != nullptr) settings.choice->load(from.step_choice);
     w_.secant = method_.retakes();
     w_.evaluations = from.counters.evaluations;

@@ -54,6 +54,9 @@ public:
     /// goes on bit for bit where save() was called. Nothing for methods without memory.
     virtual void save(std::vector<double>& memory) const { memory.clear(); }
     virtual void load(std::span<const double> memory) { (void)memory; }
+    /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a leapfrog, whose
+    /// step costs as much as five evaluations.
+    [[nodiscard]] virtual long observation_stride() const noexcept { return 16; }
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
     /// What the method has done since it was made, one line for the summary of a run; empty: nothing to say.
