@@ -1,0 +1,86 @@
+#include "tasks/step_limit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "engine/method/catalogue.hpp"
+#include "engine/method/stability.hpp"
+#include "tasks/method_choice.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr double stable_growth = 1e-6;   ///< of a step, as ProgramStability counts it
+constexpr double ray_damping = 0.01;
+
+}  // namespace
+
+std::string text_of(const StepLimit& limit) {
+    const double kilohertz = limit.oscillation / (2e3 * std::numbers::pi);
+    switch (limit.by) {
+        case StepLimiter::nothing: return "any step is stable";
+        case StepLimiter::oscillation:
+            return fmt::format("{:.3g} s: oscillation of {:.3g} kHz with friction of {:.2g} 1/s", limit.step, kilohertz, limit.friction);
+        case StepLimiter::decay: return fmt::format("{:.3g} s: decay of {:.2g} 1/s", limit.step, limit.friction);
+        case StepLimiter::friction_stages: return fmt::format("{:.3g} s: no more stages for friction of {:.2g} 1/s", limit.step, limit.friction);
+        case StepLimiter::polynomials: return fmt::format("{:.3g} s: no polynomial for decays of {:.2g} 1/s", limit.step, limit.friction);
+    }
+    return "";
+}
+
+StepLimitBound::StepLimitBound(const model::Variator& variator, std::string_view method) : bound_(variator) {
+    if (const MethodProgram* program = find_program(method)) {
+        if (program->stability == nullptr) return;
+        program_ = program->stability();
+        takes_friction_apart_ = program_.equation == TestEquation::oscillator;
+        return;
+    }
+    const auto plan = engine::make_method(method);
+    if (!plan) throw std::invalid_argument(no_method(method));
+    real_reach_ = engine::stability_reach(*plan, {-1.0, 0.0}, stable_growth);
+    imaginary_reach_ = engine::stability_reach(*plan, {-ray_damping, std::sqrt(1.0 - ray_damping * ray_damping)}, stable_growth);
+}
+
+int StepLimitBound::look(double t, const double* state, const model::Phase* phases) {
+    if (!takes_friction_apart_ && real_reach_ == 0.0) return 0;
+    const int evaluations = bound_.estimate(t, state, phases);
+    limit_ = judged();
+    return evaluations;
+}
+
+StepLimit StepLimitBound::judged() const {
+    if (takes_friction_apart_) return of_oscillator();
+    const double by_decay = real_reach_ / bound_.real(), by_oscillation = imaginary_reach_ / bound_.imaginary();
+    if (by_decay <= by_oscillation) return {by_decay, StepLimiter::decay, 0.0, bound_.real()};
+    return {by_oscillation, StepLimiter::oscillation, bound_.imaginary(), 0.0};
+}
+
+StepLimit StepLimitBound::of_oscillator() const {
+    const double fastest = bound_.imaginary(), stiffest = bound_.real();
+    if (!(fastest > 0.0)) return {};
+    if (!program_.beside) return {limit_with_any_friction(program_).oscillation / fastest, StepLimiter::oscillation, fastest, 0.0};
+    // With the stages that the longest step would take: they are never fewer than those of a shorter one, and more allow longer steps.
+    double step = program_.beside(2.0 * stiffest / fastest).oscillation / fastest;
+    const FrictionLimit limit = program_.beside(step * stiffest);
+    step = limit.oscillation / fastest;
+    const double staged = program_.longest_decay / stiffest;
+    if (staged < step) return {staged, StepLimiter::friction_stages, fastest, stiffest};
+    return {step, StepLimiter::oscillation, fastest, limit.friction / step};
+}
+
+void StepLimitBound::save(std::vector<double>& memory) const {
+    memory.insert(memory.end(), {limit_.step, static_cast<double>(limit_.by), limit_.oscillation, limit_.friction});
+    bound_.save(memory);
+}
+
+std::span<const double> StepLimitBound::load(std::span<const double> memory) {
+    limit_ = {memory[0], static_cast<StepLimiter>(static_cast<int>(memory[1])), memory[2], memory[3]};
+    return bound_.load(memory.subspan(4));
+}
+
+}  // namespace cvtflow::tasks
