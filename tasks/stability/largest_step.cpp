@@ -1,0 +1,137 @@
+#include "tasks/stability/largest_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <stdexcept>
+
+#include "engine/method/catalogue.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/stability/growth.hpp"
+#include "tasks/stability/real_step.hpp"
+#include "tasks/stability/step_map.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr double longer = 1.12, precision = 1.003;   ///< of steps tried next; between the longest stable one and the shortest that is not
+constexpr double first_try = 0.85;                   ///< of what is expected
+constexpr double shortest_tried = 1e-12;             ///< [s]
+constexpr double without_expectation = 1e-7;         ///< first step tried of a method without limit [s]
+
+/// Two steps, stable and not; the second one infinite if none was unstable.
+struct Bracket {
+    double stable = 0.0, unstable = std::numeric_limits<double>::infinity();
+};
+
+[[nodiscard]] Bracket bracketed(double expected, const std::function<bool(double)>& stable) {
+    const bool limited = std::isfinite(expected) && expected > 0.0;
+    const double factor = limited ? longer : 10.0;
+    Bracket bracket;
+    double h = limited ? first_try * expected : without_expectation;
+    while (!stable(h)) {
+        bracket.unstable = h;
+        h /= longer * longer;
+        if (h < shortest_tried) return bracket;
+    }
+    bracket.stable = h;
+    while (std::isinf(bracket.unstable) && bracket.stable < longest_tried) {
+        h = factor * bracket.stable;
+        (stable(h) ? bracket.stable : bracket.unstable) = h;
+    }
+    if (std::isinf(bracket.unstable)) return bracket;
+    while (bracket.unstable > precision * bracket.stable) {
+        const double middle = std::sqrt(bracket.stable * bracket.unstable);
+        (stable(middle) ? bracket.stable : bracket.unstable) = middle;
+    }
+    return bracket;
+}
+
+[[nodiscard]] std::unique_ptr<StepMap> map_of(const LinearChain& chain, std::string_view method) {
+    if (const MethodProgram* program = find_program(method)) return program->linear(chain);
+    const auto plan = engine::make_method(method);
+    if (!plan) throw std::invalid_argument(no_method(method));
+    return table_step(chain, engine::CompiledPlan(*plan));
+}
+
+/// Σ x* part(x) / Σ |x|² of an eigenvector's coordinates: the part's eigenvalue, if it is one.
+using AddPart = void (LinearChain::*)(double, const double*, double*) const;
+[[nodiscard]] double quotient(const LinearChain& chain, const Growth& growth, AddPart part) {
+    double above = 0.0, below = 0.0;
+    for (const std::vector<double>* half : {&growth.real, &growth.imaginary}) {
+        std::vector<double> x(half->begin(), half->begin() + chain.coordinates()), image(static_cast<std::size_t>(chain.velocities()), 0.0);
+        x.resize(image.size(), 0.0);
+        (chain.*part)(1.0, x.data(), image.data());
+        for (int k = 0; k < chain.coordinates(); ++k) {
+            above += x[static_cast<std::size_t>(k)] * image[static_cast<std::size_t>(k)];
+            below += x[static_cast<std::size_t>(k)] * x[static_cast<std::size_t>(k)];
+        }
+    }
+    return above / below;
+}
+
+[[nodiscard]] StepLimit explained(const LinearChain& chain, double step, const Growth& growth, bool takes_friction_apart) {
+    StepLimit limit{step, StepLimiter::oscillation, std::sqrt(std::max(0.0, -quotient(chain, growth, &LinearChain::add_elastic))),
+                    std::max(0.0, -quotient(chain, growth, &LinearChain::add_friction))};
+    const double damping = std::max(0.0, -quotient(chain, growth, &LinearChain::add_damping));
+    if (limit.oscillation < damping + (takes_friction_apart ? 0.0 : limit.friction)) {
+        limit.by = StepLimiter::decay;
+        limit.friction += damping;
+    }
+    return limit;
+}
+
+}  // namespace
+
+StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method, double expected) {
+    const std::unique_ptr<StepMap> map = map_of(chain, method);
+    if (expected == 0.0) {
+        StepLimitBound bound(chain.variator(), method);
+        bound.look(chain.start().time, chain.start().state.data(), chain.start().phases.data());
+        expected = bound.limit().step;
+    }
+    Growth beyond;   // at the shortest unstable step so far
+    bool refused = false;
+    const auto stable = [&](double h) {
+        refused = !map->prepare(h);
+        if (refused) return false;
+        Growth growth = fastest_growth(map->size(), [&](const double* from, double* to) { map->step(from, to); return true; }, beyond.real);
+        if (growth.factor <= 1.0 + tolerated_growth) return true;
+        beyond = std::move(growth);
+        return false;
+    };
+    const Bracket bracket = bracketed(expected, stable);
+    if (std::isinf(bracket.unstable)) return {};
+    const MethodProgram* program = find_program(method);
+    const bool apart = program != nullptr && program->stability != nullptr;
+    const double step = std::sqrt(bracket.stable * bracket.unstable);
+    if (refused || beyond.real.empty()) return {step, apart ? StepLimiter::friction_stages : StepLimiter::polynomials, 0.0, chain.stiffest_friction()};
+    return explained(chain, step, beyond, apart);
+}
+
+StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method, const FrozenStart& start) {
+    return predicted_step_limit(LinearChain(variator, parameters, start), method);
+}
+
+MeasuredLimit measured_step_limit(const Scene& scene, std::string_view method, const FrozenStart& start, double expected) {
+    RealStep step(scene, method, start);
+    std::vector<double> direction;
+    MeasuredLimit limit;
+    const auto stable = [&](double h) {
+        limit.refused = !step.prepare(h);
+        if (limit.refused) return false;
+        if (direction.size() != static_cast<std::size_t>(step.size())) direction = step.mixed_start();
+        const Growth growth = fastest_growth(step.size(), [&](const double* from, double* to) { return step.step(from, to); }, direction);
+        if (growth.factor <= 1.0 + tolerated_growth) return true;
+        if (!growth.real.empty()) direction = growth.real;
+        return false;
+    };
+    const Bracket bracket = bracketed(expected, stable);
+    limit.step = std::isinf(bracket.unstable) ? bracket.unstable : std::sqrt(bracket.stable * bracket.unstable);
+    limit.refused = limit.refused && !std::isinf(limit.step);
+    return limit;
+}
+
+}  // namespace cvtflow::tasks

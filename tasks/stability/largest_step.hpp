@@ -1,0 +1,33 @@
+#pragma once
+/// The longest step with which small disturbances of a state die out, predicted and measured.
+///
+/// Predicted: the step as a linear map of the linearised equations of motion (step_map.hpp), chain, shafts, sheaves, cylinders, governor and control alike.
+/// Measured: the step that the simulation takes (real_step.hpp). Both look for the step at which the largest multiplier passes 1 (growth.hpp).
+
+#include <string_view>
+
+#include "tasks/scene/scene.hpp"
+#include "tasks/stability/linear_chain.hpp"
+#include "tasks/step_limit.hpp"
+
+namespace cvtflow::tasks {
+
+/// Growth in a step that still counts as none.
+inline constexpr double tolerated_growth = 1e-3;
+/// A method that is stable with this is said to be stable with any step [s].
+inline constexpr double longest_tried = 1e-3;
+
+/// @param expected where to begin to look; 0: where StepLimitBound says [s]
+/// @throws std::invalid_argument for a name that is no method's
+[[nodiscard]] StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method, double expected = 0.0);
+/// For one method.
+[[nodiscard]] StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method, const FrozenStart& start);
+
+struct MeasuredLimit {
+    double step = 0.0;       ///< longest stable one; infinite if longest_tried is [s]
+    bool refused = false;    ///< longer ones are not unstable: the method does not take them
+};
+/// @param expected where to begin to look [s]; infinite: at lengths up to longest_tried
+[[nodiscard]] MeasuredLimit measured_step_limit(const Scene& scene, std::string_view method, const FrozenStart& start, double expected);
+
+}  // namespace cvtflow::tasks
