@@ -192,7 +192,7 @@ public:
     Additive(const LinearChain& chain, AdditiveTable table)
         : chain_(chain), table_(std::move(table)), n_(chain.coordinates()), m_(chain.velocities()), links_(chain.link_velocities()) {
         slopes_.assign(at(table_.stages()), Numbers(at(n_ + m_)));
-        friction_.assign(at(table_.stages()), Numbers(at(links_)));
+        friction_.assign(at(table_.stages()), Numbers(at(m_)));
     }
     bool prepare(double h) override {
         h_ = h;
@@ -210,16 +210,23 @@ public:
                 add(explicit_weight, slopes_[at(other)].data(), n_ + m_, y.data());
                 add(table_.implicit_part[at(stage)][at(other)] - explicit_weight, friction_[at(other)].data(), links_, y.data() + n_);
             }
-            if (stage > 0) {
-                const Numbers right(y.begin() + n_, y.begin() + n_ + links_);
-                solver_->solve(right.data(), y.data() + n_);
-            }
+            if (stage > 0) solve(y);
             evaluate(stage, y);
             add(table_.weights[at(stage)], slopes_[at(stage)].data(), n_ + m_, to);
         }
     }
 
 private:
+    /// Friction with the sheaves and the normal forces of the stage, of which only links' velocities are unknown.
+    void solve(Numbers& y) const {
+        Numbers friction(at(m_), 0.0), surface(y.begin() + n_, y.end());
+        std::fill_n(surface.begin(), links_, 0.0);
+        chain_.add_friction(h_, surface.data(), friction.data());
+        chain_.add_sliding(h_ * h_, y.data(), friction.data());
+        Numbers right(y.begin() + n_, y.begin() + n_ + links_);
+        add(table_.gamma, friction.data(), links_, right.data());
+        solver_->solve(right.data(), y.data() + n_);
+    }
     void evaluate(int stage, const Numbers& y) {
         Numbers& slope = slopes_[at(stage)];
         std::copy_n(y.begin() + n_, n_, slope.begin());
@@ -228,7 +235,8 @@ private:
         chain_.add_damping(h_, y.data() + n_, slope.data() + n_);
         chain_.add_friction(h_, y.data() + n_, slope.data() + n_);
         std::fill(friction_[at(stage)].begin(), friction_[at(stage)].end(), 0.0);
-        chain_.add_link_friction(h_, y.data() + n_, friction_[at(stage)].data());
+        chain_.add_friction(h_, y.data() + n_, friction_[at(stage)].data());
+        chain_.add_sliding(h_ * h_, y.data(), friction_[at(stage)].data());
     }
 
     const LinearChain& chain_;
@@ -236,7 +244,7 @@ private:
     const int n_, m_, links_;
     double h_ = 0.0;
     std::unique_ptr<LinearSolver> solver_;
-    std::vector<Numbers> slopes_, friction_;   ///< [stage]; of the whole, and of friction alone
+    std::vector<Numbers> slopes_, friction_;   ///< [stage]; of the whole, and of friction alone, of which links' rows are used
 };
 
 }  // namespace

@@ -19,7 +19,8 @@ namespace {
 constexpr double longer = 1.12, precision = 1.003;   ///< of steps tried next; between the longest stable one and the shortest that is not
 constexpr double first_try = 0.85;                   ///< of what is expected
 constexpr double shortest_tried = 1e-12;             ///< [s]
-constexpr double without_expectation = 1e-7;         ///< first step tried of a method without limit [s]
+constexpr double without_expectation = 1e-6;         ///< first step tried of a method without limit [s]
+constexpr int steps_in_a_row = 7;                    ///< odd: what alternates is seen as such
 
 /// Two steps, stable and not; the second one infinite if none was unstable.
 struct Bracket {
@@ -28,7 +29,7 @@ struct Bracket {
 
 [[nodiscard]] Bracket bracketed(double expected, const std::function<bool(double)>& stable) {
     const bool limited = std::isfinite(expected) && expected > 0.0;
-    const double factor = limited ? longer : 10.0;
+    const double factor = limited ? longer : 4.0;
     Bracket bracket;
     double h = limited ? first_try * expected : without_expectation;
     while (!stable(h)) {
@@ -117,16 +118,15 @@ StepLimit predicted_step_limit(const model::Variator& variator, const model::Par
 
 MeasuredLimit measured_step_limit(const Scene& scene, std::string_view method, const FrozenStart& start, double expected) {
     RealStep step(scene, method, start);
-    std::vector<double> direction;
     MeasuredLimit limit;
     const auto stable = [&](double h) {
         limit.refused = !step.prepare(h);
         if (limit.refused) return false;
-        if (direction.size() != static_cast<std::size_t>(step.size())) direction = step.mixed_start();
-        const Growth growth = fastest_growth(step.size(), [&](const double* from, double* to) { return step.step(from, to); }, direction);
-        if (growth.factor <= 1.0 + tolerated_growth) return true;
-        if (!growth.real.empty()) direction = growth.real;
-        return false;
+        const auto dies_out = [&] {
+            const auto map = [&](const double* from, double* to) { return step.step(from, to); };
+            return fastest_growth(step.size(), map, step.mixed_start()).factor <= 1.0 + tolerated_growth;
+        };
+        return dies_out() || (step.combine(steps_in_a_row) && dies_out());
     };
     const Bracket bracket = bracketed(expected, stable);
     limit.step = std::isinf(bracket.unstable) ? bracket.unstable : std::sqrt(bracket.stable * bracket.unstable);

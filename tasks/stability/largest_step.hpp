@@ -14,8 +14,8 @@ namespace cvtflow::tasks {
 
 /// Growth in a step that still counts as none.
 inline constexpr double tolerated_growth = 1e-3;
-/// A method that is stable with this is said to be stable with any step [s].
-inline constexpr double longest_tried = 1e-3;
+/// A method that is stable with this is said to be stable with any step: beyond, what grows by itself grows so much in a step [s].
+inline constexpr double longest_tried = 16e-6;
 
 /// @param expected where to begin to look; 0: where StepLimitBound says [s]
 /// @throws std::invalid_argument for a name that is no method's
@@ -27,6 +27,8 @@ struct MeasuredLimit {
     double step = 0.0;       ///< longest stable one; infinite if longest_tried is [s]
     bool refused = false;    ///< longer ones are not unstable: the method does not take them
 };
+/// Unstable is a step after which disturbances have grown, and after some more as well: a contact that comes to its kink within the step may make one
+/// alone look so.
 /// @param expected where to begin to look [s]; infinite: at lengths up to longest_tried
 [[nodiscard]] MeasuredLimit measured_step_limit(const Scene& scene, std::string_view method, const FrozenStart& start, double expected);
 

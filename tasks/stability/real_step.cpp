@@ -31,18 +31,28 @@ void hold(IntegrationState& state, double h) {
 
 RealStep::RealStep(const Scene& scene, std::string_view method, const FrozenStart& start) : simulation_(with_method(scene, method)), start_(start) {}
 
-bool RealStep::take(const IntegrationState& from, IntegrationState& to) {
+/// A step on, in place.
+bool RealStep::take_one(IntegrationState& state) {
+    hold(state, h_);
     SilentObserver nobody;
     const engine::Cancellation never;
     try {
-        simulation_.restore(from);
+        simulation_.restore(state);
         const Fault fault = simulation_.advance(far_beyond, 1, nobody, never);
         if (fault.kind != FaultKind::max_steps) return false;
     } catch (const std::exception&) {
         return false;   // a method that finds no polynomial
     }
-    to = simulation_.integration_state();
-    return std::all_of(to.state.begin(), to.state.end(), [](double x) { return std::isfinite(x); });
+    state = simulation_.integration_state();
+    return std::all_of(state.state.begin(), state.state.end(), [](double x) { return std::isfinite(x); });
+}
+
+bool RealStep::take(const IntegrationState& from, IntegrationState& to) {
+    to = from;
+    for (int step = 0; step < steps_; ++step) {
+        if (!take_one(to)) return false;
+    }
+    return true;
 }
 
 bool RealStep::prepare(double h) {
@@ -53,19 +63,18 @@ bool RealStep::prepare(double h) {
     base_.phases = start_.phases;
     base_.method.clear();
     base_.counters = {};
-    for (int step = 0; step < 2; ++step) {
-        hold(base_, h);
-        if (!take(base_, base_)) return false;
-    }
-    hold(base_, h);
-    if (!take(base_, image_)) return false;
-    if (image_.method.size() != base_.method.size()) return false;
+    if (!take_one(base_) || !take_one(base_) || !combine(1)) return false;
     const model::ChainLayout& at = simulation_.variator().layout();
     scale_.assign(base_.state.size(), 1.0);
     for (int link = 0; link < at.links; ++link) std::fill_n(scale_.begin() + at.link_begin(link), at.link_size(), h);
     std::fill_n(scale_.begin() + at.pulley_begin(), at.pulley_size, h);
     scale_.resize(base_.state.size() + base_.method.size(), 1.0 / h);   // accelerations, most of them
     return true;
+}
+
+bool RealStep::combine(int steps) {
+    steps_ = steps;
+    return take(base_, image_) && image_.method.size() == base_.method.size();
 }
 
 std::vector<double> RealStep::mixed_start() const {
@@ -81,7 +90,7 @@ bool RealStep::step(const double* from, double* to) {
     const std::size_t unknowns = base_.state.size();
     moved_ = base_;
     for (std::size_t k = 0; k < scale_.size(); ++k) (k < unknowns ? moved_.state[k] : moved_.method[k - unknowns]) += length * scale_[k] * from[k];
-    if (!take(moved_, moved_)) return false;
+    if (!take(IntegrationState(moved_), moved_)) return false;
     for (std::size_t k = 0; k < scale_.size(); ++k) {
         const double change = k < unknowns ? moved_.state[k] - image_.state[k] : moved_.method[k - unknowns] - image_.method[k - unknowns];
         to[k] = change / (length * scale_[k]);

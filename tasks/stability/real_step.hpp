@@ -18,6 +18,8 @@ public:
 
     /// The next steps have this length: takes two of them, so that the method has a past. false: the method refuses or fails.
     [[nodiscard]] bool prepare(double h);
+    /// From here on, so many steps count as one.
+    [[nodiscard]] bool combine(int steps);
     /// Numbers of a disturbance: the state, then what the method remembers.
     [[nodiscard]] int size() const noexcept { return static_cast<int>(scale_.size()); }
     /// A disturbance of the state alone: what a method remembers is not all of it linear. [size()]
@@ -27,10 +29,12 @@ public:
 
 private:
     [[nodiscard]] bool take(const IntegrationState& from, IntegrationState& to);
+    [[nodiscard]] bool take_one(IntegrationState& state);
 
     Simulation simulation_;
     const FrozenStart start_;
     double h_ = 0.0;
+    int steps_ = 1;
     IntegrationState base_, image_, moved_;
     std::vector<double> scale_;   ///< what counts as one
 };
