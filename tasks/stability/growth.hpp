@@ -20,8 +20,8 @@ struct Growth {
 struct GrowthSettings {
     /// Multipliers nearer to 1 do not count: what a step resolves so well grows by itself if it grows, whatever the method.
     double from_one = 0.1;
-    int most = 120;               ///< dimension of the Krylov space
-    double settled = 3e-4;        ///< change of the factor over the last ten directions
+    int most = 160;               ///< dimension of the Krylov space
+    double settled = 1e-4;        ///< change of the factor over the last ten directions
 };
 
 /// The same result every time. @param start first direction; of another length: one that has a share of everything

@@ -18,9 +18,9 @@ namespace {
 
 constexpr double longer = 1.12, precision = 1.003;   ///< of steps tried next; between the longest stable one and the shortest that is not
 constexpr double first_try = 0.85;                   ///< of what is expected
-constexpr double shortest_tried = 1e-12;             ///< [s]
+constexpr double shortest_tried = 1e-9;              ///< [s]
 constexpr double without_expectation = 1e-6;         ///< first step tried of a method without limit [s]
-constexpr int steps_in_a_row = 7;                    ///< odd: what alternates is seen as such
+constexpr int states_in_a_row = 8;
 
 /// Two steps, stable and not; the second one infinite if none was unstable.
 struct Bracket {
@@ -116,17 +116,29 @@ StepLimit predicted_step_limit(const model::Variator& variator, const model::Par
     return predicted_step_limit(LinearChain(variator, parameters, start), method);
 }
 
+namespace {
+
+[[nodiscard]] std::unique_ptr<TakenStep> taken_step(const Scene& scene, const model::Variator& variator, std::string_view method, const FrozenStart& start) {
+    if (find_program(method) == nullptr) return std::make_unique<HeldStep>(variator, *engine::make_method(method), start);
+    return std::make_unique<RealStep>(scene, method, start);
+}
+
+}  // namespace
+
 MeasuredLimit measured_step_limit(const Scene& scene, std::string_view method, const FrozenStart& start, double expected) {
-    RealStep step(scene, method, start);
+    const model::Variator variator(scene.parameters);
+    const std::unique_ptr<TakenStep> taken = taken_step(scene, variator, method, start);
+    TakenStep& step = *taken;
     MeasuredLimit limit;
     const auto stable = [&](double h) {
         limit.refused = !step.prepare(h);
         if (limit.refused) return false;
-        const auto dies_out = [&] {
+        for (int state = 0; state < states_in_a_row; ++state) {
             const auto map = [&](const double* from, double* to) { return step.step(from, to); };
-            return fastest_growth(step.size(), map, step.mixed_start()).factor <= 1.0 + tolerated_growth;
-        };
-        return dies_out() || (step.combine(steps_in_a_row) && dies_out());
+            if (fastest_growth(step.size(), map, step.mixed_start()).factor <= 1.0 + tolerated_growth) return true;
+            if (!step.move_on()) return false;
+        }
+        return false;
     };
     const Bracket bracket = bracketed(expected, stable);
     limit.step = std::isinf(bracket.unstable) ? bracket.unstable : std::sqrt(bracket.stable * bracket.unstable);

@@ -8,6 +8,7 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr double disturbance = 1e-6;   ///< largest velocity of one [m/s]; saturation speeds are thousands of it
+constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-8, 1e-9};   ///< [m/s]
 constexpr double far_beyond = 1e6;     ///< a time that no step reaches [s]
 
 [[nodiscard]] Scene with_method(Scene scene, std::string_view method) {
@@ -27,12 +28,33 @@ void hold(IntegrationState& state, double h) {
     std::fill(state.changed.begin(), state.changed.end(), state.time);
 }
 
+/// What counts as one: a velocity of 1 m/s, and the way that it makes in a step.
+[[nodiscard]] std::vector<double> scale_of_state(const model::ChainLayout& at, double h) {
+    std::vector<double> scale(static_cast<std::size_t>(at.size()), 1.0);
+    for (int link = 0; link < at.links; ++link) std::fill_n(scale.begin() + at.link_begin(link), at.link_size(), h);
+    std::fill_n(scale.begin() + at.pulley_begin(), at.pulley_size, h);
+    return scale;
+}
+
+[[nodiscard]] std::vector<double> mixed_numbers(std::size_t size) {
+    std::vector<double> numbers(size);
+    for (std::size_t k = 0; k < size; ++k) numbers[k] = std::sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
+    return numbers;
+}
+
+/// Factor that makes a disturbance as large as wanted.
+[[nodiscard]] double length_of(const double* disturbing, int size, double largest_wanted) {
+    double largest = 0.0;
+    for (int k = 0; k < size; ++k) largest = std::max(largest, std::abs(disturbing[k]));
+    return largest_wanted / largest;
+}
+
 }  // namespace
 
 RealStep::RealStep(const Scene& scene, std::string_view method, const FrozenStart& start) : simulation_(with_method(scene, method)), start_(start) {}
 
 /// A step on, in place.
-bool RealStep::take_one(IntegrationState& state) {
+bool RealStep::take(IntegrationState& state) {
     hold(state, h_);
     SilentObserver nobody;
     const engine::Cancellation never;
@@ -47,14 +69,6 @@ bool RealStep::take_one(IntegrationState& state) {
     return std::all_of(state.state.begin(), state.state.end(), [](double x) { return std::isfinite(x); });
 }
 
-bool RealStep::take(const IntegrationState& from, IntegrationState& to) {
-    to = from;
-    for (int step = 0; step < steps_; ++step) {
-        if (!take_one(to)) return false;
-    }
-    return true;
-}
-
 bool RealStep::prepare(double h) {
     h_ = h;
     base_ = simulation_.integration_state();
@@ -63,38 +77,57 @@ bool RealStep::prepare(double h) {
     base_.phases = start_.phases;
     base_.method.clear();
     base_.counters = {};
-    if (!take_one(base_) || !take_one(base_) || !combine(1)) return false;
-    const model::ChainLayout& at = simulation_.variator().layout();
-    scale_.assign(base_.state.size(), 1.0);
-    for (int link = 0; link < at.links; ++link) std::fill_n(scale_.begin() + at.link_begin(link), at.link_size(), h);
-    std::fill_n(scale_.begin() + at.pulley_begin(), at.pulley_size, h);
+    image_ = base_;
+    if (!take(image_) || !move_on() || !move_on()) return false;
+    scale_ = scale_of_state(simulation_.variator().layout(), h);
     scale_.resize(base_.state.size() + base_.method.size(), 1.0 / h);   // accelerations, most of them
     return true;
 }
 
-bool RealStep::combine(int steps) {
-    steps_ = steps;
-    return take(base_, image_) && image_.method.size() == base_.method.size();
+bool RealStep::move_on() {
+    base_ = image_;
+    return take(image_) && image_.method.size() == base_.method.size();
 }
 
 std::vector<double> RealStep::mixed_start() const {
-    std::vector<double> start(scale_.size(), 0.0);
-    for (std::size_t k = 0; k < base_.state.size(); ++k) start[k] = std::sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
+    std::vector<double> start = mixed_numbers(base_.state.size());
+    start.resize(scale_.size(), 0.0);
     return start;
 }
 
 bool RealStep::step(const double* from, double* to) {
-    double largest = 0.0;
-    for (int k = 0; k < size(); ++k) largest = std::max(largest, std::abs(from[k]));
-    const double length = disturbance / largest;
+    const double length = length_of(from, size(), disturbance);
     const std::size_t unknowns = base_.state.size();
     moved_ = base_;
     for (std::size_t k = 0; k < scale_.size(); ++k) (k < unknowns ? moved_.state[k] : moved_.method[k - unknowns]) += length * scale_[k] * from[k];
-    if (!take(IntegrationState(moved_), moved_)) return false;
+    if (!take(moved_)) return false;
     for (std::size_t k = 0; k < scale_.size(); ++k) {
         const double change = k < unknowns ? moved_.state[k] - image_.state[k] : moved_.method[k - unknowns] - image_.method[k - unknowns];
         to[k] = change / (length * scale_[k]);
     }
+    return true;
+}
+
+HeldStep::HeldStep(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start)
+    : layout_(variator.layout()), start_(start), stepper_(variator, plan, start_.phases) {
+    stepper_.hold(start_.time, start_.state);
+}
+
+bool HeldStep::prepare(double h) {
+    trial_ = 0;
+    h_ = h;
+    scale_ = scale_of_state(layout_, h);
+    return true;
+}
+
+std::vector<double> HeldStep::mixed_start() const { return mixed_numbers(scale_.size()); }
+
+bool HeldStep::step(const double* from, double* to) {
+    const double length = length_of(from, size(), held_disturbances[trial_]);
+    moved_ = start_.state;
+    for (std::size_t k = 0; k < moved_.size(); ++k) moved_[k] += length * scale_[k] * from[k];
+    stepper_.advance(start_.time, h_, 1, moved_);
+    for (std::size_t k = 0; k < moved_.size(); ++k) to[k] = (moved_[k] - start_.state[k]) / (length * scale_[k]);
     return true;
 }
 
