@@ -14,6 +14,7 @@
 #include "model/observation.hpp"
 #include "tasks/channels.hpp"
 #include "tasks/plain_slope.hpp"
+#include "tasks/frozen_step.hpp"
 #include "tasks/simulation.hpp"
 
 namespace cvtflow {
@@ -53,6 +54,7 @@ public:
     void on_output(double interval, std::function<void(Simulation&)> callback);
     void on_transition(std::function<void(Simulation&, const Transition&)> callback) { transition_callback_ = std::move(callback); }
     [[nodiscard]] double largest_stable_step();
+    [[nodiscard]] tasks::FrozenStart present() const;
 
     [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
     [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }

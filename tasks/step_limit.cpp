@@ -22,13 +22,13 @@ constexpr double ray_damping = 0.01;
 
 std::string text_of(const StepLimit& limit) {
     const double kilohertz = limit.oscillation / (2e3 * std::numbers::pi);
+    const std::string step = limit.step < 1e-6 ? fmt::format("{:.3g} ns", 1e9 * limit.step) : fmt::format("{:.3g} us", 1e6 * limit.step);
     switch (limit.by) {
-        case StepLimiter::nothing: return "any step is stable";
-        case StepLimiter::oscillation:
-            return fmt::format("{:.3g} s: oscillation of {:.3g} kHz with friction of {:.2g} 1/s", limit.step, kilohertz, limit.friction);
-        case StepLimiter::decay: return fmt::format("{:.3g} s: decay of {:.2g} 1/s", limit.step, limit.friction);
-        case StepLimiter::friction_stages: return fmt::format("{:.3g} s: no more stages for friction of {:.2g} 1/s", limit.step, limit.friction);
-        case StepLimiter::polynomials: return fmt::format("{:.3g} s: no polynomial for decays of {:.2g} 1/s", limit.step, limit.friction);
+        case StepLimiter::nothing: return "linear stability sets no limit";
+        case StepLimiter::oscillation: return fmt::format("{} (oscillation of {:.3g} kHz under friction of {:.2g} 1/s)", step, kilohertz, limit.friction);
+        case StepLimiter::decay: return fmt::format("{} (decay of {:.2g} 1/s)", step, limit.friction);
+        case StepLimiter::friction_stages: return fmt::format("{} (no more stages for friction of {:.2g} 1/s)", step, limit.friction);
+        case StepLimiter::polynomials: return fmt::format("{} (no polynomial for decays of {:.2g} 1/s)", step, limit.friction);
     }
     return "";
 }

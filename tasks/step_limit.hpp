@@ -28,7 +28,7 @@ struct StepLimit {
     double friction = 0.0;      ///< and is damped so much by friction [1/s]
 };
 
-/// One line: "2.0e-06 s: oscillation of 125 kHz with friction of 3.1e+05 1/s".
+/// "1.91 us (oscillation of 120 kHz under friction of 1.2e+06 1/s)".
 [[nodiscard]] std::string text_of(const StepLimit& limit);
 
 /// A quick estimate from the fastest oscillation and the fastest decay (SpectralBound), each as if it had the worst of the other, along the chain.

@@ -20,7 +20,7 @@ constexpr double longer = 1.12, precision = 1.003;   ///< of steps tried next; b
 constexpr double first_try = 0.85;                   ///< of what is expected
 constexpr double shortest_tried = 1e-9;              ///< [s]
 constexpr double without_expectation = 1e-6;         ///< first step tried of a method without limit [s]
-constexpr int states_in_a_row = 8;
+constexpr int states_in_a_row = 3;
 
 /// Two steps, stable and not; the second one infinite if none was unstable.
 struct Bracket {

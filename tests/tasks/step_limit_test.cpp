@@ -8,6 +8,8 @@
 #include "tests/tasks/settled_tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
+using test::settled_tiny;
+
 namespace {
 
 TEST(StepLimitBound, SaysWhatLimitsALeapfrogAndGoesOnCheaply) {
