@@ -23,10 +23,11 @@ constexpr double ray_damping = 0.01;
 std::string text_of(const StepLimit& limit) {
     const double kilohertz = limit.oscillation / (2e3 * std::numbers::pi);
     const std::string step = limit.step < 1e-6 ? fmt::format("{:.3g} ns", 1e9 * limit.step) : fmt::format("{:.3g} us", 1e6 * limit.step);
+    const std::string where = limit.in_pulleys > 0.05 ? fmt::format(", {:.0f} % of it in shafts and sheaves", 100.0 * limit.in_pulleys) : "";
     switch (limit.by) {
         case StepLimiter::nothing: return "linear stability sets no limit";
-        case StepLimiter::oscillation: return fmt::format("{} (oscillation of {:.3g} kHz under friction of {:.2g} 1/s)", step, kilohertz, limit.friction);
-        case StepLimiter::decay: return fmt::format("{} (decay of {:.2g} 1/s)", step, limit.friction);
+        case StepLimiter::oscillation: return fmt::format("{} (oscillation of {:.3g} kHz under friction of {:.2g} 1/s{})", step, kilohertz, limit.friction, where);
+        case StepLimiter::decay: return fmt::format("{} (decay of {:.2g} 1/s{})", step, limit.friction, where);
         case StepLimiter::friction_stages: return fmt::format("{} (no more stages for friction of {:.2g} 1/s)", step, limit.friction);
         case StepLimiter::polynomials: return fmt::format("{} (no polynomial for decays of {:.2g} 1/s)", step, limit.friction);
     }
@@ -50,7 +51,14 @@ int StepLimitBound::look(double t, const double* state, const model::Phase* phas
     if (!takes_friction_apart_ && real_reach_ == 0.0) return 0;
     const int evaluations = bound_.estimate(t, state, phases);
     limit_ = judged();
+    limit_.step *= calibration_;
     return evaluations;
+}
+
+void StepLimitBound::calibrate(double known) noexcept {
+    if (!(known > 0.0) || !std::isfinite(known) || !std::isfinite(limit_.step)) return;
+    calibration_ *= known / limit_.step;
+    limit_.step = known;
 }
 
 StepLimit StepLimitBound::judged() const {
@@ -74,13 +82,14 @@ StepLimit StepLimitBound::of_oscillator() const {
 }
 
 void StepLimitBound::save(std::vector<double>& memory) const {
-    memory.insert(memory.end(), {limit_.step, static_cast<double>(limit_.by), limit_.oscillation, limit_.friction});
+    memory.insert(memory.end(), {calibration_, limit_.step, static_cast<double>(limit_.by), limit_.oscillation, limit_.friction});
     bound_.save(memory);
 }
 
 std::span<const double> StepLimitBound::load(std::span<const double> memory) {
-    limit_ = {memory[0], static_cast<StepLimiter>(static_cast<int>(memory[1])), memory[2], memory[3]};
-    return bound_.load(memory.subspan(4));
+    calibration_ = memory[0];
+    limit_ = {memory[1], static_cast<StepLimiter>(static_cast<int>(memory[2])), memory[3], memory[4]};
+    return bound_.load(memory.subspan(5));
 }
 
 }  // namespace cvtflow::tasks

@@ -26,13 +26,14 @@ struct StepLimit {
     StepLimiter by = StepLimiter::nothing;
     double oscillation = 0.0;   ///< what grows first beyond it oscillates so fast [rad/s]
     double friction = 0.0;      ///< and is damped so much by friction [1/s]
+    double in_pulleys = 0.0;    ///< share of its kinetic energy that shafts and sheaves have; StepLimitBound does not tell
 };
 
 /// "1.91 us (oscillation of 120 kHz under friction of 1.2e+06 1/s)".
 [[nodiscard]] std::string text_of(const StepLimit& limit);
 
 /// A quick estimate from the fastest oscillation and the fastest decay (SpectralBound), each as if it had the worst of the other, along the chain.
-/// It keeps its directions: the first look takes about a hundred evaluations of the right-hand side, later ones a dozen.
+/// It does not know what shafts, sheaves and cylinders do (calibrate()). It keeps its directions: the first look takes about a hundred evaluations of the right-hand side, later ones a dozen.
 class StepLimitBound {
 public:
     /// `variator` must outlive it. @throws std::invalid_argument for a name that is no method's
@@ -43,6 +44,8 @@ public:
     int look(double t, const double* state, const model::Phase* phases);
     /// By the last look.
     [[nodiscard]] const StepLimit& limit() const noexcept { return limit_; }
+    /// At the state of the last look the limit was really this (predicted_step_limit()): it, and what later looks say, are taken so many times as long. [s]
+    void calibrate(double known) noexcept;
 
     /// Directions and limit, for checkpoints. load() returns what follows in memory.
     void save(std::vector<double>& memory) const;
@@ -57,6 +60,7 @@ private:
     bool takes_friction_apart_ = false;
     double real_reach_ = 0.0;        ///< |h λ| of a decay; 0: no limit
     double imaginary_reach_ = 0.0;   ///< |h λ| of an oscillation damped by 1 %; 0: no limit
+    double calibration_ = 1.0;
     StepLimit limit_;
 };
 

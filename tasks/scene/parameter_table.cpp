@@ -280,7 +280,7 @@ const std::vector<Parameter>& rows() {
      "Integration method, a name from the catalogue. The default is 30 times faster than rk4 at 50 ns; axial forces are off by 1e-4 to 6e-4.",
      "model choice", [](Scene& s) -> Slot { return &s.run.method; }},
     {"run.step", "s", 1e-12, 1e-2, {},
-     "Time step; the longest one if the error decides (run.step_control).",
+     "Time step; the longest one if the error decides (run.step_control). 'cvtflow check' says up to where the method is stable at the start.",
      "model choice", [](Scene& s) -> Slot { return &s.run.step; }},
     {"run.step_control", "", 0, 0, {"fixed", "report", "error"},
      "Steps of run.step; the same with their local error reported; or steps as long as run.tolerance allows, up to run.step.",

@@ -73,9 +73,35 @@ using AddPart = void (LinearChain::*)(double, const double*, double*) const;
     return above / below;
 }
 
+/// x* M x of a link.
+[[nodiscard]] double energy_of(const model::LinkInertia& inertia, int lateral, const double* x) {
+    const auto form = [](const double* matrix, int size, const double* y) {
+        double sum = 0.0;
+        for (int row = 0; row < size; ++row) {
+            for (int column = 0; column < size; ++column) sum += matrix[row * size + column] * y[row] * y[column];
+        }
+        return sum;
+    };
+    return form(inertia.lateral_matrix.data(), lateral, x) + form(inertia.lateral_matrix.data(), lateral, x + lateral) +
+           form(inertia.axial_matrix.data(), 4, x + 2 * lateral);
+}
+
+/// Share of an eigenvector's kinetic energy.
+[[nodiscard]] double share_of_pulleys(const LinearChain& chain, const Growth& growth) {
+    const model::Variator& variator = chain.variator();
+    const model::ChainLayout& layout = variator.layout();
+    double links = 0.0, pulleys = 0.0;
+    for (const std::vector<double>* half : {&growth.real, &growth.imaginary}) {
+        const double* v = half->data() + chain.coordinates();
+        for (int link = 0; link < layout.links; ++link) links += energy_of(variator.chain().inertia(), 2 * layout.lateral(), v + link * layout.link_size());
+        for (int k = 0; k < layout.pulley_size; ++k) pulleys += variator.pulleys().inertia(k) * v[chain.link_velocities() + k] * v[chain.link_velocities() + k];
+    }
+    return pulleys / (links + pulleys);
+}
+
 [[nodiscard]] StepLimit explained(const LinearChain& chain, double step, const Growth& growth, bool takes_friction_apart) {
     StepLimit limit{step, StepLimiter::oscillation, std::sqrt(std::max(0.0, -quotient(chain, growth, &LinearChain::add_elastic))),
-                    std::max(0.0, -quotient(chain, growth, &LinearChain::add_friction))};
+                    std::max(0.0, -quotient(chain, growth, &LinearChain::add_friction)), share_of_pulleys(chain, growth)};
     const double damping = std::max(0.0, -quotient(chain, growth, &LinearChain::add_damping));
     if (limit.oscillation < damping + (takes_friction_apart ? 0.0 : limit.friction)) {
         limit.by = StepLimiter::decay;
@@ -108,8 +134,14 @@ StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method
     const MethodProgram* program = find_program(method);
     const bool apart = program != nullptr && program->stability != nullptr;
     const double step = std::sqrt(bracket.stable * bracket.unstable);
-    if (refused || beyond.real.empty()) return {step, apart ? StepLimiter::friction_stages : StepLimiter::polynomials, 0.0, chain.stiffest_friction()};
+    if (refused || beyond.real.empty()) return {step, apart ? StepLimiter::friction_stages : StepLimiter::polynomials, 0.0, chain.stiffest_friction(), 0.0};
     return explained(chain, step, beyond, apart);
+}
+
+double predicted_growth(const LinearChain& chain, std::string_view method, double h) {
+    const std::unique_ptr<StepMap> map = map_of(chain, method);
+    if (!map->prepare(h)) return std::numeric_limits<double>::infinity();
+    return fastest_growth(map->size(), [&](const double* from, double* to) { map->step(from, to); return true; }, {}).factor;
 }
 
 StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method, const FrozenStart& start) {

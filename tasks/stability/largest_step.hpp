@@ -23,6 +23,9 @@ inline constexpr double longest_tried = 16e-6;
 /// For one method.
 [[nodiscard]] StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method, const FrozenStart& start);
 
+/// Largest multiplier of a step of that length, 1 for what neither grows nor dies out; infinite if the method refuses it. A tenth of the work of a limit.
+[[nodiscard]] double predicted_growth(const LinearChain& chain, std::string_view method, double h);
+
 struct MeasuredLimit {
     double step = 0.0;       ///< longest stable one; infinite if longest_tried is [s]
     bool refused = false;    ///< longer ones are not unstable: the method does not take them

@@ -36,6 +36,18 @@ TEST(StepLimitBound, SetsNoLimitToMethodsThatSolveForTheWholeState) {
     EXPECT_THROW(StepLimitBound(simulation.variator(), "no method"), std::invalid_argument);
 }
 
+TEST(StepLimitBound, IsScaledByWhatIsKnownBetter) {
+    const Simulation simulation(settled_tiny());
+    const FrozenStart start = frozen_start(simulation);
+    StepLimitBound bound(simulation.variator(), "leapfrog-rkc");
+    bound.look(start.time, start.state.data(), start.phases.data());
+    const double known = 0.5 * bound.limit().step;
+    bound.calibrate(known);
+    EXPECT_EQ(bound.limit().step, known);
+    bound.look(start.time, start.state.data(), start.phases.data());
+    EXPECT_NEAR(bound.limit().step / known, 1.0, 0.05) << "power iterations go on";
+}
+
 TEST(StepLimitBound, GoesOnFromItsMemoryWithTheSameBits) {
     const Simulation simulation(settled_tiny());
     const FrozenStart start = frozen_start(simulation);

@@ -74,6 +74,22 @@ TEST(LargestStep, KnowsDampingThatALeapfrogTakesExplicitly) {
     expect_agreement(damped, "leapfrog-chebyshev");
 }
 
+TEST(LargestStep, IsWhereTheGrowthOfAStepPassesOne) {
+    const Place tiny(settled_tiny());
+    const double limit = predicted_step_limit(tiny.chain, "leapfrog-rkc").step;
+    EXPECT_LE(predicted_growth(tiny.chain, "leapfrog-rkc", 0.97 * limit), 1.0 + tolerated_growth);
+    EXPECT_GT(predicted_growth(tiny.chain, "leapfrog-rkc", 1.03 * limit), 1.0 + tolerated_growth);
+}
+
+TEST(LargestStep, SaysThatLightSheavesSetIt) {
+    const Place light(ready("control", {"pulley.sheave_mass=0.3 kg"})), usual(ready("control"));
+    const StepLimit limit = predicted_step_limit(light.chain, "leapfrog-chebyshev");
+    EXPECT_LT(limit.step, 0.9 * predicted_step_limit(usual.chain, "leapfrog-chebyshev").step);
+    EXPECT_GT(limit.in_pulleys, 0.05);
+    EXPECT_NE(text_of(limit).find("in shafts and sheaves"), std::string::npos) << text_of(limit);
+    expect_agreement(light, "leapfrog-chebyshev");
+}
+
 TEST(LargestStep, OfTheTrapezoidalRuleHasNoLimit) {
     const Place tiny(settled_tiny());
     EXPECT_TRUE(std::isinf(predicted_step_limit(tiny.chain, "trapezoidal-full").step));
