@@ -18,7 +18,7 @@ namespace {
 
 constexpr double longer = 1.12, precision = 1.003;   ///< of steps tried next; between the longest stable one and the shortest that is not
 constexpr double first_try = 0.85;                   ///< of what is expected
-constexpr double shortest_tried = 1e-9;              ///< [s]
+constexpr double shortest_tried = 1e-9, longest_of_all = 1e-2;   ///< of methods with a limit [s]
 constexpr double without_expectation = 1e-6;         ///< first step tried of a method without limit [s]
 constexpr int states_in_a_row = 3;
 
@@ -29,7 +29,7 @@ struct Bracket {
 
 [[nodiscard]] Bracket bracketed(double expected, const std::function<bool(double)>& stable) {
     const bool limited = std::isfinite(expected) && expected > 0.0;
-    const double factor = limited ? longer : 4.0;
+    const double factor = limited ? longer : 2.0, longest = limited ? longest_of_all : longest_tried;
     Bracket bracket;
     double h = limited ? first_try * expected : without_expectation;
     while (!stable(h)) {
@@ -38,7 +38,7 @@ struct Bracket {
         if (h < shortest_tried) return bracket;
     }
     bracket.stable = h;
-    while (std::isinf(bracket.unstable) && bracket.stable < longest_tried) {
+    while (std::isinf(bracket.unstable) && bracket.stable < longest) {
         h = factor * bracket.stable;
         (stable(h) ? bracket.stable : bracket.unstable) = h;
     }
@@ -119,6 +119,8 @@ StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method
         bound.look(chain.start().time, chain.start().state.data(), chain.start().phases.data());
         expected = bound.limit().step;
     }
+    const MethodProgram* program = find_program(method);
+    if (program != nullptr && program->stability == nullptr && std::isinf(expected)) expected = without_expectation;   // it has one, but only tables know it
     Growth beyond;   // at the shortest unstable step so far
     bool refused = false;
     const auto stable = [&](double h) {
@@ -131,7 +133,6 @@ StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method
     };
     const Bracket bracket = bracketed(expected, stable);
     if (std::isinf(bracket.unstable)) return {};
-    const MethodProgram* program = find_program(method);
     const bool apart = program != nullptr && program->stability != nullptr;
     const double step = std::sqrt(bracket.stable * bracket.unstable);
     if (refused || beyond.real.empty()) return {step, apart ? StepLimiter::friction_stages : StepLimiter::polynomials, 0.0, chain.stiffest_friction(), 0.0};
