@@ -8,7 +8,7 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr double disturbance = 1e-6;   ///< largest velocity of one [m/s]; saturation speeds are thousands of it
-constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-8, 1e-9};   ///< [m/s]
+constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-5, 1e-8, 1e-9};   ///< [m/s]
 constexpr double far_beyond = 1e6;     ///< a time that no step reaches [s]
 
 [[nodiscard]] Scene with_method(Scene scene, std::string_view method) {

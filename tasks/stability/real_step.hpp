@@ -70,7 +70,7 @@ private:
     const model::ChainLayout layout_;
     const FrozenStart start_;
     FrozenStepper stepper_;
-    static constexpr int trials = 4;
+    static constexpr int trials = 5;
     int trial_ = 0;
     double h_ = 0.0;
     std::vector<double> scale_, moved_;
