@@ -11,6 +11,7 @@
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tasks/scene/units.hpp"
+#include "tasks/stability/largest_step.hpp"
 #include "tasks/step_advice.hpp"
 
 namespace cvtflow {
@@ -277,10 +278,15 @@ Energy Simulation::Impl::energy() const noexcept {
     return {balance.residual(), balance.loss, suspicion, suspicion <= 1.0};
 }
 
+tasks::FrozenStart Simulation::Impl::present() const {
+    const double* state = simulation_.state();
+    return {simulation_.time(), {state, state + simulation_.variator().layout().size()}, simulation_.phases()};
+}
+
 double Simulation::Impl::largest_stable_step() {
     const Stay stay(*this, Stay::As::visitor);
     const api::FloatingDefaults defaults;
-    return tasks::largest_stable_step(simulation_.variator(), data().run.method, simulation_.time(), simulation_.state(), simulation_.phases());
+    return tasks::predicted_step_limit(simulation_.variator(), data().parameters, data().run.method, present()).step;
 }
 
 double Simulation::Impl::step_length() const noexcept {

@@ -14,6 +14,7 @@
 #include "model/observation.hpp"
 #include "tasks/channels.hpp"
 #include "tasks/plain_slope.hpp"
+#include "tasks/frozen_step.hpp"
 #include "tasks/simulation.hpp"
 
 namespace cvtflow {
@@ -55,6 +56,7 @@ public:
     [[nodiscard]] std::vector<std::string> notices() const;
     [[nodiscard]] Energy energy() const noexcept;
     [[nodiscard]] double largest_stable_step();
+    [[nodiscard]] tasks::FrozenStart present() const;
 
     [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
     [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }

@@ -12,6 +12,7 @@
 #include "tasks/implicit/catalogue.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tasks/spectral_method.hpp"
+#include "tasks/stability/step_map.hpp"
 #include "tasks/stage_method.hpp"
 
 namespace cvtflow::tasks {
@@ -19,12 +20,14 @@ namespace cvtflow::tasks {
 const std::vector<MethodProgram>& method_programs() {
     static const std::vector<MethodProgram> all = [] {
         std::vector<MethodProgram> programs{
-            {"dumka3", "DUMKA3, polynomial and step by the spectrum", "Medovikov, BIT 38 (1998) 372-390", 3, 0, 3, 5, dumka3_by_spectrum},
+            {"dumka3", "DUMKA3, polynomial and step by the spectrum", "Medovikov, BIT 38 (1998) 372-390", 3, 0, 3, 5, dumka3_by_spectrum,
+             "none", nullptr, dumka3_step},
             {"rkc", "Runge-Kutta-Chebyshev, stages by the spectrum", "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326", 2, 0, 4, 3,
-             rkc_by_spectrum},
-            {"rock2", "ROCK2, stages by the spectrum", "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18", 2, 0, 5, 4, rock2_by_spectrum},
+             rkc_by_spectrum, "none", nullptr, rkc_step},
+            {"rock2", "ROCK2, stages by the spectrum", "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18", 2, 0, 5, 4, rock2_by_spectrum,
+             "none", nullptr, rock2_step},
             {"fitted", "polynomial fitted to the spectrum, again when it moves", "weights by Lawson's iteration", 3, 0, FittedMethod::most_stages + 1, 3,
-             fitted_by_spectrum},
+             fitted_by_spectrum, "none", nullptr, fitted_step},
         };
         for (const auto& family : {friction_methods(), implicit_programs()}) programs.insert(programs.end(), family.begin(), family.end());
         return programs;

@@ -12,6 +12,8 @@
 
 namespace cvtflow::tasks {
 
+class LinearChain;
+class StepMap;
 struct ProgramStability;
 
 /// A method that is a program: what `list methods` says of it, the slots it needs, and how it is made.
@@ -26,6 +28,8 @@ struct MethodProgram {
     std::string solves = "none"; ///< systems solved in a step, in words
     /// On the test equation that it is made for (tasks/program_stability.hpp); nullptr: it chooses among tables of stages.
     ProgramStability (*stability)() = nullptr;
+    /// What its step makes of small disturbances (tasks/stability/step_map.hpp).
+    std::unique_ptr<StepMap> (*linear)(const LinearChain& chain) = nullptr;
 };
 
 /// All programs, each under a name of its own.

@@ -17,6 +17,11 @@ struct StageFigures {
     double left = 0.0;     ///< value at the end, for 1 at the start
 };
 
+/// Largest h ω with which an oscillator is stable whatever its friction, and the friction that allows no more.
+struct FrictionLimit {
+    double oscillation, friction;
+};
+
 struct ProgramStability {
     TestEquation equation;
     /// Spectral radius of one step among equal ones, history included; infinite where the method refuses to step.
@@ -24,6 +29,9 @@ struct ProgramStability {
     /// @param decay h c or -h λ, > 0, where the method steps
     std::function<StageFigures(double decay)> stages;
     double longest_decay;  ///< up to which the method steps; infinite if it always does
+    /// Limit of an oscillator with any friction up to `stiffest` beside another with just that much, which decides how many stages a step takes.
+    /// Empty where the friction of others makes no difference.
+    std::function<FrictionLimit(double stiffest)> beside = {};
 
     /// Up to rounding: growth by less than 1e-6 a step.
     [[nodiscard]] bool stable(double x, double y) const { return radius(x, y) <= 1.0 + 1e-6; }
@@ -35,10 +43,6 @@ inline constexpr double far_away = 1e6;
 /// Largest r ≤ far_away such that the step is stable from (x, y) to (x, y) + r (along_x, along_y): scan in steps of 0.01, then of 1 %, and bisection.
 [[nodiscard]] double reach(const ProgramStability& method, double x, double y, double along_x, double along_y);
 
-/// Largest h ω with which an oscillator is stable whatever its friction, and the friction that allows no more.
-struct FrictionLimit {
-    double oscillation, friction;
-};
 /// Of a method for the oscillator.
 [[nodiscard]] FrictionLimit limit_with_any_friction(const ProgramStability& method);
 

@@ -17,7 +17,6 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr double look_interval = 1e-4;   // s
-constexpr double headroom = 1.1;         ///< a fit is made for more than is asked for, to last
 constexpr double most_real = 600.0, most_imaginary = 6.0;   ///< what a free step may ask of a fit
 constexpr int review_steps = 50;
 constexpr double far_below = 0.7;
@@ -68,17 +67,17 @@ void SpectralMethod::load(std::span<const double> memory) {
     StageMethod::load(memory);
 }
 
-std::size_t LadderMethod::rung_for(double h) const noexcept {
+std::size_t rung_for(const Ladder& ladder, double real) noexcept {
     std::size_t rung = 0;
-    while (rung + 1 < rungs_.size() && rungs_[rung].real < real() * h) ++rung;
+    while (rung + 1 < ladder.size() && ladder[rung].real < real) ++rung;
     return rung;
 }
 
-void LadderMethod::choose(double h) { use(rungs_[rung_for(h)].plan); }
+void LadderMethod::choose(double h) { use(rungs_[rung_for(rungs_, real() * h)].plan); }
 
 double LadderMethod::longest(double wanted) {
     const double free = std::min(wanted, rungs_.back().real / real());
-    const std::size_t rung = rung_for(free);
+    const std::size_t rung = rung_for(rungs_, real() * free);
     const auto within = [&](std::size_t k, double h) { return std::min({h, rungs_[k].real / real(), rungs_[k].imaginary / imaginary()}); };
     if (rung == 0) return within(0, free);
     const double stages = rungs_[rung].plan.stages() - 1, fewer = rungs_[rung - 1].plan.stages() - 1;
@@ -86,13 +85,18 @@ double LadderMethod::longest(double wanted) {
     return cheaper ? within(rung - 1, free) : within(rung, free);
 }
 
+std::optional<engine::StagePlan> fitted_plan(double real, double imaginary) {
+    auto fitted = engine::fit({std::max(real, engine::least_fitted_real), imaginary, 3, 0.2, 0.01});
+    if (!fitted || fitted->plan.stages.size() > FittedMethod::most_stages + 1) return {};
+    return std::move(fitted->plan);
+}
+
 void FittedMethod::refit(double real, double imaginary) {
-    const engine::FitRequest request{std::max(real, engine::least_fitted_real), imaginary, 3, 0.2, 0.01};
-    auto fitted = engine::fit(request);
-    if (!fitted || fitted->plan.stages.size() > most_stages + 1)
+    const auto fitted = fitted_plan(real, imaginary);
+    if (!fitted)
         throw std::runtime_error(fmt::format("run.step: no fitted polynomial of up to {} stages is stable for a step whose spectrum reaches -{:.3g} and {:.3g}i",
-                                             most_stages, request.real, request.imaginary));
-    std::vector<engine::CompiledPlan> next{engine::CompiledPlan(fitted->plan)};
+                                             most_stages, std::max(real, engine::least_fitted_real), imaginary));
+    std::vector<engine::CompiledPlan> next{engine::CompiledPlan(*fitted)};
     use(next.front());   // brings the last slope along while the former plan is still there
     plan_ = std::move(next);
     fitted_real_ = real;
@@ -104,10 +108,10 @@ void FittedMethod::refit(double real, double imaginary) {
 
 void FittedMethod::choose(double h) {
     const double wanted = real() * h, wide = imaginary() * h;
-    if (wanted > fitted_real_ || wide > fitted_imaginary_) return refit(headroom * wanted, headroom * wide);
+    if (wanted > fitted_real_ || wide > fitted_imaginary_) return refit(fit_headroom * wanted, fit_headroom * wide);
     wanted_lately_ = std::max(wanted_lately_, wanted);
     if (++steps_since_review_ < review_steps) return;
-    if (wanted_lately_ < far_below * fitted_real_) return refit(headroom * wanted_lately_, headroom * wanted_lately_ * imaginary() / real());
+    if (wanted_lately_ < far_below * fitted_real_) return refit(fit_headroom * wanted_lately_, fit_headroom * wanted_lately_ * imaginary() / real());
     steps_since_review_ = 0;
     wanted_lately_ = 0.0;
 }
@@ -132,7 +136,7 @@ void FittedMethod::load(std::span<const double> memory) {
 }
 
 double FittedMethod::longest(double wanted) {
-    return std::min({wanted, most_real / (headroom * real()), most_imaginary / (headroom * imaginary())});
+    return std::min({wanted, most_real / (fit_headroom * real()), most_imaginary / (fit_headroom * imaginary())});
 }
 
 namespace {
@@ -143,8 +147,8 @@ Rung rung(const std::string& name, double real) {
 }
 
 /// Stages in a geometric ladder of a family whose real reach is `share` of their square.
-std::vector<Rung> ladder(const std::string& family, double share) {
-    std::vector<Rung> rungs;
+Ladder ladder(const std::string& family, double share) {
+    Ladder rungs;
     for (const int stages : {5, 7, 9, 11, 13, 16, 19, 23, 28, 34, 41, 50, 60, 72, 86, 103})
         rungs.push_back(rung(family + "-s" + std::to_string(stages), share * stages * stages));
     return rungs;
@@ -152,16 +156,19 @@ std::vector<Rung> ladder(const std::string& family, double share) {
 
 }  // namespace
 
-std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace) {
-    std::vector<Rung> rungs;
+Ladder dumka3_ladder() {
+    Ladder rungs;
     for (int polynomial = 0; polynomial < engine::dumka3_polynomials; ++polynomial)
         rungs.push_back(rung("dumka3-p" + std::to_string(polynomial), engine::dumka3_coefficients(polynomial).real_length));
-    return std::make_unique<LadderMethod>(workspace, 3, std::move(rungs));
+    return rungs;
 }
 
-std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 3, ladder("rkc", 0.65)); }
+Ladder rkc_ladder() { return ladder("rkc", 0.65); }
+Ladder rock2_ladder() { return ladder("rock2", 0.77); }
 
-std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 2, ladder("rock2", 0.77)); }
+std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 3, dumka3_ladder()); }
+std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 3, rkc_ladder()); }
+std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 2, rock2_ladder()); }
 
 std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace) { return std::make_unique<FittedMethod>(workspace); }
 

@@ -2,6 +2,7 @@
 /// Stage methods that look at the spectrum and choose their stability polynomial: from a ladder of plans, or fitted when needed.
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "tasks/spectral_bound.hpp"
@@ -12,6 +13,9 @@ namespace cvtflow::tasks {
 /// Keeps an estimate of the spectrum up to date: at the start, every tenth of a millisecond, after a rejected step.
 class SpectralMethod : public StageMethod {
 public:
+    /// Extents of the spectrum are taken so many times as large, for what estimates from below and changes within a tenth of a millisecond.
+    static constexpr double real_margin = 1.2, imaginary_margin = 1.15;
+
     [[nodiscard]] int begin() final;
     void restart() noexcept override;
     void rejected() noexcept override;
@@ -28,9 +32,8 @@ protected:
     /// As longest_step(), with the estimate up to date.
     [[nodiscard]] virtual double longest(double wanted) = 0;
 
-    /// Extent of the spectrum with a margin for what estimates from below and changes within a tenth of a millisecond [1/s].
-    [[nodiscard]] double real() const noexcept { return 1.2 * bound_.real(); }
-    [[nodiscard]] double imaginary() const noexcept { return 1.15 * bound_.imaginary(); }
+    [[nodiscard]] double real() const noexcept { return real_margin * bound_.real(); }
+    [[nodiscard]] double imaginary() const noexcept { return imaginary_margin * bound_.imaginary(); }
 
 private:
     void look();
@@ -47,21 +50,32 @@ struct Rung {
     double imaginary;   ///< along the ray of damping ratio 1 %
 };
 
+/// Ascending.
+using Ladder = std::vector<Rung>;
+[[nodiscard]] Ladder dumka3_ladder();
+[[nodiscard]] Ladder rkc_ladder();
+[[nodiscard]] Ladder rock2_ladder();
+/// The lowest rung that reaches so far along the real axis, or the last one.
+[[nodiscard]] std::size_t rung_for(const Ladder& ladder, double real) noexcept;
+
+/// The polynomial of most_stages stages at most that is stable for steps of this extent; nothing if there is none.
+[[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
+/// By which a first fit asks for more than the step needs, to last.
+inline constexpr double fit_headroom = 1.1;
+
 /// The lowest rung that is stable on the real axis; where steps are free, also the rule of DUMKA3: one rung lower with a shorter step if that is
 /// cheaper per time. A free step is also kept within the imaginary reach, which the published rule does not look at.
 /// Source of the rule: A. A. Medovikov's program; High order explicit methods for parabolic equations, BIT 38 (1998) 372-390.
 class LadderMethod final : public SpectralMethod {
 public:
-    LadderMethod(Workspace& workspace, int error_power, std::vector<Rung> rungs) : SpectralMethod(workspace, error_power), rungs_(std::move(rungs)) {}
+    LadderMethod(Workspace& workspace, int error_power, Ladder rungs) : SpectralMethod(workspace, error_power), rungs_(std::move(rungs)) {}
 
 protected:
     void choose(double h) override;
     [[nodiscard]] double longest(double wanted) override;
 
 private:
-    [[nodiscard]] std::size_t rung_for(double h) const noexcept;
-
-    std::vector<Rung> rungs_;   ///< ascending
+    Ladder rungs_;
 };
 
 /// Fits its polynomial to the spectrum (engine::fit), again when the spectrum or the step outgrows it or stays far below it.

@@ -8,6 +8,8 @@
 #include "engine/method/catalogue.hpp"
 #include "engine/method/stability.hpp"
 #include "tasks/eigenvalues.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/step_limit.hpp"
 
 namespace cvtflow::tasks {
 
@@ -111,7 +113,10 @@ double largest_stable_step(std::string_view method, const std::vector<std::compl
 }
 
 double largest_stable_step(const model::Variator& variator, std::string_view method, double t, const double* state, const std::vector<model::Phase>& phases) {
-    return largest_stable_step(method, extreme_eigenvalues(variator, t, state, phases));
+    if (find_program(method) == nullptr) return largest_stable_step(method, extreme_eigenvalues(variator, t, state, phases));
+    StepLimitBound bound(variator, method);
+    bound.look(t, state, phases.data());
+    return bound.limit().step;
 }
 
 }  // namespace cvtflow::tasks

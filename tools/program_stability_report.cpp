@@ -57,7 +57,7 @@ std::string table_of(const std::vector<ProgramResult>& results, bool oscillator,
 }  // namespace
 
 ProgramResult program_result(const tasks::MethodProgram& program) {
-    ProgramResult r{program, program.stability(), 0.0, 0.0, {}, 0.0, 0.0, {}};
+    ProgramResult r{program, program.stability(), 0.0, 0.0, {}, 0.0, 0.0, {}, {}, 0.0};
     const tasks::ProgramStability& s = r.stability;
     r.worst = tasks::worst_stages(s);
     const auto ray = [&](double damping) { return tasks::reach(s, 0.0, 0.0, -damping, std::sqrt(1.0 - damping * damping)); };
@@ -89,16 +89,44 @@ std::string program_table(const std::vector<ProgramResult>& results) {
     return oscillators + (!oscillators.empty() && !linear.empty() ? "\n" : "") + linear;
 }
 
+std::string limit_text(const ProgramLimit& limit) {
+    if (std::isinf(limit.predicted.step)) {
+        return fmt::format("{}, {}", tasks::text_of(limit.predicted), std::isinf(limit.measured.step) ? "nor was one found" : fmt::format("but {} measured", time_text(limit.measured.step)));
+    }
+    const std::string found = std::isinf(limit.measured.step) ? "none measured" : fmt::format("{} measured ({:+.2f} %)", time_text(limit.measured.step), 100.0 * (limit.measured.step / limit.predicted.step - 1.0));
+    return fmt::format("{} predicted, {}", tasks::text_of(limit.predicted), found);
+}
+
+std::string limit_lines(const std::vector<ProgramResult>& results) {
+    std::string text;
+    for (const ProgramResult& r : results) {
+        if (r.limit) text += field(r.program.name, limit_text(*r.limit));
+    }
+    return text.empty() ? text : "\nLargest stable step\n" + text;
+}
+
 std::string program_csv(const std::vector<ProgramResult>& results) {
-    std::string text = "method,equation,h_omega,h_omega_any_friction,limiting_h_c,h_c,real,imaginary,ray_1,ray_5,stage_growth,gain,left\n";
+    std::string text = "method,equation,h_omega,h_omega_any_friction,limiting_h_c,h_c,real,imaginary,ray_1,ray_5,stage_growth,gain,left,stable_step,stable_step_measured\n";
     for (const ProgramResult& r : results) {
         text += r.program.name;
         text += r.oscillator() ? fmt::format(",oscillator,{:.9g},{:.9g},{:.9g},{:.9g},,,,", r.first, r.any.oscillation, r.any.friction, r.second)
                                : fmt::format(",linear,,,,,{:.9g},{:.9g},{:.9g},{:.9g}", r.first, r.second, r.ray_1, r.ray_5);
-        text += fmt::format(",{:.9g},{:.9g},{:.9g}\n", r.worst.growth, r.worst.gain, r.worst.left);
+        text += fmt::format(",{:.9g},{:.9g},{:.9g}", r.worst.growth, r.worst.gain, r.worst.left);
+        text += r.limit ? fmt::format(",{:.9g},{:.9g}\n", r.limit->predicted.step, r.limit->measured.step) : ",,\n";
     }
     return text;
 }
+
+namespace {
+
+/// The oscillation that limits the scene's step.
+void add_point(Plot& plot, const ProgramResult& r) {
+    const double h = r.step > 0.0 ? r.step : r.limit->predicted.step;
+    if (!std::isfinite(h)) return;
+    plot.series.push_back({fmt::format("the scene at {}", time_text(h)), {{h * r.limit->predicted.oscillation, h * r.limit->predicted.friction}}, Mark::diamond, Line::none, ""});
+}
+
+}  // namespace
 
 Plot program_map(const ProgramResult& r) {
     Plot plot;
@@ -110,6 +138,7 @@ Plot program_map(const ProgramResult& r) {
         plot.x = {"h ω", Scale::linear, 1.0, 0.0, 1.3 * r.first};
         plot.y = {"h c", Scale::symlog, 1.0, 0.0, std::isinf(r.second) ? much_friction : 2.0 * r.second};
         plot.regions.push_back({"spectral radius ≤ 1", stable});
+        if (r.limit) add_point(plot, r);
     } else {
         plot.subtitle = "u' = λ u, exact Jacobian";
         plot.x = {"Re hλ", Scale::linear, 1.0, map_left, map_right};

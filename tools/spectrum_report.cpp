@@ -83,7 +83,7 @@ std::string spectrum_text(const SpectrumResult& result) {
     text += field("below -1e6, -1e7", fmt::format("{}, {}", extent.below_1e6, extent.below_1e7));
     text += field("growth", growth_text(result, extent));
     text += field("step x |largest|", fmt::format("{:.3f} with {} of {}", result.step * largest_modulus(result.values), time_text(result.step), result.method));
-    text += field("largest stable step", result.limit ? limit_text(*result.limit) : fmt::format("{} is no table of stages: it has no stability function to predict it with", result.method));
+    text += field("largest stable step", result.limit ? limit_text(*result.limit) : result.program_limit ? limit_text(*result.program_limit) : "not looked for");
     if (!result.attribution) return text;
     text += fmt::format("\nEigenvalues below -1e6 1/s by the contact that makes them (share: -d ln λ / d ln v0)\n{}", shares_table(*result.attribution));
     return text + fmt::format("\nSaturation speeds v0 ten times as high\n{}", slowed_table(*result.attribution));
@@ -118,6 +118,11 @@ ordered_json limit_json(const StepLimit& limit) {
             {"measured_unstable", limit.measured.unstable}};
 }
 
+ordered_json limit_json(const ProgramLimit& limit) {   // infinite steps are null
+    return {{"method", limit.method}, {"predicted", limit.predicted.step}, {"oscillation", limit.predicted.oscillation}, {"friction", limit.predicted.friction},
+            {"measured", limit.measured.step}};
+}
+
 }  // namespace
 
 std::string spectrum_json(const SpectrumResult& result) {
@@ -129,6 +134,7 @@ std::string spectrum_json(const SpectrumResult& result) {
     json["method"] = result.method;
     json["step"] = result.step;
     if (result.limit) json["stable_step"] = limit_json(*result.limit);
+    if (result.program_limit) json["stable_step"] = limit_json(*result.program_limit);
     ordered_json values = ordered_json::array();
     for (const auto& value : result.values) values.push_back({value.real(), value.imag()});
     json["eigenvalues"] = std::move(values);

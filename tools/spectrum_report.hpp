@@ -8,6 +8,7 @@
 #include "tasks/attribution.hpp"
 #include "tasks/stable_step.hpp"
 #include "tools/plot/plot.hpp"
+#include "tools/program_stability_report.hpp"
 
 namespace cvtflow::tools {
 
@@ -30,6 +31,7 @@ struct SpectrumResult {
     std::string method;            ///< of the scene
     double step = 0.0;             ///< of the scene [s]
     std::optional<StepLimit> limit;              ///< absent: the method is no table of stages
+    std::optional<ProgramLimit> program_limit;   ///< absent: it is one
     std::optional<tasks::Attribution> attribution;
     double border = -1e6;          ///< of the attribution [1/s]
 };

@@ -9,6 +9,7 @@
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/schedule.hpp"
+#include "tasks/stability/largest_step.hpp"
 
 namespace cvtflow::tasks {
 
@@ -81,6 +82,19 @@ double measure(const Scene& scene, double seconds) {
     }
 }
 
+/// Notes how far a case is stable, if it begins with a state that has settled.
+void judge_step(const Scene& scene, BatchEstimate& result) {
+    try {
+        const Simulation simulation(scene, Schedule{});
+        if (simulation.needs_settling()) return;
+        const double stable = predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, frozen_start(simulation)).step;
+        result.stable_step = result.stable_step > 0.0 ? std::min(result.stable_step, stable) : stable;
+        result.beyond = std::max(result.beyond, scene.run.step / stable);
+    } catch (const std::exception&) {
+        return;   // measuring says that the case cannot begin
+    }
+}
+
 }  // namespace
 
 BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
@@ -100,6 +114,7 @@ BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
         sweep.apply_case(cases[at], scene);
         if (!violations(scene).empty()) continue;
         if (const double rate = measure(scene, seconds / 3.0); rate > 0.0) rates.push_back(rate);
+        judge_step(scene, result);
     }
     result.measured = static_cast<int>(rates.size());
     if (!rates.empty()) result.seconds_per_cost = std::accumulate(rates.begin(), rates.end(), 0.0) / static_cast<double>(rates.size());

@@ -86,6 +86,24 @@ double implicit_kick(const DirkTable& table, Kicked& kicked) {
     return figures;
 }
 
+/// Largest h ω with that friction, 0 < h c: where the step has the eigenvalue -1, h²ω² = 2 (1 + R)/(B + 2 C), with R, B, C what a kick makes of
+/// the velocity, of the push and of its change.
+[[nodiscard]] double oscillation_limit(const KickFunction& kick, double friction) {
+    Kicked velocity{1.0, 0.0, 0.0, friction}, push{0.0, 1.0, 0.0, friction}, change{0.0, 0.0, 1.0, friction};
+    return std::sqrt(2.0 * (1.0 + kick(velocity)) / (kick(push) + 2.0 * kick(change)));
+}
+
+/// @param kick that of a step which has stages for `stiffest`
+[[nodiscard]] FrictionLimit oscillation_limit_up_to(const KickFunction& kick, double stiffest) {
+    FrictionLimit limit{2.0, 0.0};   // without friction
+    constexpr double least = 1e-2, ratio = 1.15;
+    for (double friction = least; friction < ratio * stiffest; friction *= ratio) {
+        const double here = std::min(friction, stiffest), oscillation = oscillation_limit(kick, here);
+        if (oscillation < limit.oscillation) limit = {oscillation, here};
+    }
+    return limit;
+}
+
 [[nodiscard]] ProgramStability leapfrog_stability(const KickFunction& kick, double longest) {
     const auto radius = [kick, longest](double x, double y) {
         if (y > longest) return std::numeric_limits<double>::infinity();
@@ -138,11 +156,19 @@ ProgramStability leapfrog_stability(Kick kick) {
     const auto tables = std::make_shared<const KickTables>(kick);
     const double margin = FrictionLeapfrog::margin;
     const auto run = [tables, margin](Kicked& kicked) { return explicit_kick(*tables->reaching(margin * kicked.friction), kicked); };
-    return leapfrog_stability(run, tables->longest_reach() / margin * (1.0 - 1e-12));
+    ProgramStability stability = leapfrog_stability(run, tables->longest_reach() / margin * (1.0 - 1e-12));
+    stability.beside = [tables, margin, longest = stability.longest_decay](double stiffest) {
+        const KickTable* table = tables->reaching(margin * std::min(stiffest, longest));
+        return oscillation_limit_up_to([table](Kicked& kicked) { return explicit_kick(*table, kicked); }, std::min(stiffest, longest));
+    };
+    return stability;
 }
 
 ProgramStability leapfrog_stability(const DirkTable& table) {
-    return leapfrog_stability([table](Kicked& kicked) { return implicit_kick(table, kicked); }, std::numeric_limits<double>::infinity());
+    const auto run = [table](Kicked& kicked) { return implicit_kick(table, kicked); };
+    ProgramStability stability = leapfrog_stability(run, std::numeric_limits<double>::infinity());
+    stability.beside = [run](double stiffest) { return oscillation_limit_up_to(run, stiffest); };
+    return stability;
 }
 
 ProgramStability additive_stability(const AdditiveTable& table) {

@@ -7,6 +7,7 @@
 #include "tasks/implicit/implicit_stability.hpp"
 #include "tasks/implicit/linear_method.hpp"
 #include "tasks/implicit/trapezoidal.hpp"
+#include "tasks/stability/step_map.hpp"
 
 namespace cvtflow::tasks {
 
@@ -38,23 +39,28 @@ ProgramStability stability_of_linear() {
     return linear_stability(linear_plans()[Plan]);
 }
 
+template <std::size_t Plan>
+std::unique_ptr<StepMap> linear_step_of(const LinearChain& chain) {
+    return implicit_step(chain, linear_plans()[Plan]);
+}
+
 template <std::size_t... Variant>
 void add_trapezoidal(std::vector<MethodProgram>& all, std::index_sequence<Variant...>) {
     const auto program = [](const NewtonVariant& variant, auto make) {
         return MethodProgram{variant.name, std::string("trapezoidal rule, order 2, A-stable: ") + variant.description, "C. G. Broyden, Math. Comp. 19 (1965); L. K. Schubert, Math. Comp. 24 (1970)",
-                             2, 0, TrapezoidalMethod::state_slots, TrapezoidalMethod::slope_slots, make, "1 an iteration, for the whole state", trapezoidal_stability};
+                             2, 0, TrapezoidalMethod::state_slots, TrapezoidalMethod::slope_slots, make, "1 an iteration, for the whole state", trapezoidal_stability, trapezoidal_step};
     };
     (all.push_back(program(variants[Variant], make_trapezoidal<Variant>)), ...);
 }
 
 template <std::size_t... Plan>
 void add_linear(std::vector<MethodProgram>& all, std::index_sequence<Plan...>) {
-    const auto program = [](const LinearPlan& plan, auto make, auto stability) {
+    const auto program = [](const LinearPlan& plan, auto make, auto stability, auto linear) {
         const auto stages = static_cast<int>(plan.stages.size());
         return MethodProgram{plan.name, plan.description, plan.source, plan.order, stages, LinearMethod::state_slots(plan), 2, make,
-                             std::to_string(stages) + " a step, for the whole state", stability};
+                             std::to_string(stages) + " a step, for the whole state", stability, linear};
     };
-    (all.push_back(program(linear_plans()[Plan], make_linear<Plan>, stability_of_linear<Plan>)), ...);
+    (all.push_back(program(linear_plans()[Plan], make_linear<Plan>, stability_of_linear<Plan>, linear_step_of<Plan>)), ...);
 }
 
 }  // namespace

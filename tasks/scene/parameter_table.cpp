@@ -280,7 +280,7 @@ const std::vector<Parameter>& rows() {
      "Integration method, a name from the catalogue. The default takes a twentieth of rk4's time at an error of 1e-4 to 6e-4 (axial forces).",
      "model choice", [](Scene& s) -> Slot { return &s.run.method; }},
     {"run.step", "s", 1e-12, 1e-2, {},
-     "Time step, the longest one if the error decides (run.step_control); auto: 0.85 of the method's largest stable step, looked at again every ms.",
+     "Time step, the longest one if the error decides (run.step_control); auto: 0.85 of the longest stable one, looked at every ms (cvtflow check).",
      "model choice", [](Scene& s) -> Slot { return &s.run.step; }},
     {"run.step_control", "", 0, 0, {"fixed", "report", "error"},
      "Steps of run.step; the same with their local error reported; or steps as long as run.tolerance allows, up to run.step.",

@@ -101,6 +101,15 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
     EXPECT_THAT(outcome.out, HasSubstr("880 000, and some for transitions\n"));
 }
 
+TEST_F(Commands, CheckSaysUpToWhereASettledSceneIsStable) {
+    const Outcome beyond = run({"check", "control"});
+    EXPECT_EQ(beyond.status, 0) << beyond.err;
+    EXPECT_THAT(beyond.out, testing::ContainsRegex("\n  stable to +1\\.9[0-9]* us \\(oscillation of .* kHz under friction of .* 1/s\\); run.step is beyond\n"));
+    EXPECT_THAT(run({"check", "control", "--step", "1.8 us"}).out, testing::Not(HasSubstr("run.step is beyond")));
+    EXPECT_THAT(run({"check", "control", "--method", "trapezoidal-once"}).out, testing::ContainsRegex("\n  stable to +linear stability sets no limit\n"));
+    EXPECT_THAT(run({"check", "tiny"}).out, testing::Not(HasSubstr("stable to"))) << "there is no state yet";
+}
+
 TEST_F(Commands, InfoShowsRecords) {
     ASSERT_EQ(run_briefly({"-q", "-o", "r.h5"}).status, 0);
     const std::string text = run({"info", "r.h5"}).out;
@@ -182,6 +191,24 @@ TEST_F(Commands, StabilityOfMethodsThatAreNoTablesIsThatOnTheirOwnTestEquations)
     EXPECT_THAT(read("maps/stability-programs.csv"), HasSubstr("\nsw2,linear,,,,,inf,inf,inf,inf,1,"));
     EXPECT_THAT(read("maps/stability-leapfrog-rkc.svg"), AllOf(HasSubstr("class=\"region\" d=\"M"), HasSubstr(">h ω</text>"), HasSubstr(">h c</text>")));
     EXPECT_THAT(read("maps/stability-sw2.svg"), HasSubstr(">Im hλ</text>"));
+}
+
+TEST_F(Commands, StabilityOnASceneIsPredictedAndMeasuredForMethodsThatAreNoTablesToo) {
+    const Outcome outcome = run({"stability", "leapfrog-rkc", "leapfrog-be", "--scene", "control", "-q", "-o", "maps"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\nLargest stable step\n  leapfrog-rkc +2\\.[0-9]+ us \\(oscillation of .*\\) predicted, 2\\.[0-9]+ us measured \\([-+][0-4]\\."));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  leapfrog-be +2\\.[0-9]+ us \\(oscillation of .*\\) predicted, 2\\.[0-9]+ us measured \\([-+][0-4]\\."));
+    EXPECT_THAT(read("maps/stability-leapfrog-rkc.svg"), HasSubstr(">the scene at 2."));
+    EXPECT_THAT(read("maps/stability-programs.csv"), testing::ContainsRegex("\nleapfrog-rkc,.*,2\\.[0-9]+e-06,2\\.[0-9]+e-06\n"));
+}
+
+TEST_F(Commands, SpectrumKnowsTheLongestStepOfMethodsThatAreNoTables) {
+    const Outcome outcome = run(std::vector<std::string>{"spectrum", "tiny", "--method", "leapfrog-rkc", "--extremal", "-q", "-o", "s", "--json"} + brief_settling);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ us \\(oscillation of .*\\) predicted, [0-9.]+ us measured"));
+    const auto json = nlohmann::json::parse(read("s/spectrum.json"));
+    EXPECT_NEAR(double(json["stable_step"]["measured"]) / double(json["stable_step"]["predicted"]), 1.0, 0.15);   // barely settled, it moves
+    EXPECT_GT(double(json["stable_step"]["oscillation"]), 1e5);
 }
 
 TEST_F(Commands, PinEntryCountsAndMeasuresErrors) {

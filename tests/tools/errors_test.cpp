@@ -118,7 +118,6 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"spectrum", "tiny", "--state", "gone.h5"}, 1, "--state gone.h5: there is no file \"gone.h5\""},
         {{"spectrum", "tiny", "--method", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"stability", "dumka3"}, 1, "dumka3 chooses among tables of stages: ask for one of them (cvtflow list methods)"},
-        {{"stability", "sw2", "--scene", "tiny"}, 1, "sw2 is no table of stages: eigenvalues of a scene do not say how far it is stable there"},
         {{"stability", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 1, "no method 'heum' (did you mean 'heun'?)"},
         {{"pin-entry", "tiny", "rk4"}, 1, "rk4: a method and its step are wanted, such as rk4@50ns"},

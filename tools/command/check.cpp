@@ -6,6 +6,7 @@
 
 #include "tasks/method_choice.hpp"
 #include "tasks/simulation.hpp"
+#include "tasks/stability/largest_step.hpp"
 #include "tools/command.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/scene_text.hpp"
@@ -54,6 +55,13 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
     return text;
 }
 
+/// Of the state that the run begins with; empty where that has yet to settle.
+std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& simulation) {
+    if (simulation.needs_settling()) return "";
+    const tasks::StepLimit limit = tasks::predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, tasks::frozen_start(simulation));
+    return field("stable to", tasks::text_of(limit) + (scene.run.step > limit.step ? "; run.step is beyond" : ""));
+}
+
 ExitStatus check(const SceneArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments);
     const tasks::Scene& scene = loaded.scene;
@@ -65,7 +73,7 @@ ExitStatus check(const SceneArguments& arguments) {
     text += field("size", size_line(simulation.variator().layout()));
     text += field("start", start_line(scene, simulation));
     for (const std::string& difference : simulation.start_differences()) text += field("", difference);
-    fmt::print("{}{}", text, cost_lines(scene, simulation));
+    fmt::print("{}{}{}", text, cost_lines(scene, simulation), stability_line(scene, simulation));
     return ExitStatus::finished;
 }
 

@@ -63,6 +63,16 @@ std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Var
     return limit;
 }
 
+/// Absent for tables of stages.
+std::optional<ProgramLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator, const tasks::FrozenStart& start, const Teller& tell) {
+    const std::string& method = scene.run.method;
+    if (tasks::find_program(method) == nullptr) return {};
+    tell(fmt::format("largest stable step of {}", method));
+    ProgramLimit limit{method, tasks::predicted_step_limit(variator, scene.parameters, method, start), {}};
+    limit.measured = tasks::measured_step_limit(scene, method, start, limit.predicted.step);
+    return limit;
+}
+
 ExitStatus spectrum(const SpectrumArguments& arguments) {
     const Teller tell(arguments.quiet);
     const LoadedScene loaded = load_scene(arguments.scene);
@@ -79,6 +89,7 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
     result.step = scene.run.step.value_or(tasks::AutoStep::longest_step);
     find_values(result, variator, start, arguments.extremal, tell);
     result.limit = limit_of(result, variator, start, tell);
+    result.program_limit = program_limit_of(scene, variator, start, tell);
     if (arguments.attribute) result.attribution = tasks::attribute(scene.parameters, start, result.border, tell);
     OutputFolder folder(arguments.output);
     folder.write("spectrum.csv", spectrum_csv(result));

@@ -42,8 +42,6 @@ Chosen chosen(const StabilityArguments& arguments) {
             all.plans.push_back(*tasks::plan_for(name));
         } else if (program->stability == nullptr) {
             throw tasks::SceneError(fmt::format("{} chooses among tables of stages: ask for one of them (cvtflow list methods)", name));
-        } else if (!arguments.scene.scene.empty()) {
-            throw tasks::SceneError(fmt::format("{} is no table of stages: eigenvalues of a scene do not say how far it is stable there", name));
         } else {
             all.programs.push_back(*program);
         }
@@ -54,16 +52,18 @@ Chosen chosen(const StabilityArguments& arguments) {
 /// A scene's eigenvalues, and where its methods are tried.
 struct Ground {
     std::string scene;
+    tasks::Scene whole;
     tasks::FrozenStart start;
     std::optional<model::Variator> variator;
-    tasks::Eigenvalues values;
+    tasks::Eigenvalues values;   ///< only for tables
 };
 
-Ground ground_of(const StabilityArguments& arguments) {
+Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
-    Ground ground{loaded.scene.name, settled_start(loaded.scene, arguments.scene.settle, "its eigenvalues"), {}, {}};
+    Ground ground{loaded.scene.name, loaded.scene, settled_start(loaded.scene, arguments.scene.settle, "its eigenvalues"), {}, {}};
     ground.variator.emplace(loaded.scene.parameters);
+    if (!with_eigenvalues) return ground;
     const int size = static_cast<int>(ground.start.state.size());
     if (!arguments.quiet) fmt::print(stderr, "cvtflow: eigenvalues of {}\n", ground.scene);
     std::vector<double> matrix = tasks::jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
@@ -81,9 +81,14 @@ void try_on(StabilityResult& result, const Ground& ground) {
     result.limit = limit;
 }
 
-std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments, OutputFolder& folder) {
-    std::optional<Ground> ground;
-    if (!arguments.scene.scene.empty()) ground = ground_of(arguments);
+void try_on(ProgramResult& result, const Ground& ground) {
+    const std::string& name = result.program.name;
+    ProgramLimit limit{name, tasks::predicted_step_limit(*ground.variator, ground.whole.parameters, name, ground.start), {}};
+    limit.measured = tasks::measured_step_limit(ground.whole, name, ground.start, limit.predicted.step);
+    result.limit = limit;
+}
+
+std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments, const std::optional<Ground>& ground, OutputFolder& folder) {
     std::vector<StabilityResult> results;
     for (const engine::StagePlan& plan : plans) {
         if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", plan.name);
@@ -97,11 +102,14 @@ std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans
     return results;
 }
 
-std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments, OutputFolder& folder) {
+std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments, const std::optional<Ground>& ground,
+                                   OutputFolder& folder) {
     std::vector<ProgramResult> results;
     for (const tasks::MethodProgram& program : programs) {
         if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", program.name);
         results.push_back(program_result(program));
+        results.back().step = arguments.step;
+        if (ground) try_on(results.back(), *ground);
         const std::string picture = fmt::format("stability-{}.svg", program.name);
         if (folder.wants(picture)) folder.write(picture, svg(program_map(results.back())));
     }
@@ -112,10 +120,12 @@ std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& prog
 ExitStatus stability(const StabilityArguments& arguments) {
     const Chosen methods = chosen(arguments);
     OutputFolder folder(arguments.output);
-    const std::vector<StabilityResult> tables = look_at(methods.plans, arguments, folder);
-    const std::vector<ProgramResult> programs = look_at(methods.programs, arguments, folder);
+    std::optional<Ground> ground;
+    if (!arguments.scene.scene.empty()) ground = ground_of(arguments, !methods.plans.empty());
+    const std::vector<StabilityResult> tables = look_at(methods.plans, arguments, ground, folder);
+    const std::vector<ProgramResult> programs = look_at(methods.programs, arguments, ground, folder);
     if (!tables.empty()) fmt::print("{}{}", stability_table(tables), programs.empty() ? "" : "\n");
-    fmt::print("{}{}", program_table(programs), folder.written());
+    fmt::print("{}{}{}", program_table(programs), limit_lines(programs), folder.written());
     return ExitStatus::finished;
 }
 
@@ -126,7 +136,9 @@ constexpr const char* stability_explanation =
     "Maps show eigenvalues times the largest stable step, or times --step; --all also the inner ones (a minute or two at full detail).\n"
     "Methods that are no tables are looked at on what they are made for. Friction apart: q' = v, v' = -omega^2 q - c v, over h omega and h c;\n"
     "'with friction': h omega that is stable with any c, and the h c that limits it. Solving for the whole state: u' = lambda u with the exact\n"
-    "Jacobian. growth, gain: as above, over all decays; left: what a step leaves of the stiffest. 'any': beyond 1e6.";
+    "Jacobian. growth, gain: as above, over all decays; left: what a step leaves of the stiffest. 'any': beyond 1e6. With --scene also their\n"
+    "largest stable step: predicted from the linearised equations of the whole variator, and measured by the step that a run would take; the\n"
+    "oscillation that sets it is the point on the map (the same mode's frequency and friction).";
 
 }  // namespace
 
