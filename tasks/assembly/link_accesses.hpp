@@ -63,6 +63,9 @@ private:
         .own(Field::cut_state, true).own(Field::phase, true).segment(Field::verdict, true).list();
 }
 
+/// What profiles call the three cycles about transitions.
+inline constexpr const char* transition_stage = "transition";
+
 /// Detection, location and truncation of one segment: the same in every assembly.
 void add_transition_tasks(engine::TaskGraph& graph, const Workspace& workspace, int segment);
 
