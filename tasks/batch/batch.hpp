@@ -71,6 +71,7 @@ struct BatchEstimate {
     double total = 0.0;              ///< wall time of all cases of the shard on one thread [s]
     long cases = 0, bad = 0;         ///< bad: parameters that contradict each other
     int measured = 0;                ///< cases that were tried
+    std::string untried{};           ///< why not, of the last case that could not be; empty: all that were looked at could
 };
 [[nodiscard]] BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds);
 

@@ -58,7 +58,8 @@ ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int thr
     fmt::print("{}", field("scalars", fmt::format("{}", fmt::join(scalars, ", "))));
     if (cost.bad > 0) fmt::print("{}", field("bad parameters", plural(cost.bad, "case")));
     const std::string one = fmt::format("{} on one thread, {} on {}", clock_text(cost.total), clock_text(cost.total / threads), plural(threads, "thread"));
-    fmt::print("{}", field("estimate", cost.measured == 0 ? "none: no case could be tried" : fmt::format("{} (measured on {}, without settling of shared starts)", one, plural(cost.measured, "case"))));
+    const std::string none = cost.bad == cost.cases ? "none: no case has parameters that agree" : "none: no case could be tried: " + cost.untried;
+    fmt::print("{}", field("estimate", cost.measured == 0 ? none : fmt::format("{} (measured on {}, without settling of shared starts)", one, plural(cost.measured, "case"))));
     return ExitStatus::finished;
 }
 
