@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 
 #include "engine/method/catalogue.hpp"
@@ -56,6 +58,18 @@ std::optional<engine::StagePlan> plan_for(std::string_view method) {
     plan.state_slots = program->state_slots;
     plan.slope_slots = program->slope_slots;
     return plan;
+}
+
+bool is_method(std::string_view name) {
+    static std::mutex guard;
+    static std::set<std::string, std::less<>> computed;   // members of families
+    if (find_program(name) != nullptr) return true;
+    if (engine::family_of(name) == nullptr) return engine::find_method(name) != nullptr;
+    const std::lock_guard lock(guard);
+    if (computed.contains(name)) return true;
+    if (!engine::make_method(name)) return false;
+    computed.emplace(name);
+    return true;
 }
 
 std::vector<std::string> method_names() {

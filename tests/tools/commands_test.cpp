@@ -99,6 +99,8 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
     EXPECT_THAT(outcome.out, HasSubstr("geometric at ratio 1, settles for 10 ms\n"));
     EXPECT_THAT(outcome.out, HasSubstr("20 000 + 200 000 for settling\n"));  // (1 + 10) ms of 50 ns
     EXPECT_THAT(outcome.out, HasSubstr("880 000, and some for transitions\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  schedule            auto, which chooses the segments\n"));
+    EXPECT_THAT(run({"check", "tiny", "--set", "run.segments=3"}).out, HasSubstr("\n  schedule            auto, 3 segments\n"));
 }
 
 TEST_F(Commands, InfoShowsRecords) {
@@ -199,6 +201,13 @@ TEST_F(Commands, PinEntryCountsAndMeasuresErrors) {
 TEST_F(Commands, DotDrawsATaskPerSegment) {
     const std::string text = run({"dot", "tiny", "--segments", "3"}).out;
     EXPECT_THAT(text, AllOf(StartsWith("digraph "), HasSubstr("force[2]"), testing::Not(HasSubstr("force[3]"))));
+}
+
+TEST_F(Commands, DotDrawsTheCyclesOfAMethodByTheirTasks) {
+    const std::string kick = run({"dot", "tiny", "--segments", "3", "--method", "leapfrog-rkc", "--cycle", "friction"}).out;
+    EXPECT_THAT(kick, AllOf(StartsWith("digraph "), HasSubstr("friction[2]"), testing::Not(HasSubstr("push"))));
+    const std::string solve = run({"dot", "tiny", "--method", "trapezoidal-full", "--cycle", "backward"}).out;
+    EXPECT_THAT(solve, AllOf(HasSubstr("label=\"forward[0]\""), HasSubstr("label=\"join\"")));
 }
 
 }  // namespace

@@ -41,8 +41,8 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
     const long stages = static_cast<long>(tasks::evaluations_per_step(run.method));
     const long running = steps_over(run.until, run.output_interval, run.step);
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, run.step) : 0;
-    std::string text = field("run", fmt::format("until {}, {} with step {}, {}", time_text(run.until), run.method, time_text(run.step),
-                                                plural(run.segments, "segment")));
+    std::string text = field("run", fmt::format("until {}, {} with step {}", time_text(run.until), run.method, time_text(run.step)));
+    text += field("schedule", fmt::format("{}, {}", run.schedule, run.segments == 0 ? "which chooses the segments" : plural(run.segments, "segment")));
     text += field("steps",
                   settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
     text += field("evaluations", stages == 0 ? "as many as the method's iterations ask for" : fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));

@@ -69,6 +69,9 @@ Action declare_settle(CLI::App& app) {
     declare_scene(app, arguments->scene);
     app.add_option("-o,--output", arguments->output, "State file to write (default: SCENE_state.h5)")->type_name("STATE.h5");
     declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
+    declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
+    declare_shortcut(app, arguments->scene, "--threads", "run.threads", "N");
     app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
     app.footer(
         "A scene's start.state counts from the folder of the scene file, --set start.state from the working directory.\n"
