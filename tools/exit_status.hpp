@@ -13,7 +13,7 @@ enum class ExitStatus {
     usage = 2,       ///< command line
     fault = 3,       ///< the simulation ran into a state that it cannot continue from
     budget = 4,      ///< run.max_steps or run.max_wall used up
-    incomplete = 5,  ///< a sweep whose cases did not all end well; shards or cases that are missing
+    incomplete = 5,  ///< a sweep whose cases, or a comparison whose variants, did not all end well; shards or cases that are missing
     cancelled = 130  ///< interrupted by SIGINT or SIGTERM; as shells report it
 };
 
