@@ -134,11 +134,6 @@ TEST_F(Commands, LocalErrorShowsTheOrder) {
 
 const std::vector<std::string> brief_settling{"--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms"};
 
-std::vector<std::string> operator+(std::vector<std::string> words, const std::vector<std::string>& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
-
 TEST_F(Commands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
     const Outcome outcome = run(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns", "-o", "errors"} + brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
