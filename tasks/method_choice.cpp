@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mutex>
-#include <set>
 #include <stdexcept>
 
 #include "engine/method/catalogue.hpp"
@@ -60,17 +58,7 @@ std::optional<engine::StagePlan> plan_for(std::string_view method) {
     return plan;
 }
 
-bool is_method(std::string_view name) {
-    static std::mutex guard;
-    static std::set<std::string, std::less<>> computed;   // members of families
-    if (find_program(name) != nullptr) return true;
-    if (engine::family_of(name) == nullptr) return engine::find_method(name) != nullptr;
-    const std::lock_guard lock(guard);
-    if (computed.contains(name)) return true;
-    if (!engine::make_method(name)) return false;
-    computed.emplace(name);
-    return true;
-}
+bool may_be_method(std::string_view name) { return find_program(name) != nullptr || engine::family_of(name) != nullptr || engine::find_method(name) != nullptr; }
 
 std::vector<std::string> method_names() {
     std::vector<std::string> names;

@@ -28,7 +28,7 @@ inline constexpr std::string_view exit_status_help =
     "  3    the run ended by itself: state not finite, tip too deep, pin off its sheave,\n"
     "       step too short\n"
     "  4    budget used up: run.max_steps, run.max_wall\n"
-    "  5    cases of a sweep failed or are missing\n"
+    "  5    cases of a sweep (variants of detail) failed or are missing\n"
     "  130  interrupted; the record is complete up to there";
 
 }  // namespace cvtflow::tools

@@ -85,7 +85,7 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
 }  // namespace
 
 void require_method(const std::string& method) {
-    if (tasks::is_method(method)) return;
+    if (tasks::plan_for(method)) return;
     throw tasks::SceneError(tasks::no_method(method));
 }
 
@@ -136,6 +136,7 @@ LoadedScene load_scene(const SceneArguments& arguments) {
         tasks::set_value(scene, "start.state=");
         loaded.notice = fmt::format("{}: the state in {} does not fit any more, the run settles anew", changed, own_state);
     }
+    require_method(scene.run.method);   // a family's member
     return loaded;
 }
 

@@ -138,7 +138,7 @@ TEST_F(Commands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
     const Outcome outcome = run(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns", "-o", "errors"} + brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, AllOf(HasSubstr("tiny: error of one step of rk4 (order 4"), HasSubstr("\ntiny: error of one step of heun (order 2")));
-    EXPECT_THAT(outcome.out, HasSubstr("\n  written             errors/local-error.csv, errors/local-error-axial-force-piecewise.svg, "
+    EXPECT_THAT(outcome.out, HasSubstr("\n  written             errors/local-error.csv, errors/local-error.json, errors/local-error-axial-force-piecewise.svg, "
                                        "errors/local-error-velocities-piecewise.svg\n"));
     EXPECT_THAT(read("errors/local-error.csv"), AllOf(StartsWith("method,friction,step,positions,velocities,axial_force,tension\nrk4,piecewise,1.6"),
                                                       HasSubstr("\nheun,piecewise,8")));

@@ -105,6 +105,7 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
     const std::vector<Mistake> mistakes{
         {{"run", "tiny", "--method", "rk5"}, 1, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
         {{"run", "tiny", "--method", "zzzzzz"}, 1, "--method zzzzzz: no method 'zzzzzz' (cvtflow list methods)"},
+        {{"run", "tiny", "--method", "rkc-s1"}, 1, "no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
         {{"run", "tiny", "--detail", "fein"}, 1, "--detail fein: not one of coarse, medium, fine, full (did you mean \"fine\"?)"},
         {{"run", "tiny", "--set", "chain.pich=3"}, 1, "--set chain.pich=3: chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
         {{"run", "tiny", "--set", "chain.pins=abc"}, 1, "--set chain.pins=abc: chain.pins: \"abc\" is not an integer"},

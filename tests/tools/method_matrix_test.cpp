@@ -80,7 +80,7 @@ const std::vector<Row> rows{
     {"newton", "", [](const std::string& m) { return Words{"newton", "tiny", "--methods", m, "--steps", "100ns", "--duration", "2us", "--reference", "50ns"} + state; },
      [](const std::string& m) { return done("\n  " + m + " "); }},
     {"profile", "", [](const std::string& m) {
-         return Words{"profile", "tiny", "--set", "run.method=" + m, "--set", "run.step=100ns", "--schedules", "serial:staged", "--steps", "2", "--rounds", "1", "--neighbours", "0", "--round-ms", "1",
+         return Words{"profile", "tiny", "--method", m, "--step", "100ns", "--schedules", "serial:staged", "--steps", "2", "--rounds", "1", "--neighbours", "0", "--round-ms", "1",
                       "-q"} + state; },
      [](const std::string&) { return done("\nWhere sequential time goes (serial:staged):\n"); }},
     {"dot", "", [](const std::string& m) { return Words{"dot", "tiny", "--method", m}; }, [](const std::string&) { return done("label=\"force"); }},

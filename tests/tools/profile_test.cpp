@@ -35,7 +35,7 @@ TEST_F(ProfileCommand, WritesThePublishedChartsAndCurvesAsTables) {
 }
 
 TEST_F(ProfileCommand, NamesTheStagesOfAMethodWithCyclesOfItsOwn) {
-    const Outcome outcome = run({"profile", "tiny", "--set", "run.method=leapfrog-chebyshev", "--schedules", "serial:staged,flow:fused", "--threads", "2", "--steps", "4", "--rounds", "1",
+    const Outcome outcome = run({"profile", "tiny", "--method", "leapfrog-chebyshev", "--schedules", "serial:staged,flow:fused", "--threads", "2", "--steps", "4", "--rounds", "1",
                                  "--neighbours", "0", "--stages", "s.csv", "--json", "p.json", "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, AllOf(HasSubstr(" push, F friction, I finish,"), HasSubstr("\n  own cycles ")));
