@@ -29,7 +29,7 @@ std::string Fault::message() const {
             return pin < 0 ? fmt::format("the state of the pulleys is not finite {}: the step is too long for this scene, or its parameters are", when)
                            : fmt::format("the state of pin {} is not finite {}: the step is too long for this scene, or its parameters are", pin, when);
         case FaultKind::penetration:
-            return fmt::format("a tip of pin {} is {:.3g} m deep in its sheave {} (limit tip.deepest = {:.3g} m): clamping or step are too large", pin, value, when, limit);
+            return fmt::format("a tip of pin {} is {:.3g} m deep in its sheave {} (limit tip.deepest = {:.3g} m): clamping or step are too large, or too little damps the contacts (chain.damping_ratio)", pin, value, when, limit);
         case FaultKind::left_sheave:
             return fmt::format("pin {} runs on a radius of {:.4g} m {}, off the sheave (limit {:.4g} m)", pin, value, when, limit);
         case FaultKind::too_stiff:

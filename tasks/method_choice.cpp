@@ -61,6 +61,8 @@ std::optional<engine::StagePlan> plan_for(std::string_view method) {
     return plan;
 }
 
+bool may_be_method(std::string_view name) { return find_program(name) != nullptr || engine::family_of(name) != nullptr || engine::find_method(name) != nullptr; }
+
 std::vector<std::string> method_names() {
     std::vector<std::string> names;
     for (const engine::StagePlan& plan : engine::methods()) names.push_back(plan.name);

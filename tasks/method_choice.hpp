@@ -39,6 +39,8 @@ struct MethodProgram {
 
 /// Table whose slots a workspace for this method needs: the method's own, or one that holds a program's slots. nullopt: no method of that name.
 [[nodiscard]] std::optional<engine::StagePlan> plan_for(std::string_view method);
+/// Whether there is a method or a family of that name. Whether a family has the member is known when it is made, which may take a tenth of a second.
+[[nodiscard]] bool may_be_method(std::string_view name);
 /// Names of all methods of both kinds, tables first.
 [[nodiscard]] std::vector<std::string> method_names();
 /// Why `method` is no method: what its family allows, or the name that was probably meant.

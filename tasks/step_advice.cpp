@@ -105,9 +105,15 @@ double largest_stable_step(std::string_view method, const std::vector<std::compl
     const engine::StagePlan* plan = engine::find_method(method);
     if (plan == nullptr) return step;
     constexpr std::size_t most = 12;   // outermost ones; those inside allow longer steps
+    std::vector<std::complex<double>> looked;   // a scan takes a second with hundreds of stages, and most of these eigenvalues are real
     for (std::size_t k = 0; k < std::min(most, eigenvalues.size()); ++k) {
         const double size = std::abs(eigenvalues[k]);
-        if (size > 0.0) step = std::min(step, engine::stability_reach(*plan, direction_of(eigenvalues[k]), 1e-6) / size);
+        if (!(size > 0.0)) continue;
+        const std::complex<double> direction = direction_of(eigenvalues[k]);
+        const auto same = [&](const std::complex<double>& other) { return std::abs(other - direction) < 1e-6; };
+        if (std::any_of(looked.begin(), looked.end(), same)) continue;   // one farther out in the same direction allows less
+        looked.push_back(direction);
+        step = std::min(step, engine::stability_reach(*plan, direction, 1e-6, step * size) / size);
     }
     return step;
 }

@@ -87,7 +87,7 @@ std::string comparison_json(const std::string& scene, const Comparison& comparis
                             {"pin", comparison.pin},
                             {"entry", comparison.entry},
                             {"candidates", rows}};
-    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+    return json_text(json);
 }
 
 namespace {

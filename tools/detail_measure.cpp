@@ -116,11 +116,31 @@ std::vector<DetailVariant> detail_variants(bool all) {
     return list;
 }
 
+namespace {
+
+/// The dials are this command's own: a setting would turn them in all variants alike, and all differences would be zero.
+void require_free_dials(const std::vector<std::string>& settings) {
+    for (const std::string& setting : settings) {
+        const std::string key = setting.substr(0, setting.find('='));
+        for (const char* dial : {"detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"}) {
+            if (key == dial) throw tasks::SceneError(fmt::format("--set {}: {} is one of the dials that are compared", setting, key));
+        }
+    }
+}
+
+}  // namespace
+
 DetailMeasure::DetailMeasure(DetailArguments arguments, std::string scene) : arguments_(std::move(arguments)), scene_(std::move(scene)) {
+    require_free_dials(arguments_.settings);
     const tasks::Scene reference = scene_of(arguments_, scene_, full_detail, arguments_.settle);
     if (reference.state_file.empty()) throw tasks::SceneError(fmt::format("{}: has no settled state of full detail to start from (start.state)", scene_));
     settled_ = engine::read_state(reference.state_file);
     reference_ = reference.parameters;
+    try {
+        static_cast<void>(tasks::Simulation(reference));   // refuses a state that does not fit, and names the differences
+    } catch (const tasks::SimulationError& error) {
+        throw tasks::SceneError(fmt::format("{}: variants start from a settled state of full detail: {}", scene_, error.what()));
+    }
 }
 
 DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted) const {

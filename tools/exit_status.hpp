@@ -13,7 +13,7 @@ enum class ExitStatus {
     usage = 2,       ///< command line
     fault = 3,       ///< the simulation ran into a state that it cannot continue from
     budget = 4,      ///< run.max_steps or run.max_wall used up
-    incomplete = 5,  ///< a sweep whose cases did not all end well; shards or cases that are missing
+    incomplete = 5,  ///< a sweep whose cases, or a comparison whose variants, did not all end well; shards or cases that are missing
     unreliable = 6,  ///< a run that finished and whose energy balance says that its results are wrong
     cancelled = 130  ///< interrupted by SIGINT or SIGTERM; as shells report it
 };
@@ -31,7 +31,7 @@ inline constexpr std::string_view exit_status_help =
     "  3    the run ended by itself: state not finite, tip too deep, pin off its sheave,\n"
     "       step too short\n"
     "  4    budget used up: run.max_steps, run.max_wall\n"
-    "  5    cases of a sweep failed or are missing\n"
+    "  5    cases of a sweep (variants of detail) failed or are missing\n"
     "  6    finished, but the energy balance does not close: the results are unreliable\n"
     "  130  interrupted; the record is complete up to there";
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "tools/provenance_json.hpp"
 #include "tools/text.hpp"
 
 namespace cvtflow::tools {
@@ -52,6 +53,18 @@ std::string error_csv(const std::vector<ErrorCurve>& curves) {
         }
     }
     return text;
+}
+
+std::string error_json(const std::vector<ErrorCurve>& curves, const std::string& scene) {
+    auto list = nlohmann::ordered_json::array();
+    for (const ErrorCurve& curve : curves) {
+        auto rows = nlohmann::ordered_json::array();
+        for (const LocalError& error : curve.errors) {
+            rows.push_back({{"step", error.step}, {"positions", error.positions}, {"velocities", error.velocities}, {"axial_force", error.axial_force}, {"tension", error.tension}});
+        }
+        list.push_back({{"method", curve.method}, {"friction", curve.friction}, {"errors", rows}});
+    }
+    return json_text({{"scene", scene}, {"provenance", provenance_json()}, {"curves", list}});
 }
 
 Plot error_plot(const std::vector<ErrorCurve>& curves, const std::string& friction, double LocalError::*part, const std::string& name, const std::string& scene) {

@@ -20,6 +20,8 @@ struct ErrorCurve {
 [[nodiscard]] std::string error_table(const std::vector<tasks::LocalError>& errors);
 /// A row per method and step.
 [[nodiscard]] std::string error_csv(const std::vector<ErrorCurve>& curves);
+/// Everything, with provenance; null: a transition came in between.
+[[nodiscard]] std::string error_json(const std::vector<ErrorCurve>& curves, const std::string& scene);
 /// One part of all methods under one friction law, against the step, both logarithmic. @param name of the part, as in the title
 [[nodiscard]] Plot error_plot(const std::vector<ErrorCurve>& curves, const std::string& friction, double tasks::LocalError::*part, const std::string& name,
                               const std::string& scene);

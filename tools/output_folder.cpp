@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <fstream>
 #include <stdexcept>
 
@@ -36,6 +37,13 @@ void OutputFolder::write(const std::string& name, const std::string& text) {
     names_.push_back(path.string());
 }
 
-std::string OutputFolder::written() const { return names_.empty() ? "" : field("written", fmt::format("{}", fmt::join(names_, ", "))); }
+std::string OutputFolder::written() const {
+    std::string text = names_.empty() ? "" : field("written", fmt::format("{}", fmt::join(names_, ", ")));
+    for (const auto& [asked, ending] : {std::pair{arguments_.csv, "csv"}, {arguments_.json, "json"}, {arguments_.svg, "svg"}}) {
+        const auto ends = [kind = std::string(".") + ending](const std::string& name) { return name.ends_with(kind); };
+        if (asked && std::none_of(names_.begin(), names_.end(), ends)) text += field("not written", fmt::format("--{}: there is nothing of this kind here", ending));
+    }
+    return text;
+}
 
 }  // namespace cvtflow::tools

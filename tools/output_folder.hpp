@@ -29,7 +29,7 @@ public:
     /// @throws std::runtime_error "DIR/NAME: cannot write"
     void write(const std::string& name, const std::string& text);
     [[nodiscard]] bool wants(const std::string& name) const;
-    /// "  written             DIR/NAME, …\n"; empty if nothing was.
+    /// "  written             DIR/NAME, …\n", and which kinds were asked for that this command had nothing for; empty if nothing was asked for.
     [[nodiscard]] std::string written() const;
 
 private:

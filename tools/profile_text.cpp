@@ -78,14 +78,13 @@ std::string neighbours_text(const tasks::Profile& profile) {
     return "Beside busy neighbours: time per step, speed-up against serial under the same load (*: dropped after that round), processor time per step beyond serial's [us]\n" + table.text();
 }
 
-std::string stage_bar(const tasks::ThreadTimes& times, int width) {
-    const auto& rows = tasks::stages();
-    std::array<int, 11> cells{};
-    std::array<double, 11> rest{};
+std::string stage_bar(const tasks::ThreadTimes& times, const std::vector<StageRow>& rows, int width) {
+    std::vector<int> cells(rows.size());
+    std::vector<double> rest(rows.size());
     const double total = times.total();
     if (total <= 0.0) return std::string(static_cast<std::size_t>(width), ' ');
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const double exact = width * times.at(rows[k].stage) / total;
+        const double exact = width * times.at(k) / total;
         cells[k] = static_cast<int>(std::floor(exact));
         rest[k] = exact - cells[k];
     }
@@ -101,16 +100,16 @@ std::string stage_bar(const tasks::ThreadTimes& times, int width) {
 
 std::string stages_text(const tasks::Profile& profile) {
     std::string text = "Stages by thread:";
-    for (const StageRow& row : tasks::stages()) text += fmt::format(" {} {},", row.letter, row.name);
+    for (const StageRow& row : profile.stages.rows()) text += fmt::format(" {} {},", row.letter, row.name);
     text.back() = '\n';
     for (const ScheduleResult& result : profile.results) {
         const auto& threads = result.recording.pass.threads;
         for (std::size_t thread = 0; recorded(result) && thread < threads.size(); ++thread) {
             const std::string name = thread == 0 ? fmt::format("{} M={}", result.name, result.schedule.segments) : "";
-            text += fmt::format("  {:<26} {:>2} |{}|", name, thread, stage_bar(threads[thread], 60));
-            for (const StageRow& row : tasks::stages()) {
-                const double share = threads[thread].at(row.stage) / threads[thread].total();
-                if (share >= 0.005) text += fmt::format(" {} {:.0f}%", row.letter, 100.0 * share);
+            text += fmt::format("  {:<26} {:>2} |{}|", name, thread, stage_bar(threads[thread], profile.stages.rows(), 60));
+            for (std::size_t row = 0; row < profile.stages.size(); ++row) {
+                const double share = threads[thread].at(row) / threads[thread].total();
+                if (share >= 0.005) text += fmt::format(" {} {:.0f}%", profile.stages.rows()[row].letter, 100.0 * share);
             }
             text += "\n";
         }
@@ -125,11 +124,11 @@ std::string serial_text(const tasks::Profile& profile) {
     std::string text = fmt::format("Where sequential time goes ({}):\n", serial.name);
     double total = 0.0;
     for (const tasks::ThreadTimes& thread : pass.threads) total += thread.total();
-    for (const StageRow& row : tasks::stages()) {
-        const double share = total > 0.0 ? pass.sum(row.stage) / total : 0.0;
+    for (std::size_t row = 0; row < profile.stages.size(); ++row) {
+        const double share = total > 0.0 ? pass.sum(row) / total : 0.0;
         if (share == 0.0) continue;
-        const double per_step = serial.recording.steps > 0 ? pass.sum(row.stage) / static_cast<double>(serial.recording.steps) : 0.0;
-        text += fmt::format("  {:<20} {:>5.1f} % {:>9} us per step  {}\n", row.name, 100.0 * share, microseconds(per_step),
+        const double per_step = serial.recording.steps > 0 ? pass.sum(row) / static_cast<double>(serial.recording.steps) : 0.0;
+        text += fmt::format("  {:<20} {:>5.1f} % {:>9} us per step  {}\n", profile.stages.rows()[row].name, 100.0 * share, microseconds(per_step),
                             std::string(static_cast<std::size_t>(std::lround(50.0 * share)), '#'));
     }
     return text;
@@ -160,8 +159,11 @@ std::string costs_text(const tasks::Profile& profile) {
                                                  microseconds(costs.touching), touching, profile.model.touching.size(), microseconds(costs.detect),
                                                  100.0 * profile.model.fit_error));
     text += field("segment", fmt::format("{} us per evaluation for the neighbours' joints", microseconds(costs.border)));
-    text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluations and {:.2f} other cycles per step", microseconds(costs.controller), costs.evaluations,
+    text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluation cycles and {:.2f} other cycles per step", microseconds(costs.controller), costs.evaluations,
                                             1.0 + costs.other_cycles));
+    if (costs.own_tasks + costs.own_single > 0.0) {
+        text += field("own cycles", fmt::format("{} us per step in tasks side by side, {} us in tasks alone on their level", microseconds(costs.own_tasks), microseconds(costs.own_single)));
+    }
     text += field("stretch", profile.model.stretched ? fmt::format("tasks on several threads take {:.3f} times as long", costs.stretch) : "not measured: no fused schedule got all its threads");
     text += field("jitter", fmt::format("{:.3f} us per evaluation and square root of links", 1e6 * costs.jitter));
     text += field("synchronisation", synchronisation_text(profile.model));

@@ -22,6 +22,6 @@ namespace cvtflow::tools {
 [[nodiscard]] std::string predictions_text(const tasks::Profile& profile);
 
 /// "CCCCHHHH..": shares of a thread's time as letters, largest remainders filled up to exactly `width`.
-[[nodiscard]] std::string stage_bar(const tasks::ThreadTimes& times, int width);
+[[nodiscard]] std::string stage_bar(const tasks::ThreadTimes& times, const std::vector<tasks::StageRow>& rows, int width);
 
 }  // namespace cvtflow::tools

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "tools/text.hpp"
 
@@ -115,6 +116,19 @@ std::string program_csv(const std::vector<ProgramResult>& results) {
         text += r.limit ? fmt::format(",{:.9g},{:.9g}\n", r.limit->predicted.step, r.limit->measured.step) : ",,\n";
     }
     return text;
+}
+
+nlohmann::ordered_json program_json(const ProgramResult& r) {
+    nlohmann::ordered_json json{{"method", r.program.name}};
+    if (r.oscillator()) {
+        json["oscillator"] = {{"h_omega", r.first}, {"h_omega_any_friction", r.any.oscillation}, {"limiting_h_c", r.any.friction}, {"h_c", r.second}};
+    } else {
+        json["linear"] = {{"real", r.first}, {"imaginary", r.second}, {"ray_1", r.ray_1}, {"ray_5", r.ray_5}};
+    }
+    json["stage_growth"] = r.worst.growth;
+    json["gain"] = r.worst.gain;
+    json["left"] = r.worst.left;
+    return json;
 }
 
 namespace {

@@ -2,6 +2,7 @@
 /// Stability of methods that are programs, for people, programs and eyes.
 
 #include <optional>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,8 @@ struct ProgramResult {
 /// One table for each test equation.
 [[nodiscard]] std::string program_table(const std::vector<ProgramResult>& results);
 [[nodiscard]] std::string program_csv(const std::vector<ProgramResult>& results);
+/// One method; null: however far.
+[[nodiscard]] nlohmann::ordered_json program_json(const ProgramResult& result);
 /// Where a step does not grow: over (h ω, h c) or the complex plane of h λ; with a limit, also the oscillation
 /// that sets it at the result's step.
 [[nodiscard]] Plot program_map(const ProgramResult& result);

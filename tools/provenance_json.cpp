@@ -10,4 +10,6 @@ nlohmann::ordered_json provenance_json() {
             {"cpu", here.cpu},         {"cores", here.cores}, {"os", here.os},             {"date", here.date}};
 }
 
+std::string json_text(const nlohmann::ordered_json& json) { return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"; }
+
 }  // namespace cvtflow::tools

@@ -136,7 +136,7 @@ LoadedScene load_scene(const SceneArguments& arguments) {
         tasks::set_value(scene, "start.state=");
         loaded.notice = fmt::format("{}: the state in {} does not fit any more, the run settles anew", changed, own_state);
     }
-    require_method(scene.run.method);
+    require_method(scene.run.method);   // a family's member
     return loaded;
 }
 

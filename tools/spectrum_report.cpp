@@ -109,6 +109,8 @@ ordered_json extent_json(const tasks::Extent& extent) {
     return {{"max_decay", extent.decay}, {"max_oscillation", extent.oscillation}, {"below_1e6", extent.below_1e6}, {"below_1e7", extent.below_1e7}};
 }
 
+}  // namespace
+
 ordered_json limit_json(const StepLimit& limit) {
     return {{"method", limit.method},
             {"predicted", limit.predicted.step},
@@ -122,8 +124,6 @@ ordered_json limit_json(const ProgramLimit& limit) {   // infinite steps are nul
     return {{"method", limit.method}, {"predicted", limit.predicted.step}, {"oscillation", limit.predicted.oscillation}, {"friction", limit.predicted.friction},
             {"measured", limit.measured.step}};
 }
-
-}  // namespace
 
 std::string spectrum_json(const SpectrumResult& result) {
     const tasks::Extent extent = tasks::extent_of(result.values);
@@ -148,14 +148,47 @@ std::string spectrum_json(const SpectrumResult& result) {
         json["slowed_tenfold"] = std::move(slowed);
         json["shares"] = result.attribution->shares;
     }
-    return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+    return json_text(json);
+}
+
+namespace {
+
+std::string conditions(const SpectrumResult& result) {
+    return fmt::format("t = {}, {} friction, {} touching; {}{} eigenvalues", time_text(result.time), result.friction, plural(result.touching, "tip"),
+                       result.complete ? "all " : "the outermost ", count_text(static_cast<long>(result.values.size())));
+}
+
+}  // namespace
+
+Plot edge_plot(const SpectrumResult& result) {
+    Plot plot;
+    plot.title = fmt::format("Eigenvalues of {} that decay faster", result.scene);
+    plot.subtitle = fmt::format("{}; fastest oscillation {:.3g} 1/s", conditions(result), tasks::extent_of(result.values).oscillation);
+    plot.x = {"-Re λ [1/s]", Scale::logarithmic, 1.0, {}, {}};
+    plot.y = {"eigenvalues with a faster decay", Scale::linear, 1.0, 0.0, {}};
+    Series all{"all", {}, Mark::none, Line::solid, "#444444"};
+    std::vector<Series> kinds;
+    const std::size_t attributed = result.attribution ? result.attribution->values.size() : 0;
+    if (attributed > 0) {
+        for (const tasks::ContactKind& kind : tasks::contact_kinds()) kinds.push_back({"made by " + std::string(kind.name), {}, Mark::none, Line::solid, ""});
+    }
+    for (std::size_t k = 0; k < result.values.size(); ++k) {   // by falling decay
+        const double decay = -result.values[k].real();
+        if (decay <= -result.border) continue;
+        all.points.push_back({decay, static_cast<double>(all.points.size())});
+        if (k >= attributed) continue;
+        Series& kind = kinds[static_cast<std::size_t>(result.attribution->main_kind(k))];
+        kind.points.push_back({decay, static_cast<double>(kind.points.size())});
+    }
+    plot.series = {std::move(all)};
+    plot.series.insert(plot.series.end(), kinds.begin(), kinds.end());
+    return plot;
 }
 
 Plot spectrum_plot(const SpectrumResult& result, Scale scale) {
     Plot plot;
     plot.title = fmt::format("Eigenvalues of {}", result.scene);
-    plot.subtitle = fmt::format("t = {}, {} friction, {} touching; {}{} eigenvalues", time_text(result.time), result.friction, plural(result.touching, "tip"),
-                                result.complete ? "all " : "the outermost ", count_text(static_cast<long>(result.values.size())));
+    plot.subtitle = conditions(result);
     plot.x = {"Re λ [1/s]", scale, 1e3, {}, {}};
     plot.y = {"Im λ [1/s]", scale, 1e3, {}, {}};
     const std::size_t attributed = result.attribution ? result.attribution->values.size() : 0;

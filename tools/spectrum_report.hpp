@@ -1,6 +1,7 @@
 #pragma once
 /// A measured spectrum for people, programs and eyes.
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
@@ -42,9 +43,12 @@ struct SpectrumResult {
 [[nodiscard]] std::string spectrum_json(const SpectrumResult& result);
 /// Eigenvalues in the complex plane, coloured by the contact that makes them. @param scale of both axes: linear or symlog
 [[nodiscard]] Plot spectrum_plot(const SpectrumResult& result, Scale scale);
+/// How many eigenvalues decay faster than a rate, by the contact that makes them: what eigenvalues at the edge, nearly all real, show best.
+[[nodiscard]] Plot edge_plot(const SpectrumResult& result);
 /// How many eigenvalues decay faster, with saturation speeds as they are and ten times as high. Only with an attribution.
 [[nodiscard]] Plot slowed_plot(const SpectrumResult& result);
 
+[[nodiscard]] nlohmann::ordered_json limit_json(const StepLimit& limit);
 /// "50.95 ns predicted (…), 50.97 ns measured (+0.04 %)".
 [[nodiscard]] std::string limit_text(const StepLimit& limit);
 

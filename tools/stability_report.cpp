@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "engine/method/stability.hpp"
 #include "tools/text.hpp"
@@ -56,6 +57,16 @@ std::string stability_csv(const std::vector<StabilityResult>& results) {
         text += "\n";
     }
     return text;
+}
+
+nlohmann::ordered_json stability_json(const StabilityResult& result) {
+    nlohmann::ordered_json json{{"method", result.plan.name}, {"stages", result.plan.stages.size()}, {"real", result.real}, {"imaginary", result.imaginary},
+                                {"ray_1", result.ray_1}, {"ray_5", result.ray_5}};
+    if (!result.limit) return json;
+    json["stage_growth"] = result.growth;
+    json["gain"] = result.gain;
+    json["stable_step"] = limit_json(*result.limit);
+    return json;
 }
 
 Plot stability_map(const StabilityResult& result, const tasks::Eigenvalues& values, double step, const std::string& scene) {

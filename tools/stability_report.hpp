@@ -1,6 +1,7 @@
 #pragma once
 /// Regions of stability for people, programs and eyes.
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,8 @@ struct StabilityResult {
 
 [[nodiscard]] std::string stability_table(const std::vector<StabilityResult>& results);
 [[nodiscard]] std::string stability_csv(const std::vector<StabilityResult>& results);
+/// One method; the parts that need a scene only with one.
+[[nodiscard]] nlohmann::ordered_json stability_json(const StabilityResult& result);
 /// |R(z)| ≤ 1, and the eigenvalues times the step. @param values may be empty   @param step [s]
 [[nodiscard]] Plot stability_map(const StabilityResult& result, const tasks::Eigenvalues& values, double step, const std::string& scene);
 

@@ -25,6 +25,11 @@ struct Task {
     TaskBody body = nullptr;
     int item = 0;  ///< handed to the body, e.g. the segment number
     std::vector<Access> accesses;
+    std::string stage{};  ///< what profiles sum its time up under; empty: its name without a number
+
+    /// "force[3]" → "force".
+    [[nodiscard]] std::string stem() const { return name.substr(0, name.find('[')); }
+    [[nodiscard]] std::string stage_name() const { return stage.empty() ? stem() : stage; }
 };
 
 /// What executors read in their inner loop.

@@ -77,11 +77,11 @@ std::function<std::complex<double>(std::complex<double>)> stability_function(con
     return [problem = LinearProblem(plan)](Complex z) mutable { return problem.factor(z); };
 }
 
-double stability_reach(const StagePlan& plan, std::complex<double> direction, double tolerance) {
+double stability_reach(const StagePlan& plan, std::complex<double> direction, double tolerance, double enough) {
     LinearProblem problem(plan);
     const auto stable = [&](double r) { return std::abs(problem.factor(r * direction)) <= 1.0 + tolerance; };
     const double stages = problem.stages();
-    const double limit = 2.0 * stages * stages + 10.0;
+    const double limit = std::min(2.0 * stages * stages + 10.0, enough);
     const double stride = std::max(0.01, stages / 4000.0);
     double inside = 0.0;
     double outside = stride;

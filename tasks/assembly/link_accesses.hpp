@@ -70,6 +70,9 @@ private:
 
 /// Observation of one segment at the step's start: the same in every assembly.
 void add_observe_task(engine::TaskGraph& graph, const Workspace& workspace, int segment);
+/// What profiles call the three cycles about transitions.
+inline constexpr const char* transition_stage = "transition";
+
 /// Detection, location and truncation of one segment: the same in every assembly.
 void add_transition_tasks(engine::TaskGraph& graph, const Workspace& workspace, int segment);
 

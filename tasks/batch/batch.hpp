@@ -73,6 +73,7 @@ struct BatchEstimate {
     int measured = 0;                ///< cases that were tried
     double stable_step = 0.0;        ///< the shortest of their largest stable steps; 0: all of them have yet to settle [s]
     double beyond = 0.0;             ///< run.step over that, of the case where it is largest; 0: as above
+    std::string untried{};           ///< why not, of the last case that could not be; empty: all that were looked at could
 };
 [[nodiscard]] BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <numeric>
 #include <queue>
@@ -59,26 +60,27 @@ std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard) {
 
 namespace {
 
-/// Wall time per unit of cost, from so many seconds of steps of one case. Zero if the case cannot begin.
-double measure(const Scene& scene, double seconds) {
-    try {
-        Simulation simulation(scene, Schedule{});
-        SilentObserver silent;
-        const engine::Cancellation go_on;
-        using Clock = std::chrono::steady_clock;
-        double wall = 0.0;
-        long steps = 0;
-        if (const Fault fault = simulation.run_steps(100, silent, go_on); fault.kind != FaultKind::max_steps) return 0.0;   // many tips first touch here
-        for (long batch = 20; wall < seconds; batch *= 2) {
-            const auto begin = Clock::now();
-            const Fault fault = simulation.run_steps(batch, silent, go_on);
-            if (fault.kind != FaultKind::max_steps) return 0.0;
-            wall += std::chrono::duration<double>(Clock::now() - begin).count();
-            steps += batch;
-        }
-        return wall / static_cast<double>(steps) / step_cost(scene);
-    } catch (const std::exception&) {
-        return 0.0;
+/// How long so many steps took.
+struct Pace {
+    double wall = 0.0;
+    long steps = 0;
+};
+
+/// Goes on from a case's start in growing batches for so many seconds, but not beyond the case's end: what lies there may break down where the case does not.
+/// A fault ends it as well; steps up to there have cost what steps cost.
+void go(Simulation& simulation, double seconds, long most, Pace& pace) {
+    SilentObserver silent;
+    const engine::Cancellation go_on;
+    using Clock = std::chrono::steady_clock;
+    long before = std::min(100L, most / 2);   // many tips first touch here
+    Fault fault = before > 0 ? simulation.run_steps(before, silent, go_on) : Fault{FaultKind::max_steps};
+    for (long batch = 20; pace.wall < seconds && before < most && fault.kind == FaultKind::max_steps; batch *= 2) {
+        const long wanted = std::min(batch, most - before);
+        const auto begin = Clock::now();
+        fault = simulation.run_steps(wanted, silent, go_on);
+        pace.wall += std::chrono::duration<double>(Clock::now() - begin).count();
+        pace.steps += fault.kind == FaultKind::max_steps ? wanted : simulation.counters().steps;
+        before += wanted;
     }
 }
 
@@ -93,6 +95,27 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
     } catch (const std::exception&) {
         return;   // measuring says that the case cannot begin
     }
+}
+
+/// Wall time per unit of cost, from so many seconds of steps of one case, begun again where it is shorter. Zero if it cannot take a step, and why.
+double measure(const Scene& scene, double seconds, std::string& untried) {
+    try {
+        const double time = scene.run.until + (scene.state_file.empty() ? scene.parameters.start.settling_time : 0.0);
+        const long most = std::max(2L, std::lround(time / scene.run.step.value_or(AutoStep::longest_step)));
+        Pace pace;
+        const auto begin = std::chrono::steady_clock::now();
+        const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
+        for (long before = -1; pace.steps != before && (before < 0 || spent() < seconds);) {
+            before = pace.steps;
+            Simulation simulation(scene, Schedule{});
+            go(simulation, seconds, most, pace);
+        }
+        if (pace.steps > 0) return pace.wall / static_cast<double>(pace.steps) / step_cost(scene);
+        untried = "it ends in its first steps";
+    } catch (const std::exception& error) {
+        untried = error.what();
+    }
+    return 0.0;
 }
 
 }  // namespace
@@ -113,7 +136,7 @@ BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
         if (cases.empty()) break;
         sweep.apply_case(cases[at], scene);
         if (!violations(scene).empty()) continue;
-        if (const double rate = measure(scene, seconds / 3.0); rate > 0.0) rates.push_back(rate);
+        if (const double rate = measure(scene, seconds / 3.0, result.untried); rate > 0.0) rates.push_back(rate);
         judge_step(scene, result);
     }
     result.measured = static_cast<int>(rates.size());

@@ -126,12 +126,32 @@ void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int n
     }
 }
 
-void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options) {
+namespace {
+
+/// Twice what the first steps took, all threads together: one thread may do it all, and transitions and iterations repeat cycles.
+int stamps_of_a_step(const Scene& scene, const Schedule& schedule) {
+    engine::StampRecorder recorder(schedule.threads, 64);   // counts what it does not keep
+    Trial probe(scene, schedule, &recorder);
+    const long steps = probe.run(first_steps).steps;
+    long stamps = 0;
+    for (int thread = 0; thread < recorder.threads(); ++thread) stamps += static_cast<long>(recorder.spans(thread).size()) + recorder.lost(thread);
+    return static_cast<int>(2 * stamps / std::max(1L, steps)) + 32;
+}
+
+}  // namespace
+
+StageTable stages_of(const std::vector<Lane>& lanes) {
+    StageTable stages;
+    for (const Lane& lane : lanes) stages.add(lane.trial->simulation().graph());
+    return stages;
+}
+
+void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options, const StageTable& stages) {
     Recording& recording = lane.result.recording;
     const engine::TaskGraph& graph = lane.trial->simulation().graph();
     const double per_step = lane.result.loads.front().step.median;
     if (lane.dropped || per_step <= 0.0) return;
-    const int stamps = 8 * graph.size() + 32;   // of a step, at most: one thread may do it all, and transitions repeat evaluations
+    const int stamps = stamps_of_a_step(scene, lane.result.schedule);
     recording.steps = std::clamp(options.steps > 0 ? options.steps : steps_within(options.round_seconds, per_step), 1L, std::max(1L, std::min(100L, most_stamps / stamps)));
     engine::StampRecorder recorder(lane.result.schedule.threads, static_cast<int>(recording.steps) * stamps);
     Trial recorded(scene, lane.result.schedule, &recorder);
@@ -158,8 +178,11 @@ void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options) 
     recording.cost = middle.seconds / median(bare) - 1.0;
     recording.lost = middle.lost;
     recording.spans = std::move(middle.spans);
-    recording.pass = sum_up(graph, recording.spans);
-    for (int task = 0; task < graph.size(); ++task) recording.tasks.push_back(graph.task(task).name);
+    recording.pass = sum_up(graph, stages, recording.spans);
+    for (int task = 0; task < graph.size(); ++task) {
+        recording.tasks.push_back(graph.task(task).name);
+        recording.cycles.push_back(graph.task(task).cycle);
+    }
 }
 
 }  // namespace cvtflow::tasks

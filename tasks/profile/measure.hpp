@@ -40,6 +40,7 @@ struct Recording {
     RecordedPass pass;
     Spans spans;
     std::vector<std::string> tasks;   ///< names, by number
+    std::vector<int> cycles;          ///< of tasks, by number
     long steps = 0;
     long lost = 0;                    ///< stamps that did not fit
     double cost = 0.0;                ///< what recording adds to the step time, as a share of it
@@ -76,11 +77,14 @@ struct Lane {
 /// @param short_hash [out] of the first schedule after 4 steps
 [[nodiscard]] std::vector<Lane> start_lanes(const Scene& scene, const std::vector<Schedule>& schedules, double patience, std::uint64_t& short_hash);
 
+/// Stages of all lanes' graphs.
+[[nodiscard]] StageTable stages_of(const std::vector<Lane>& lanes);
+
 /// Alternating rounds beside so many neighbours. The first lane is the reference of speed-ups. Without neighbours every turn is followed by some cycles of the
 /// executor by itself and of a bare barrier.
 void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int neighbours);
 
 /// A recorded trial beside the unrecorded one, alternating; keeps the recorded round of median length.
-void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options);
+void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options, const StageTable& stages);
 
 }  // namespace cvtflow::tasks

@@ -29,12 +29,14 @@ struct PathCosts {
     double controller = 0.0;         ///< per cycle
     double synchronisation = 0.0;    ///< per cycle, linear law: fixed part …
     double per_thread = 0.0;         ///< … and what each thread adds
-    double evaluations = 4.0;        ///< per step
+    double evaluations = 4.0;        ///< runs of the evaluation cycle per step
     double synchronisation_tree = 0.0;   ///< per cycle, logarithmic law: fixed part …
     double per_doubling = 0.0;           ///< … and what each doubling adds
     double stretch = 1.0;            ///< time of a task on one of several threads over that on a single one: caches and memory are shared, states come from afar
     double jitter = 0.0;             ///< standard deviation of the time of one link's evaluation; that of n links is sqrt(n) times it
-    double other_cycles = 0.0;       ///< per step, besides evaluations and one detection: location and truncation
+    double other_cycles = 0.0;       ///< per step, besides evaluations and one detection: location, truncation and a method's own
+    double own_tasks = 0.0;          ///< of a method's own cycles per step, tasks that run side by side, all together …
+    double own_single = 0.0;         ///< … and those that are alone on their level
 };
 
 /// Per cycle, on so many threads; none on one.
@@ -44,7 +46,7 @@ struct PathCosts {
 [[nodiscard]] double expected_largest(int count) noexcept;
 
 /// Step time of these segments on so many threads, each with a contiguous share of them: every cycle takes its slowest thread, the controller, and, with more
-/// than one thread, the meeting. A single thread with a single segment knows no stretch, border or jitter: that is the reference of speed-ups.
+/// than one thread, the meeting. A method's own tasks are spread by links, evenly. A single thread with a single segment knows no stretch, border or jitter: that is the reference of speed-ups.
 /// @param touching of each link, whether it touches
 [[nodiscard]] double step_time(const PathCosts& costs, const Partition& partition, int threads, const std::vector<bool>& touching, double meeting);
 

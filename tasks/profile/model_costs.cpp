@@ -42,6 +42,22 @@ struct SegmentSamples {
     std::vector<double> jitter;   ///< [s per square root of links]
 };
 
+/// Tasks of the method's own cycles per step: alone on their level, or side by side.
+void sample_own_cycles(const engine::TaskGraph& graph, const std::vector<std::vector<double>>& times, double runs_kept_per_step, PathCosts& costs) {
+    costs.own_tasks = costs.own_single = 0.0;
+    for (int cycle = method_cycles; cycle < graph.cycles(); ++cycle) {
+        for (int level = 0; level < graph.levels(cycle); ++level) {
+            const auto tasks = graph.level(cycle, level);
+            double sum = 0.0;
+            for (const int task : tasks) {
+                const auto& each = times[static_cast<std::size_t>(task)];
+                sum += median(each) * static_cast<double>(each.size()) / runs_kept_per_step;
+            }
+            (tasks.size() > 1 ? costs.own_tasks : costs.own_single) += sum;
+        }
+    }
+}
+
 /// Adds the evaluation tasks of a recorded serial run with so many segments.
 void sample_segments(const Scene& scene, int segments, const MeasureOptions& options, SegmentSamples& samples, ProfileModel& model) {
     Schedule schedule;
@@ -50,9 +66,11 @@ void sample_segments(const Scene& scene, int segments, const MeasureOptions& opt
     Trial trial(scene, schedule, &recorder);
     const double per_step = trial.run(4).per_step();
     recorder.clear();
-    trial.run(std::min(500L, steps_within(options.round_seconds, per_step)));
+    const long steps = trial.run(std::min(500L, steps_within(options.round_seconds, per_step))).steps;
     const engine::TaskGraph& graph = trial.simulation().graph();
     const auto times = task_times({recorder.spans(0)}, graph.size());
+    const double kept = static_cast<double>(recorder.spans(0).size()), recorded = kept + static_cast<double>(recorder.lost(0));
+    sample_own_cycles(graph, times, static_cast<double>(steps) * kept / recorded, model.costs);
     const Workspace& workspace = trial.simulation().workspace();
     model.touching = touching_links(workspace);
     model.costs.lanes = model::lanes_of(workspace.variator.chain().isa());
@@ -82,6 +100,16 @@ double rms_error(const PathCosts& costs, const std::vector<SegmentCost>& samples
         sum += sample.seconds;
     }
     return samples.empty() || sum == 0.0 ? 0.0 : std::sqrt(squares * static_cast<double>(samples.size())) / sum;
+}
+
+/// How often the evaluation cycle ran in a recording of one segment.
+double evaluation_cycles(const Recording& recording) {
+    double tasks = 0.0, runs = 0.0;
+    for (const int cycle : recording.cycles) tasks += cycle == evaluate_cycle ? 1.0 : 0.0;
+    for (const auto& thread : recording.spans) {
+        for (const engine::Span& span : thread) runs += span.what >= 0 && recording.cycles[static_cast<std::size_t>(span.what)] == evaluate_cycle ? 1.0 : 0.0;
+    }
+    return runs / tasks;
 }
 
 double median_controller(const Spans& spans) {
@@ -126,7 +154,7 @@ double stretch_of(const ScheduleResult& result, const ProfileModel& model) {
     if (threads == 1 || result.schedule.assembly.kind != Assembly::fused || result.schedule.balanced || recording.pass.active() < threads) return 0.0;
     const std::vector<double> times = median_task_times(recording.spans, static_cast<int>(recording.tasks.size()));
     double measured = 0.0;
-    for (std::size_t task = 0; task < times.size(); ++task) measured += stage_of(recording.tasks[task]) == Stage::force ? times[task] : 0.0;
+    for (std::size_t task = 0; task < times.size(); ++task) measured += recording.cycles[task] == evaluate_cycle ? times[task] : 0.0;
     double expected = 0.0;
     const Partition partition = partition_of(result, model);
     for (const Segment& segment : partition.segments()) {
@@ -188,8 +216,8 @@ ProfileModel measure_model(const Scene& scene, std::vector<ScheduleResult>& resu
     model.costs.jitter = median(samples.jitter);
     model.costs.controller = median_controller(serial.recording.spans);
     model.serial_share = serial.recording.pass.serial_share();
-    model.costs.evaluations = serial.loads.front().step.median / serial.loads.front().evaluation;
     if (serial.recording.steps > 0) {
+        model.costs.evaluations = evaluation_cycles(serial.recording) / static_cast<double>(serial.recording.steps);
         model.costs.other_cycles = std::max(0.0, serial.recording.pass.cycles / static_cast<double>(serial.recording.steps) - model.costs.evaluations - 1.0);
     }
     measure_synchronisation(model);

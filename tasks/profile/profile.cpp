@@ -130,12 +130,13 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
     say("starting, comparing states");
     std::uint64_t short_hash = 0;
     std::vector<Lane> lanes = start_lanes(scene, schedules, options.patience, short_hash);
+    profile.stages = stages_of(lanes);
     for (const int neighbours : options.neighbours) {
         say(fmt::format("timing beside {} busy neighbours", neighbours));
         measure_load(lanes, options, neighbours);
         if (neighbours != options.neighbours.front()) continue;
         say("recording stages");
-        for (Lane& lane : lanes) record_lane(scene, lane, options);
+        for (Lane& lane : lanes) record_lane(scene, lane, options, profile.stages);
     }
     say("model");
     for (Lane& lane : lanes) profile.results.push_back(std::move(lane.result));

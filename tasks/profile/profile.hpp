@@ -22,6 +22,7 @@ struct ScheduleChoice {
 
 struct Profile {
     std::vector<ScheduleResult> results;   ///< the first is serial:fused
+    StageTable stages;                     ///< of all of them
     std::vector<ThreadCost> bare;          ///< bare barrier by number of threads [s per cycle]
     ProfileModel model;
     std::vector<std::string> differences;  ///< in hashes; must be empty

@@ -56,12 +56,12 @@ ordered_json load_json(const LoadResult& load) {
             {"dropped", load.dropped}};
 }
 
-ordered_json recording_json(const Recording& recording) {
+ordered_json recording_json(const Recording& recording, const StageTable& stages) {
     const RecordedPass& pass = recording.pass;
     ordered_json threads = ordered_json::array();
     for (const ThreadTimes& thread : pass.threads) {
         ordered_json times = ordered_json::object();
-        for (const StageRow& row : stages()) times[std::string(row.name)] = thread.at(row.stage);
+        for (std::size_t row = 0; row < stages.size(); ++row) times[stages.rows()[row].name] = thread.at(row);
         threads.push_back(times);
     }
     return {{"steps", recording.steps},
@@ -78,7 +78,7 @@ ordered_json recording_json(const Recording& recording) {
             {"threads", threads}};
 }
 
-ordered_json result_json(const ScheduleResult& result) {
+ordered_json result_json(const ScheduleResult& result, const StageTable& stages) {
     ordered_json loads = ordered_json::array();
     for (const LoadResult& load : result.loads) loads.push_back(load_json(load));
     ordered_json json{{"schedule", result.name},
@@ -95,7 +95,7 @@ ordered_json result_json(const ScheduleResult& result) {
                       {"pinned", result.schedule.pin},
                       {"predicted_speed_up", result.predicted},
                       {"loads", loads}};
-    json["recording"] = recording_json(result.recording);
+    json["recording"] = recording_json(result.recording, stages);
     return json;
 }
 
@@ -130,6 +130,8 @@ ordered_json model_json(const ProfileModel& model) {
             {"serial_step", model.serial_step},
             {"other_cycles_per_step", costs.other_cycles},
             {"evaluations_per_step", costs.evaluations},
+            {"own_tasks_per_step", costs.own_tasks},
+            {"own_single_tasks_per_step", costs.own_single},
             {"serial_share", model.serial_share},
             {"synchronisation_assumed", model.assumed},
             {"synchronisation_samples", thread_costs(model.synchronisation)},
@@ -171,7 +173,7 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
 
 std::string profile_json(const Scene& scene, const MeasureOptions& options, const Profile& profile) {
     ordered_json results = ordered_json::array();
-    for (const ScheduleResult& result : profile.results) results.push_back(result_json(result));
+    for (const ScheduleResult& result : profile.results) results.push_back(result_json(result, profile.stages));
     ordered_json json{{"scene", scene.name}, {"provenance", provenance_json()}};
     json["options"] = {{"rounds", options.rounds}, {"round_seconds", options.round_seconds}, {"steps", options.steps}, {"patience", options.patience}};
     json["environment"] = {{"OMP_WAIT_POLICY", environment("OMP_WAIT_POLICY")}, {"GOMP_SPINCOUNT", environment("GOMP_SPINCOUNT")}, {"KMP_BLOCKTIME", environment("KMP_BLOCKTIME")}};
@@ -189,10 +191,10 @@ std::string profile_stages_csv(const Scene& scene, const Profile& profile) {
     for (const ScheduleResult& result : profile.results) {
         const auto& threads = result.recording.pass.threads;
         for (std::size_t thread = 0; thread < threads.size(); ++thread) {
-            for (const StageRow& row : stages()) {
-                const double seconds = threads[thread].at(row.stage), total = threads[thread].total();
+            for (std::size_t row = 0; row < profile.stages.size(); ++row) {
+                const double seconds = threads[thread].at(row), total = threads[thread].total();
                 text += fmt::format("{},{},{},{},{},{},{:.9f},{:.5f},{:.4f}\n", quoted(scene.name), result.name, result.schedule.threads, result.schedule.segments, thread,
-                                    quoted(std::string(row.name)), seconds, total > 0.0 ? seconds / total : 0.0,
+                                    quoted(profile.stages.rows()[row].name), seconds, total > 0.0 ? seconds / total : 0.0,
                                     result.recording.steps > 0 ? 1e6 * seconds / static_cast<double>(result.recording.steps) : 0.0);
             }
         }

@@ -1,8 +1,7 @@
 #pragma once
 /// Where the time of a recorded run goes: by stage of the step and by thread, and what is lost between tasks.
 
-#include <array>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "engine/executor/stamp_recorder.hpp"
@@ -10,29 +9,42 @@
 
 namespace cvtflow::tasks {
 
-/// In the order of a step; tasks from `combine` to `transition`.
-enum class Stage { enter, combine, contact, chain, force, boundary, cholesky, transition, controller, wait, exit };
-
 struct StageRow {
-    Stage stage;
-    std::string_view name;
-    char letter;   ///< in bar charts
+    std::string name;
+    char letter;   ///< in bar charts, none twice while letters and digits last
     bool task;
 };
 
-/// One row per stage, in order.
-[[nodiscard]] const std::array<StageRow, 11>& stages() noexcept;
+/// What a thread does, a row each: entering the run, the stages of tasks as their graphs name them, controller, waiting, leaving.
+/// No list of stages is kept anywhere: a method that adds cycles of its own to a graph has named its stages by that.
+class StageTable {
+public:
+    StageTable();
+    /// Adds the stages of a graph's tasks that are not there yet, in the order of its tasks.
+    void add(const engine::TaskGraph& graph);
 
-/// Stage of a task by its name: "contact[3]" → contact, "forward" and "reverse[0]" → cholesky, "detect[1]" → transition.
-/// @throws std::invalid_argument for a name that no graph of this program uses
-[[nodiscard]] Stage stage_of(std::string_view task_name);
+    [[nodiscard]] const std::vector<StageRow>& rows() const noexcept { return rows_; }
+    [[nodiscard]] std::size_t size() const noexcept { return rows_.size(); }
+    /// Row of a stage. @throws std::invalid_argument if no graph that was added has it
+    [[nodiscard]] std::size_t row(const std::string& name) const;
+    /// Row of a span that is no task.
+    [[nodiscard]] std::size_t row(int code) const noexcept;
 
-/// Time of one thread by stage [s].
+private:
+    std::vector<StageRow> rows_;
+};
+
+/// Time of one thread [s], a number per row of the table that it was summed up with.
 struct ThreadTimes {
-    std::array<double, 11> seconds{};
-    [[nodiscard]] double at(Stage stage) const noexcept { return seconds[static_cast<std::size_t>(stage)]; }
+    std::vector<double> seconds;
+    [[nodiscard]] double at(std::size_t row) const noexcept { return row < seconds.size() ? seconds[row] : 0.0; }
+    [[nodiscard]] double controller() const noexcept { return from_end(3); }
+    [[nodiscard]] double wait() const noexcept { return from_end(2); }
     [[nodiscard]] double tasks() const noexcept;
     [[nodiscard]] double total() const noexcept;
+
+private:
+    [[nodiscard]] double from_end(std::size_t place) const noexcept { return seconds.size() < place ? 0.0 : seconds[seconds.size() - place]; }
 };
 
 using Spans = std::vector<std::vector<engine::Span>>;   // [thread]
@@ -46,8 +58,10 @@ struct RecordedPass {
     double task_count = 0.0;
 
     [[nodiscard]] int active() const noexcept;           ///< threads that ran any task
-    [[nodiscard]] double sum(Stage stage) const noexcept;
+    [[nodiscard]] double sum(std::size_t row) const noexcept;
     [[nodiscard]] double tasks() const noexcept;         ///< [s], of all threads
+    [[nodiscard]] double controller() const noexcept;    ///< [s]
+    [[nodiscard]] double wait() const noexcept;          ///< [s], of all threads
 
     /// Time that every active thread loses per cycle, neither in a task nor because the controller works [s]:
     ///
@@ -64,7 +78,7 @@ struct RecordedPass {
     [[nodiscard]] double serial_share() const noexcept;
 };
 
-/// Sums a run up. Spans of exactly one run, as StampRecorder::spans() gives them.
-[[nodiscard]] RecordedPass sum_up(const engine::TaskGraph& graph, const Spans& spans);
+/// Sums a run up. Spans of exactly one run, as StampRecorder::spans() gives them; the table knows the graph.
+[[nodiscard]] RecordedPass sum_up(const engine::TaskGraph& graph, const StageTable& stages, const Spans& spans);
 
 }  // namespace cvtflow::tasks

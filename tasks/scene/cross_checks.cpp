@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tasks/method_choice.hpp"
 #include "tasks/scene/units.hpp"
 #include "model/belt.hpp"
 
@@ -136,9 +137,10 @@ Violation segments_have_links(const Scene& scene) {
     return fmt::format("run.segments: {} segments for chain.pins = {}", scene.run.segments, pins);
 }
 
-Violation method_named(const Scene& scene) {
-    if (!scene.run.method.empty()) return {};
-    return "run.method: the name is empty";
+Violation method_exists(const Scene& scene) {
+    if (scene.run.method.empty()) return "run.method: the name is empty";
+    if (may_be_method(scene.run.method)) return {};   // numbers of a family are looked at when the method is made
+    return "run.method: " + no_method(scene.run.method);
 }
 
 }  // namespace
@@ -162,7 +164,7 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.state_interval", "run.output_interval"}, states_take_outputs},
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
-        {{"run.method"}, method_named},
+        {{"run.method"}, method_exists},
     };
     return checks;
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "engine/method/catalogue.hpp"
@@ -46,6 +47,15 @@ TEST(StableStep, IsTheReachOfTheMethodOverTheEigenvalue) {
     EXPECT_NEAR(largest_stable_step("euler", {{-1e6, 0.0}}), 2e-6, 1e-9);
     EXPECT_TRUE(std::isinf(largest_stable_step("no table of stages", {{-1e6, 0.0}})));
     EXPECT_TRUE(std::isinf(largest_stable_step("rk4", std::vector<std::complex<double>>{})));
+}
+
+TEST(StableStep, OfManyEigenvaluesIsTheLeastOfEach) {
+    const std::vector<std::complex<double>> all{{-1.0e6, 0.0}, {-0.99e6, 0.0}, {-0.98e6, 1e-3}, {-3e5, 8e5}, {-1e2, 7e5}, {-2e5, 0.0}};
+    for (const char* method : {"rk4", "dumka3-p2", "rkc-s10"}) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const auto& value : all) least = std::min(least, largest_stable_step(method, {value}));
+        EXPECT_EQ(largest_stable_step(method, all), least) << method << ": directions that were looked at already, and scans cut short, change nothing";
+    }
 }
 
 TEST(StableStep, HasNoAnswerWhereTheStateIsNotFinite) {

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "engine/method/catalogue.hpp"
@@ -99,6 +100,8 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
     EXPECT_THAT(outcome.out, HasSubstr("geometric at ratio 1, settles for 10 ms\n"));
     EXPECT_THAT(outcome.out, HasSubstr("20 000 + 200 000 for settling\n"));  // (1 + 10) ms of 50 ns
     EXPECT_THAT(outcome.out, HasSubstr("880 000, and some for transitions\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  schedule            auto, which chooses the segments\n"));
+    EXPECT_THAT(run({"check", "tiny", "--set", "run.segments=3"}).out, HasSubstr("\n  schedule            auto, 3 segments\n"));
 }
 
 TEST_F(Commands, CheckSaysUpToWhereASettledSceneIsStable) {
@@ -140,16 +143,11 @@ TEST_F(Commands, LocalErrorShowsTheOrder) {
 
 const std::vector<std::string> brief_settling{"--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms"};
 
-std::vector<std::string> operator+(std::vector<std::string> words, const std::vector<std::string>& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
-
 TEST_F(Commands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
     const Outcome outcome = run(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns", "-o", "errors"} + brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, AllOf(HasSubstr("tiny: error of one step of rk4 (order 4"), HasSubstr("\ntiny: error of one step of heun (order 2")));
-    EXPECT_THAT(outcome.out, HasSubstr("\n  written             errors/local-error.csv, errors/local-error-axial-force-piecewise.svg, "
+    EXPECT_THAT(outcome.out, HasSubstr("\n  written             errors/local-error.csv, errors/local-error.json, errors/local-error-axial-force-piecewise.svg, "
                                        "errors/local-error-velocities-piecewise.svg\n"));
     EXPECT_THAT(read("errors/local-error.csv"), AllOf(StartsWith("method,friction,step,positions,velocities,axial_force,tension\nrk4,piecewise,1.6"),
                                                       HasSubstr("\nheun,piecewise,8")));
@@ -168,8 +166,62 @@ TEST_F(Commands, SpectrumTellsExtentBandsAndTheLongestStep) {
     EXPECT_EQ(json["eigenvalues"].size(), std::size_t(json["extent"]["below_1e6"]) + 2);   // and the pair that oscillates fastest
     EXPECT_NEAR(double(json["stable_step"]["measured"]) / double(json["stable_step"]["predicted"]), 1.0, 0.15);   // barely settled, it moves
     EXPECT_THAT(read("s/spectrum.csv"), StartsWith("real,imaginary,share_joints,share_plates,share_tips\n-"));
+    EXPECT_FALSE(exists("s/spectrum-linear.svg")) << "a line and two points in an empty plane";
+    EXPECT_THAT(read("s/spectrum-edge.svg"), AllOf(HasSubstr(">-Re λ [1/s]</text>"), HasSubstr("; the outermost "), HasSubstr("; fastest oscillation 7")));
+}
+
+TEST_F(Commands, SpectrumOfAllEigenvaluesIsDrawnInThePlane) {
+    const Outcome outcome = run(std::vector<std::string>{"spectrum", "tiny", "--detail", "coarse", "-q", "-o", "s", "--svg"} + brief_settling);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_TRUE(exists("s/spectrum-linear.svg"));
     EXPECT_THAT(read("s/spectrum-symlog.svg"), HasSubstr(">Re λ [1/s]</text>"));
+    EXPECT_FALSE(exists("s/spectrum-edge.svg"));
+}
+
+TEST_F(Commands, WriteAsJsonWhatTheyMeasure) {
+    const auto json_of = [&](const std::vector<std::string>& words, const std::string& file) {
+        const Outcome outcome = run(words + std::vector<std::string>{"--json"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_THAT(outcome.out, HasSubstr("\n  written             results/" + file + "\n"));
+        const auto json = nlohmann::json::parse(read("results/" + file));
+        EXPECT_TRUE(json["provenance"].contains("commit")) << file;
+        return json;
+    };
+    const auto errors = json_of(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns"} + brief_settling, "local-error.json");
+    ASSERT_EQ(errors["curves"].size(), 2u);
+    EXPECT_GT(double(errors["curves"][1]["errors"][0]["velocities"]), double(errors["curves"][0]["errors"][0]["velocities"])) << "heun has half the order";
+    const auto maps = json_of({"stability", "rk4", "leapfrog-rkc", "sw2", "-q"}, "stability.json");
+    EXPECT_NEAR(double(maps["tables"][0]["imaginary"]), 2.0 * std::sqrt(2.0), 1e-3);
+    EXPECT_NEAR(double(maps["programs"][0]["oscillator"]["h_omega"]), 2.0, 1e-3);   // of every leapfrog
+    EXPECT_TRUE(maps["programs"][1].contains("linear"));
+    ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
+    const auto trade = json_of({"tradeoff", "tiny", "rk4@50ns", "--reference", "rk4@25ns", "--duration", "24us", "--rounds", "2", "--set", "start.state=s.h5"}, "tradeoff_tiny.json");
+    EXPECT_EQ(trade["choices"][0]["wall_seconds_per_second"].size(), 2u);
+    const auto detail = json_of({"detail", "baseline", "--settle", "20us", "--average", "20us", "--control", "0 s"}, "detail_baseline.json");
+    EXPECT_EQ(detail["variants"].size(), 11u);
+    EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not looked for";
+}
+
+TEST_F(Commands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {
+    const Outcome other = run({"detail", "baseline", "--set", std::string("start.state=") + CVTFLOW_SOURCE_DIR + "/scenes/states/baseline-medium.h5"});
+    EXPECT_EQ(other.status, 1);
+    EXPECT_THAT(other.err, AllOf(StartsWith("cvtflow: baseline: variants start from a settled state of full detail: start.state: "), HasSubstr("\n  detail.order = 3, settled with 1\n")));
+    const Outcome held = run({"detail", "baseline", "--set", "detail.order=1"});
+    EXPECT_EQ(held.status, 1);
+    EXPECT_EQ(held.err, "cvtflow: --set detail.order=1: detail.order is one of the dials that are compared\n");
+}
+
+TEST_F(Commands, DetailKeepsFaultsOutOfItsTable) {
+    const std::vector<std::string> brief{"--settle", "20us", "--average", "20us", "--control", "0 s"};
+    const Outcome all = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=6um"} + brief);
+    EXPECT_EQ(all.status, 1);
+    EXPECT_THAT(all.err, StartsWith("cvtflow: baseline: full detail, with which all is compared, ended: a tip of pin "));
+    EXPECT_EQ(all.out, "");
+    const Outcome some = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=20um"} + brief);   // rigid pulleys take the jolt with deeper tips
+    EXPECT_EQ(some.status, 5);
+    EXPECT_THAT(some.err, HasSubstr("cvtflow: baseline: p=3 each   8 pt rigid: a tip of pin "));
+    EXPECT_THAT(some.out, testing::ContainsRegex("\n  p=3 each   8 pt rigid +1684 +- +- +- "));
+    EXPECT_THAT(some.out, testing::Not(HasSubstr("a tip of")));
 }
 
 TEST_F(Commands, StabilityNeedsNoScene) {
@@ -226,6 +278,13 @@ TEST_F(Commands, PinEntryCountsAndMeasuresErrors) {
 TEST_F(Commands, DotDrawsATaskPerSegment) {
     const std::string text = run({"dot", "tiny", "--segments", "3"}).out;
     EXPECT_THAT(text, AllOf(StartsWith("digraph "), HasSubstr("force[2]"), testing::Not(HasSubstr("force[3]"))));
+}
+
+TEST_F(Commands, DotDrawsTheCyclesOfAMethodByTheirTasks) {
+    const std::string kick = run({"dot", "tiny", "--segments", "3", "--method", "leapfrog-rkc", "--cycle", "friction"}).out;
+    EXPECT_THAT(kick, AllOf(StartsWith("digraph "), HasSubstr("friction[2]"), testing::Not(HasSubstr("push"))));
+    const std::string solve = run({"dot", "tiny", "--method", "trapezoidal-full", "--cycle", "backward"}).out;
+    EXPECT_THAT(solve, AllOf(HasSubstr("label=\"forward[0]\""), HasSubstr("label=\"join\"")));
 }
 
 }  // namespace

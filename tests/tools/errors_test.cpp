@@ -23,6 +23,7 @@ protected:
         write("text.h5", "no HDF5 at all\n");
         write("broken.toml", "[chain]\npich = 3\npins = \"x\"\n");
         write("syntax.toml", "[chain\n");
+        write("method.toml", "[run]\nmethod = \"rk45\"\nstepp = \"50 ns\"\n");
         write("no_state.toml", "[start]\nstate = \"gone.h5\"\n");
         std::filesystem::create_directory(folder_ / "folder");
         const hid_t other = H5Fcreate((folder_ / "other.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
@@ -57,7 +58,6 @@ TEST_F(Errors, OnTheCommandLineExitWithTwo) {
         {{"info"}, 2, "FILE is required (cvtflow info --help)"},
         {{"explain"}, 2, "KEY is required (cvtflow explain --help)"},
         {{"list", "method"}, 2, "WHAT: no list 'method', did you mean 'methods'? (cvtflow list --help)"},
-        {{"dot", "tiny", "--cycle", "x"}, 2, "--cycle: x not in {evaluate,detect,locate,truncate} (cvtflow dot --help)"},
         {{"stability"}, 2, "METHOD is required (cvtflow stability --help)"},
         {{"pin-entry", "tiny"}, 2, "METHOD@STEP is required (cvtflow pin-entry --help)"},
         {{"local-error", "tiny", "--friction", "x"}, 2, "--friction: x not in {piecewise,smoothed,both} (cvtflow local-error --help)"},
@@ -79,6 +79,7 @@ TEST_F(Errors, InScenesSayWhereAndWhat) {
          1,
          "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
          "integer"},
+        {{"check", "method.toml"}, 1, "method.toml:2:10: run.method: no method 'rk45' (did you mean 'rk4'?)\ncvtflow: method.toml:3:1: run.stepp: unknown key (did you mean \"run.step\"?)"},
         {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: there is no file \"gone.h5\""},
         {{"settle", "free_ring"}, 1, "free_ring: nothing to settle, start.layout and start.settling_time say so"},
         {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
@@ -102,8 +103,9 @@ TEST_F(Errors, InScenesSayWhereAndWhat) {
 
 TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
     const std::vector<Mistake> mistakes{
-        {{"run", "tiny", "--method", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
-        {{"run", "tiny", "--method", "zzzzzz"}, 1, "no method 'zzzzzz' (cvtflow list methods)"},
+        {{"run", "tiny", "--method", "rk5"}, 1, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
+        {{"run", "tiny", "--method", "zzzzzz"}, 1, "--method zzzzzz: no method 'zzzzzz' (cvtflow list methods)"},
+        {{"run", "tiny", "--method", "rkc-s1"}, 1, "no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
         {{"run", "tiny", "--detail", "fein"}, 1, "--detail fein: not one of coarse, medium, fine, full (did you mean \"fine\"?)"},
         {{"run", "tiny", "--set", "chain.pich=3"}, 1, "--set chain.pich=3: chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
         {{"run", "tiny", "--set", "chain.pins=abc"}, 1, "--set chain.pins=abc: chain.pins: \"abc\" is not an integer"},
@@ -114,9 +116,14 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"run", "tiny", "--step", "1"}, 1, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
         {{"run", "tiny", "--threads=-1"}, 1, "--threads -1: -1 is outside [0, 1024]"},
         {{"run", "tiny", "--segments", "30"}, 1, "--segments 30: 30 segments for chain.pins = 24"},
+        {{"settle", "tiny", "--method", "rk5"}, 1, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
+        {{"settle", "tiny", "--step", "1"}, 1, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
+        {{"settle", "tiny", "--threads=-1"}, 1, "--threads -1: -1 is outside [0, 1024]"},
         {{"settle", "tiny", "--time", "3ms"}, 1, "--time 3ms: start.ramp_time: 5e-3 s is longer than start.settling_time = 3e-3 s"},
         {{"spectrum", "tiny", "--state", "gone.h5"}, 1, "--state gone.h5: there is no file \"gone.h5\""},
-        {{"spectrum", "tiny", "--method", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
+        {{"spectrum", "tiny", "--method", "rk5"}, 1, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
+        {{"dot", "tiny", "--cycle", "x"}, 1, "--cycle x: a step of rk4 has evaluate, detect, locate, truncate"},
+        {{"dot", "tiny", "--method", "leapfrog-rkc", "--cycle", "x"}, 1, "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, push, friction, finish"},
         {{"stability", "dumka3"}, 1, "dumka3 chooses among tables of stages: ask for one of them (cvtflow list methods)"},
         {{"stability", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 1, "no method 'heum' (did you mean 'heun'?)"},

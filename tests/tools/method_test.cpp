@@ -44,7 +44,7 @@ TEST_F(MethodCommands, UnknownNamesAreExplained) {
         const Outcome outcome = run({"method", name});
         EXPECT_EQ(outcome.status, 1) << name;
         EXPECT_EQ(outcome.err, message);
-        EXPECT_EQ(run({"run", "tiny", "--method", name}).err, message);
+        EXPECT_THAT(run({"run", "tiny", "--method", name}).err, testing::EndsWith(message.substr(std::string("cvtflow: ").size())));
     }
 }
 

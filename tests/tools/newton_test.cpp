@@ -28,8 +28,15 @@ TEST_F(NewtonCommand, SaysWhatItDoesNotKnow) {
     words.insert(words.end(), brief.begin(), brief.end());
     const Outcome outcome = run(words);
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, HasSubstr("there is no method 'trapezium' (cvtflow list methods)"));
+    EXPECT_THAT(outcome.err, HasSubstr("no method 'trapezium' (cvtflow list methods)"));
     EXPECT_THAT(run({"newton", "tiny", "--duration", "3mm"}).err, HasSubstr("--duration 3mm: not a time above 0, such as 2us"));
+}
+
+TEST_F(NewtonCommand, KeepsFaultsOutOfItsTable) {
+    const Outcome outcome = run({"newton", "tiny", "--methods", "euler", "--steps", "4us", "--duration", "400us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.err, HasSubstr("\ncvtflow: euler with 4 us: "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  euler +4 us .* - +-\n"));
 }
 
 TEST_F(NewtonCommand, ARunSaysHowNewtonFared) {

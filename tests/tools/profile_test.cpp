@@ -34,6 +34,15 @@ TEST_F(ProfileCommand, WritesThePublishedChartsAndCurvesAsTables) {
     EXPECT_THAT(read("c.csv"), testing::StartsWith("scene,threads,ideal,even,amdahl,critical_path,low,high,measured,"));
 }
 
+TEST_F(ProfileCommand, NamesTheStagesOfAMethodWithCyclesOfItsOwn) {
+    const Outcome outcome = run({"profile", "tiny", "--method", "leapfrog-chebyshev", "--schedules", "serial:staged,flow:fused", "--threads", "2", "--steps", "4", "--rounds", "1",
+                                 "--neighbours", "0", "--stages", "s.csv", "--json", "p.json", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr(" push, F friction, I finish,"), HasSubstr("\n  own cycles ")));
+    EXPECT_THAT(read("s.csv"), HasSubstr("flow:fused,2,2,0,\"friction\""));
+    EXPECT_GT(nlohmann::json::parse(read("p.json"))["model"]["own_tasks_per_step"], 0.0);
+}
+
 TEST_F(NightlyProfileCommand, StartsItselfAgainForEveryWaitPolicy) {
     const Outcome outcome = run({"profile", "tiny", "--policies", "--schedules", "omp_region,barrier", "--threads", "2", "--steps", "2", "--rounds", "1", "--neighbours", "0",
                                  "--csv", "p.csv", "--json", "p.json", "-q"});

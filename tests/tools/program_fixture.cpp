@@ -38,7 +38,7 @@ void redirect(const fs::path& file, int descriptor) {
 
 }  // namespace
 
-Child::Child(std::vector<std::string> arguments, const fs::path& folder, const std::vector<std::string>& environment)
+Child::Child(std::vector<std::string> arguments, const fs::path& folder, const std::vector<std::string>& environment, unsigned seconds)
     : out_(fs::temp_directory_path() / unique_name("out")), err_(fs::temp_directory_path() / unique_name("err")) {
     arguments.insert(arguments.begin(), CVTFLOW_PROGRAM);
     std::vector<char*> words;
@@ -49,6 +49,7 @@ Child::Child(std::vector<std::string> arguments, const fs::path& folder, const s
     if (process_ < 0) throw std::runtime_error("fork");
     if (process_ > 0) return;
     for (std::string& setting : settings) putenv(setting.data());
+    alarm(seconds);   // outlives exec
     redirect(out_, STDOUT_FILENO);
     redirect(err_, STDERR_FILENO);
     if (chdir(folder.c_str()) == 0) execv(words[0], words.data());

@@ -18,11 +18,17 @@ struct Outcome {
     std::string err;  ///< stderr
 };
 
+/// Words of a command line, one list after the other.
+[[nodiscard]] inline std::vector<std::string> operator+(std::vector<std::string> words, const std::vector<std::string>& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
 /// A child process; killed when it goes out of scope.
 class Child {
 public:
-    /// @param environment "NAME=value", added to this process's
-    Child(std::vector<std::string> arguments, const std::filesystem::path& folder, const std::vector<std::string>& environment = {});
+    /// @param environment "NAME=value", added to this process's   @param seconds after which a signal ends it; 0: never
+    Child(std::vector<std::string> arguments, const std::filesystem::path& folder, const std::vector<std::string>& environment = {}, unsigned seconds = 0);
     ~Child();
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;

@@ -109,6 +109,48 @@ TEST_F(Run, ThatBreaksDownExitsWithThree) {
     EXPECT_NE(record("r.h5").status(), "finished");
 }
 
+TEST_F(Run, ReplacesNoRecordWhoseNameWasGiven) {
+    ASSERT_EQ(run_briefly({"-q", "-o", "r.h5"}).status, 0);
+    const std::string before = read("r.h5");
+    const Outcome refused = run_briefly({"-o", "r.h5"});
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_EQ(refused.err, "cvtflow: r.h5: is there already; --force replaces it\n");
+    EXPECT_EQ(read("r.h5"), before);
+    EXPECT_EQ(run_briefly({"-q", "-o", "r.h5", "--force"}).status, 0);
+    EXPECT_NE(read("r.h5"), before) << "its date, at least";
+}
+
+TEST_F(Run, ReplacesTheRecordOfADefaultNameAndSaysSo) {
+    EXPECT_THAT(run_briefly().err, testing::Not(HasSubstr("replaced")));
+    const Outcome again = run_briefly();
+    EXPECT_EQ(again.status, 0);
+    EXPECT_THAT(again.err, StartsWith("cvtflow: results/tiny.h5: what was there is replaced\n"));
+}
+
+TEST_F(Run, LosesNoCheckpointOfAnUnfinishedRun) {
+    const std::vector<std::string> ending{"-q", "--checkpoint-every", "1 h", "--set", "run.max_steps=300"};
+    ASSERT_EQ(run_briefly(ending).status, 4);
+    ASSERT_TRUE(exists("results/tiny.checkpoint.h5"));
+    const Outcome refused = run_briefly(ending);
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_EQ(refused.err, "cvtflow: results/tiny.checkpoint.h5: the checkpoint of a run that did not finish; cvtflow resume results/tiny.checkpoint.h5 goes on with it, "
+                           "--force begins anew\n");
+    EXPECT_EQ(run_briefly({"-q", "--checkpoint-every", "1 h", "--force"}).status, 0);
+    EXPECT_FALSE(exists("results/tiny.checkpoint.h5"));
+}
+
+TEST_F(Run, OfSettlingReplacesNoStateWhoseNameWasGiven) {
+    const std::vector<std::string> brief{"settle", "tiny", "-q", "--time", "20us", "--set", "start.ramp_time=10us"};
+    const auto settle = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words = brief;
+        words.insert(words.end(), more.begin(), more.end());
+        return run(words);
+    };
+    for (const int expected : {0, 1}) EXPECT_EQ(settle({"-o", "s.h5"}).status, expected);
+    EXPECT_EQ(settle({"-o", "s.h5", "--force"}).status, 0);
+    for (int again = 0; again < 2; ++again) EXPECT_EQ(settle({}).status, 0);
+}
+
 TEST_F(Run, InterruptedEndsWithACompleteRecord) {
     for (const int signal : {SIGINT, SIGTERM}) {
         const Outcome outcome = interrupted_by(signal, "r.h5");

@@ -59,7 +59,8 @@ ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int thr
     fmt::print("{}", field("scalars", fmt::format("{}", fmt::join(scalars, ", "))));
     if (cost.bad > 0) fmt::print("{}", field("bad parameters", plural(cost.bad, "case")));
     const std::string one = fmt::format("{} on one thread, {} on {}", clock_text(cost.total), clock_text(cost.total / threads), plural(threads, "thread"));
-    fmt::print("{}", field("estimate", cost.measured == 0 ? "none: no case could be tried" : fmt::format("{} (measured on {}, without settling of shared starts)", one, plural(cost.measured, "case"))));
+    const std::string none = cost.bad == cost.cases ? "none: no case has parameters that agree" : "none: no case could be tried: " + cost.untried;
+    fmt::print("{}", field("estimate", cost.measured == 0 ? none : fmt::format("{} (measured on {}, without settling of shared starts)", one, plural(cost.measured, "case"))));
     if (cost.stable_step > 0.0 && std::isfinite(cost.stable_step))
         fmt::print("{}", field("stable to", fmt::format("{} at the start of the cases tried{}", time_text(cost.stable_step), cost.beyond > 1.0 ? "; run.step is beyond" : "")));
     return ExitStatus::finished;

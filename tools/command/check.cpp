@@ -43,8 +43,9 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
     const double step = run.step.value_or(simulation.automatic_step());
     const long running = steps_over(run.until, run.output_interval, step);
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, step) : 0;
-    std::string text = field("run", fmt::format("until {}, {} with step {}, {}", time_text(run.until), run.method, run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step),
-                                                plural(run.segments, "segment")));
+    const std::string length = run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step);
+    std::string text = field("run", fmt::format("until {}, {} with step {}", time_text(run.until), run.method, length));
+    text += field("schedule", fmt::format("{}, {}", run.schedule, run.segments == 0 ? "which chooses the segments" : plural(run.segments, "segment")));
     text += field("steps",
                   settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
     text += field("evaluations", stages == 0 ? "as many as the method's iterations ask for" : fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));

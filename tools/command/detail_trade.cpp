@@ -22,7 +22,8 @@ Action declare_detail(CLI::App& app) {
     app.add_option("--control", arguments->control, "How long ratio control looks for the thrust ratio (\"0 s\": not)")->type_name("TIME")->capture_default_str();
     app.add_flag("--all", arguments->all, "Every combination of the dials (48) instead of one dial at a time");
     declare_output(app, arguments->output);
-    app.footer("Each variant starts from the scene's settled state at full detail, brought over to its own coordinates.");
+    app.footer("Each variant starts from the scene's settled state at full detail, brought over to its own coordinates.\n"
+               "Exit status 1: full detail breaks down; 5: other variants do (stderr says why).");
     return [arguments] { return report_details(*arguments, arguments->output); };
 }
 

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
 #include <memory>
 
 #include "engine/graph/dot.hpp"
@@ -15,20 +15,43 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// In the order of tasks::Cycle.
-const std::vector<std::string> cycles{"evaluate", "detect", "locate", "truncate"};
+/// Every step has these, in the order of tasks::Cycle.
+const std::vector<std::string> common_cycles{"evaluate", "detect", "locate", "truncate"};
 
 struct DotArguments {
     SceneArguments scene;
     std::string cycle = "evaluate";
 };
 
+/// Names of a graph's cycles: those that every step has, and a method's own by any of their tasks.
+std::vector<std::pair<std::string, int>> cycles_of(const engine::TaskGraph& graph) {
+    std::vector<std::pair<std::string, int>> cycles;
+    for (std::size_t k = 0; k < common_cycles.size(); ++k) cycles.emplace_back(common_cycles[k], static_cast<int>(k));
+    for (int task = 0; task < graph.size(); ++task) {
+        const std::pair<std::string, int> named{graph.task(task).stem(), graph.task(task).cycle};
+        const auto same = [&](const auto& cycle) { return cycle.first == named.first; };
+        if (named.second >= tasks::method_cycles && std::none_of(cycles.begin(), cycles.end(), same)) cycles.push_back(named);
+    }
+    return cycles;
+}
+
+int cycle_named(const engine::TaskGraph& graph, const std::string& name, const std::string& method) {
+    std::vector<std::string> names;
+    for (const auto& [known, cycle] : cycles_of(graph)) {
+        if (known == name) return cycle;
+        names.push_back(known);
+    }
+    throw tasks::SceneError(fmt::format("--cycle {}: a step of {} has {}", name, method, fmt::join(names, ", ")));
+}
+
 ExitStatus dot(const DotArguments& arguments) {
     const tasks::Scene scene = load_scene(arguments.scene).scene;
-    const tasks::Workspace workspace(scene.parameters, *tasks::plan_for(scene.run.method),
-                                     tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
-    const auto cycle = std::find(cycles.begin(), cycles.end(), arguments.cycle) - cycles.begin();
-    fmt::print("{}", engine::to_dot(tasks::step_graph(workspace, {.kind = scene.run.assembly}), static_cast<int>(cycle)));
+    tasks::Workspace workspace(scene.parameters, *tasks::plan_for(scene.run.method),
+                               tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
+    const std::unique_ptr<tasks::StepMethod> method = tasks::make_step_method(scene.run.method, workspace);
+    workspace.method = method.get();
+    const engine::TaskGraph graph = tasks::step_graph(workspace, {.kind = scene.run.assembly});
+    fmt::print("{}", engine::to_dot(graph, cycle_named(graph, arguments.cycle, scene.run.method)));
     return ExitStatus::finished;
 }
 
@@ -39,9 +62,9 @@ Action declare_dot(CLI::App& app) {
     arguments->scene.settle = true;  // the start does not matter
     declare_scene(app, arguments->scene);
     declare_shortcut(app, arguments->scene, "--segments", "run.segments", "N");
-    app.add_option("--cycle", arguments->cycle, "Cycle to draw: evaluate, detect, locate or truncate")
+    declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    app.add_option("--cycle", arguments->cycle, "Cycle to draw: evaluate, detect, locate, truncate, or one of the method's own by a task in it")
         ->type_name("NAME")
-        ->check(CLI::IsMember(cycles))
         ->capture_default_str();
     app.footer("Example: cvtflow dot tiny --segments 3 | dot -Tsvg > step.svg");
     return [arguments] { return dot(*arguments); };

@@ -64,6 +64,7 @@ std::string heading(const std::string& scene, const std::string& method, long to
 void write_files(OutputFolder& folder, const std::vector<ErrorCurve>& curves, const std::string& scene) {
     using tasks::LocalError;
     folder.write("local-error.csv", error_csv(curves));
+    folder.write("local-error.json", error_json(curves, scene));
     for (const char* friction : {"piecewise", "smoothed"}) {
         if (std::none_of(curves.begin(), curves.end(), [&](const ErrorCurve& curve) { return curve.friction == friction; })) continue;
         folder.write(fmt::format("local-error-axial-force-{}.svg", friction), svg(error_plot(curves, friction, &LocalError::axial_force, "axial force of all tips", scene)));

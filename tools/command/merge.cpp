@@ -11,11 +11,14 @@ namespace cvtflow::tools {
 
 namespace {
 
-constexpr std::size_t named_cases = 20;
+constexpr std::size_t named_cases = 20, named_shards = 5;
 
 std::string missing_text(const tasks::MergeReport& report) {
     std::string text;
-    for (const std::string& shard : report.missing_shards) text += fmt::format("cvtflow: {}: this shard has no results\n", shard);
+    const auto shards = report.missing_shards.size();
+    const std::vector<std::string> named(report.missing_shards.begin(), report.missing_shards.begin() + static_cast<std::ptrdiff_t>(std::min(named_shards, shards)));
+    for (const std::string& shard : named) text += fmt::format("cvtflow: {}: this shard has no results\n", shard);
+    if (shards > named_shards) text += fmt::format("cvtflow: … and {} more; {} shards have no results\n", shards - named_shards, shards);
     if (report.missing_cases.empty()) return text;
     const std::vector<long> first(report.missing_cases.begin(), report.missing_cases.begin() + static_cast<std::ptrdiff_t>(std::min(named_cases, report.missing_cases.size())));
     return text + fmt::format("cvtflow: {} of {} cases are missing: {}{}\n", report.missing_cases.size(), report.cases, fmt::join(first, ", "), report.missing_cases.size() > named_cases ? ", …" : "");

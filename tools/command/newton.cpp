@@ -63,7 +63,7 @@ std::vector<std::string> cells_of(const std::string& method, const tasks::TrialE
     }
     cells.push_back(fmt::format("{:.0f}", end.wall / duration));
     if (end.fault) {
-        cells.insert(cells.end(), {"stopped:", end.fault.message()});
+        cells.insert(cells.end(), {"-", "-"});
     } else {
         cells.push_back(fmt::format("{:.1e}", tasks::relative_difference(end.axial_force, reference.axial_force)));
         cells.push_back(fmt::format("{:.1e}", tasks::relative_difference(end.tension, reference.tension)));
@@ -75,6 +75,8 @@ ExitStatus newton(const NewtonArguments& arguments) {
     const double duration = time_of("--duration", arguments.duration), tight = time_of("--reference", arguments.reference);
     std::vector<double> steps;
     for (const std::string& word : CLI::detail::split(arguments.steps, ',')) steps.push_back(time_of("--steps", word));
+    const std::vector<std::string> methods = arguments.methods.empty() ? all_methods() : arguments.methods;
+    for (const std::string& method : methods) require_method(method);
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
     const model::Parameters& parameters = loaded.scene.parameters;
@@ -86,8 +88,12 @@ ExitStatus newton(const NewtonArguments& arguments) {
     const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
     Table table({{"method", Align::left}, right("step"), right("iterations"), right("most"), right("Jacobians"), right("halvings"), right("fell back"),
                  right("unconverged"), right("s per s"), right("axial force"), right("tension")});
-    for (const std::string& method : arguments.methods.empty() ? all_methods() : arguments.methods) {
-        for (const double step : steps) table.add(cells_of(method, tasks::try_method(parameters, start, method, step, duration), reference, duration));
+    for (const std::string& method : methods) {
+        for (const double step : steps) {
+            const tasks::TrialEnd end = tasks::try_method(parameters, start, method, step, duration);
+            table.add(cells_of(method, end, reference, duration));
+            if (end.fault) fmt::print(stderr, "cvtflow: {} with {}: {}\n", method, time_text(step), end.fault.message());
+        }
     }
     fmt::print("{}", table.text(2));
     return ExitStatus::finished;

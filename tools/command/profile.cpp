@@ -71,6 +71,7 @@ std::vector<std::string> repeated(const ProfileArguments& arguments, const tasks
         if (!value.empty()) words.insert(words.end(), {option, value});
     };
     for (const std::string& setting : arguments.scene.settings) add("--set", setting);
+    for (const Shortcut& shortcut : arguments.scene.shortcuts) add(shortcut.option, shortcut.value.value_or(""));
     add("--detail", arguments.scene.detail);
     add("--threads", fmt::format("{}", fmt::join(arguments.choice.threads, ",")));
     add("--segments", fmt::format("{}", fmt::join(arguments.choice.segments, ",")));
@@ -124,6 +125,7 @@ ExitStatus profile(const ProfileArguments& arguments) {
 }
 
 constexpr const char* profile_explanation =
+    "Stages are what the tasks of the graph call themselves: a method with cycles of its own adds its own.\n"
     "All schedules run in one process, in turns; serial:fused is always among them and is what speed-ups refer to.\n"
     "States are compared bit by bit after the same steps; a difference is an error (exit status 1).\n"
     "Columns:\n"
@@ -149,6 +151,8 @@ Action declare_profile(CLI::App& app) {
     const auto arguments = std::make_shared<ProfileArguments>();
     tasks::MeasureOptions& measure = arguments->measure;
     declare_scene(app, arguments->scene);
+    declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
     app.add_option("--schedules", arguments->choice.names, "EXECUTOR[:ASSEMBLY], separated by commas (default: all, fused and staged; staged-serial-cholesky, -transition, -both leave parts in one task)")
         ->type_name("LIST")
         ->delimiter(',');

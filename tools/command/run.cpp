@@ -9,6 +9,7 @@
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/progress.hpp"
+#include "tools/replacing.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text.hpp"
 
@@ -20,7 +21,7 @@ struct RunArguments {
     SceneArguments scene;
     std::string output;
     std::string checkpoint, checkpoint_every;
-    bool quiet = false;
+    bool force = false, quiet = false;
 };
 
 /// Where the record goes; empty: nowhere. Makes the folder only if the place was not chosen by the user.
@@ -71,6 +72,9 @@ ExitStatus run(const RunArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
     const std::string file = record_path(arguments, loaded.scene);
+    const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
+    if (!replaced.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", replaced);
+    if (!arguments.checkpoint_every.empty()) keep_checkpoint(checkpoint_path(arguments, loaded.scene, file), arguments.force);
     const tasks::RunReport report = simulate(arguments, loaded.scene, file);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}{}", loaded.scene.name, tasks::summary(report), machine_text(), field("record", record_text(file)));
@@ -88,7 +92,8 @@ Action declare_run(CLI::App& app) {
     const auto arguments = std::make_shared<RunArguments>();
     SceneArguments& scene = arguments->scene;
     declare_scene(app, scene);
-    app.add_option("-o,--output", arguments->output, "Record to write (default: results/SCENE.h5); none: no record")->type_name("FILE");
+    app.add_option("-o,--output", arguments->output, "Record to write, which must not be there yet (default: results/SCENE.h5, replaced with a notice); none: no record")->type_name("FILE");
+    app.add_flag("--force", arguments->force, force_meaning);
     app.add_option("--checkpoint-every", arguments->checkpoint_every, "Wall time between checkpoints, e.g. \"10 min\" (default: no checkpoints)")->type_name("TIME");
     app.add_option("--checkpoint", arguments->checkpoint, "Where checkpoints go (default: beside the record, NAME.checkpoint.h5)")->type_name("FILE");
     declare_shortcut(app, scene, "--method", "run.method", "NAME");

@@ -12,6 +12,7 @@
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/progress.hpp"
+#include "tools/replacing.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text.hpp"
 
@@ -22,7 +23,7 @@ namespace {
 struct SettleArguments {
     SceneArguments scene;
     std::string output;
-    bool quiet = false;
+    bool force = false, quiet = false;
 };
 
 /// Notices before the settling what would fail after it.
@@ -54,6 +55,8 @@ ExitStatus settle(SettleArguments& arguments) {
         throw tasks::SceneError(fmt::format("{}: nothing to settle, start.layout and start.settling_time say so", scene.name));
     }
     require_place(file);
+    const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
+    if (!replaced.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", replaced);
     const double suspicion = simulate(arguments, scene, file);
     const ExitStatus status = suspicion <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
     if (status == ExitStatus::unreliable)
@@ -70,8 +73,12 @@ ExitStatus settle(SettleArguments& arguments) {
 Action declare_settle(CLI::App& app) {
     const auto arguments = std::make_shared<SettleArguments>();
     declare_scene(app, arguments->scene);
-    app.add_option("-o,--output", arguments->output, "State file to write (default: SCENE_state.h5)")->type_name("STATE.h5");
+    app.add_option("-o,--output", arguments->output, "State file to write, which must not be there yet (default: SCENE_state.h5, replaced with a notice)")->type_name("STATE.h5");
+    app.add_flag("--force", arguments->force, force_meaning);
     declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
+    declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
+    declare_shortcut(app, arguments->scene, "--threads", "run.threads", "N");
     app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
     app.footer(
         "A scene's start.state counts from the folder of the scene file, --set start.state from the working directory.\n"

@@ -94,8 +94,12 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
     OutputFolder folder(arguments.output);
     folder.write("spectrum.csv", spectrum_csv(result));
     folder.write("spectrum.json", spectrum_json(result));
-    folder.write("spectrum-linear.svg", svg(spectrum_plot(result, Scale::linear)));
-    folder.write("spectrum-symlog.svg", svg(spectrum_plot(result, Scale::symlog)));
+    if (result.complete) {
+        folder.write("spectrum-linear.svg", svg(spectrum_plot(result, Scale::linear)));
+        folder.write("spectrum-symlog.svg", svg(spectrum_plot(result, Scale::symlog)));
+    } else {
+        folder.write("spectrum-edge.svg", svg(edge_plot(result)));   // the plane would be empty but for a line
+    }
     if (result.attribution) folder.write("spectrum-slowed.svg", svg(slowed_plot(result)));
     fmt::print("{}{}", spectrum_text(result), folder.written());
     return ExitStatus::finished;
@@ -103,7 +107,7 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
 
 constexpr const char* spectrum_explanation =
     "Phases are held; the Jacobian is taken by central differences. --extremal finds the eigenvalues with Re < -1e6 1/s and the pair that\n"
-    "oscillates fastest, by Arnoldi's method, the others only the dense method.\n"
+    "oscillates fastest, by Arnoldi's method, the others only the dense method. Their picture counts those that decay faster; all are drawn in the complex plane.\n"
     "The largest stable step is the longest with which no eigenvalue leaves the method's region of stability. It is confirmed by steps of\n"
     "the full equations about the state: velocities are disturbed by 1e-9 m/s, and the disturbance grows or dies out.\n"
     "--attribute: eigenvalues are proportional to 1/v0 of the contact that makes them, so each is told by a small change of v0.";

@@ -10,6 +10,7 @@
 #include "tools/command.hpp"
 #include "tools/output_folder.hpp"
 #include "tools/program_stability_report.hpp"
+#include "tools/provenance_json.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/settled_start.hpp"
 #include "tools/stability_report.hpp"
@@ -117,6 +118,13 @@ std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& prog
     return results;
 }
 
+std::string json_of(const std::vector<StabilityResult>& tables, const std::vector<ProgramResult>& programs, const std::string& scene) {
+    auto tried = nlohmann::ordered_json::array(), apart = nlohmann::ordered_json::array();
+    for (const StabilityResult& result : tables) tried.push_back(stability_json(result));
+    for (const ProgramResult& result : programs) apart.push_back(program_json(result));
+    return json_text({{"scene", scene}, {"provenance", provenance_json()}, {"tables", tried}, {"programs", apart}});
+}
+
 ExitStatus stability(const StabilityArguments& arguments) {
     const Chosen methods = chosen(arguments);
     OutputFolder folder(arguments.output);
@@ -124,6 +132,7 @@ ExitStatus stability(const StabilityArguments& arguments) {
     if (!arguments.scene.scene.empty()) ground = ground_of(arguments, !methods.plans.empty());
     const std::vector<StabilityResult> tables = look_at(methods.plans, arguments, ground, folder);
     const std::vector<ProgramResult> programs = look_at(methods.programs, arguments, ground, folder);
+    folder.write("stability.json", json_of(tables, programs, arguments.scene.scene));
     if (!tables.empty()) fmt::print("{}{}", stability_table(tables), programs.empty() ? "" : "\n");
     fmt::print("{}{}{}", program_table(programs), limit_lines(programs), folder.written());
     return ExitStatus::finished;

@@ -13,6 +13,7 @@
 #include "tools/method_choice_text.hpp"
 #include "tools/output_folder.hpp"
 #include "tools/plot/plot.hpp"
+#include "tools/provenance_json.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text.hpp"
 
@@ -95,6 +96,17 @@ std::string csv_of(const std::vector<Entry>& entries, const std::vector<bool>& f
     return text;
 }
 
+std::string json_of(const std::vector<Entry>& entries, const std::vector<bool>& front, const std::string& scene, const TradeoffArguments& arguments) {
+    auto rows = nlohmann::ordered_json::array();
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+        const Entry& e = entries[k];
+        rows.push_back({{"method", e.choice}, {"evaluations_per_second", e.evaluations}, {"error_axial_force", e.errors.axial_force}, {"error_tension", e.errors.tension},
+                        {"error_slip", e.errors.slip}, {"error_losses", e.errors.losses}, {"wall_seconds_per_second", e.seconds}, {"front", static_cast<bool>(front[k])}});
+    }
+    return json_text({{"scene", scene}, {"provenance", provenance_json()}, {"reference", arguments.reference}, {"duration", arguments.duration},
+                      {"interval", arguments.interval}, {"choices", rows}});
+}
+
 std::string picture(const std::vector<Entry>& entries, const std::string& scene, const TradeoffArguments& arguments) {
     Plot plot;
     plot.title = "Speed and accuracy: " + scene;
@@ -132,6 +144,7 @@ ExitStatus tradeoff(const TradeoffArguments& arguments) {
     fmt::print("{}{}", table_of(entries, front), recommendations(points));
     OutputFolder folder(arguments.output);
     folder.write("tradeoff_" + scene.name + ".csv", csv_of(entries, front));
+    folder.write("tradeoff_" + scene.name + ".json", json_of(entries, front, scene.name, arguments));
     folder.write("tradeoff_" + scene.name + ".svg", picture(entries, scene.name, arguments));
     fmt::print("{}", folder.written());
     return ExitStatus::finished;

@@ -3,15 +3,14 @@
 #include <gmock/gmock.h>
 
 #include "engine/executor/catalogue.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-Scene tiny() { return read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml", StartState::ignored); }
-
 std::vector<std::string> names(const ScheduleChoice& choice) {
     std::vector<std::string> result;
-    for (const Schedule& schedule : chosen_schedules(tiny(), choice)) result.push_back(schedule_name(schedule));
+    for (const Schedule& schedule : chosen_schedules(ready_tiny(), choice)) result.push_back(schedule_name(schedule));
     return result;
 }
 
@@ -22,7 +21,7 @@ TEST(ChosenSchedules, BeginWithSerialAndHaveNoneTwice) {
 TEST(ChosenSchedules, AreAllExecutorsInBothAssembliesIfNoneIsNamed) { EXPECT_EQ(names({.threads = {2}}).size(), 2 * engine::executors().size()); }
 
 TEST(ChosenSchedules, CombineThreadsAndSegments) {
-    const auto list = chosen_schedules(tiny(), {.names = {"barrier:fused"}, .threads = {1, 2}, .segments = {0, 6}});
+    const auto list = chosen_schedules(ready_tiny(), {.names = {"barrier:fused"}, .threads = {1, 2}, .segments = {0, 6}});
     ASSERT_EQ(list.size(), 5u);
     EXPECT_EQ(list[1].segments, 1);   // as many as threads
     EXPECT_EQ(list[4].threads, 2);
@@ -30,7 +29,7 @@ TEST(ChosenSchedules, CombineThreadsAndSegments) {
 }
 
 TEST(ChosenSchedules, WaitAndPinAsAsked) {
-    const auto list = chosen_schedules(tiny(), {.names = {"barrier"}, .threads = {2}, .wait = engine::Wait::spin, .pin = true});
+    const auto list = chosen_schedules(ready_tiny(), {.names = {"barrier"}, .threads = {2}, .wait = engine::Wait::spin, .pin = true});
     EXPECT_EQ(list[0], Schedule{});   // serial waits for nobody
     EXPECT_EQ(list[1].wait, engine::Wait::spin);
     EXPECT_TRUE(list[1].pin);
@@ -53,7 +52,7 @@ TEST(Profile, IsCrowdedIfNoScheduleGotItsProcessors) {
 }
 
 TEST(Trial, EndsWhenPatienceDoes) {
-    Trial trial(tiny(), Schedule{});
+    Trial trial(ready_tiny(), Schedule{});
     const TrialSample sample = trial.run(1000000, 0.001);
     EXPECT_LT(sample.steps, 1000000);
     EXPECT_GT(sample.wall, 0.001);
@@ -65,8 +64,8 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
     options.rounds = 2;
     options.steps = 5;
     options.neighbours = {0, 1};
-    const auto schedules = chosen_schedules(tiny(), {.names = {"serial:staged", "flow:fused", "flow:staged"}, .threads = {2}});
-    const Profile profile = profile_schedules(tiny(), schedules, options);
+    const auto schedules = chosen_schedules(ready_tiny(), {.names = {"serial:staged", "flow:fused", "flow:staged"}, .threads = {2}});
+    const Profile profile = profile_schedules(ready_tiny(), schedules, options);
     EXPECT_THAT(profile.differences, testing::IsEmpty());
     ASSERT_EQ(profile.results.size(), 4u);
     for (const ScheduleResult& result : profile.results) {

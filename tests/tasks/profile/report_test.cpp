@@ -75,18 +75,20 @@ TEST_F(Report, JsonTellsEverythingAndWhereItComesFrom) {
 }
 
 TEST_F(Report, StagesHaveARowPerScheduleThreadAndStage) {
-    profile_.results[1].recording.pass.threads.resize(2);
-    profile_.results[1].recording.pass.threads[1].seconds[4] = 3e-6;   // all forces
-    profile_.results[1].recording.pass.threads[1].seconds[9] = 1e-6;   // wait
+    engine::TaskGraph graph;
+    graph.add({"force[0]", 0, [](void*, int) noexcept {}, 0, {}, "all forces (fused)"});
+    graph.freeze();
+    profile_.stages.add(graph);   // enter, all forces, controller, wait, exit
+    profile_.results[1].recording.pass.threads = {{{}}, {{0.0, 3e-6, 0.0, 1e-6, 0.0}}};
     profile_.results[1].recording.steps = 2;
     std::istringstream lines(profile_stages_csv(scene_, profile_));
     std::string line;
     std::vector<std::vector<std::string>> rows;
     while (std::getline(lines, line)) rows.push_back(cells(line));
-    ASSERT_THAT(rows, SizeIs(1 + 2 * 11));   // serial was not recorded
-    EXPECT_EQ(rows[1 + 11 + 4][5], "\"all forces (fused)\"");
-    EXPECT_EQ(rows[1 + 11 + 4][7], "0.75000");
-    EXPECT_EQ(rows[1 + 11 + 4][8], "1.5000");   // [us] per step
+    ASSERT_THAT(rows, SizeIs(1 + 2 * 5));   // serial was not recorded
+    EXPECT_EQ(rows[1 + 5 + 1][5], "\"all forces (fused)\"");
+    EXPECT_EQ(rows[1 + 5 + 1][7], "0.75000");
+    EXPECT_EQ(rows[1 + 5 + 1][8], "1.5000");   // [us] per step
 }
 
 TEST_F(Report, CurvesHaveARowPerNumberOfThreadsAndTheBestMeasuredBeside) {
