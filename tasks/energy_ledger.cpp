@@ -77,6 +77,7 @@ void EnergyLedger::inputs_changed(double time) noexcept {
 
 bool EnergyLedger::due(double time) const noexcept {
     if (m_.samples == 0.0) return true;
+    if (!(time > m_.sampled)) return false;   // a step may be cut at its start
     const double since = time - m_.jumped;   // what follows a jump dies out fast at first: samples lie as close as it is young
     if (since < dense_time && m_.steps >= 1.0 && time - m_.sampled >= dense_share * since) return true;
     return m_.steps >= (m_.doubt != 0.0 ? std::max(1.0, stride_ / closer) : stride_);

@@ -284,7 +284,6 @@ void locate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const Segment& own = w.partition[segment];
     Verdict& verdict = w.verdicts[at(segment)];
-    if (!verdict.pending) return;
     for (int link = own.first; link < own.last; ++link) {
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (!may_change(w, model::tips_per_link * link + corner)) continue;
