@@ -69,8 +69,8 @@ TEST_F(Errors, InScenesSayWhereAndWhat) {
     const std::vector<Mistake> mistakes{
         {{"run", "basline"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
         {{"run", "zzzzzzz"}, 1, "no scene 'zzzzzzz' (cvtflow list scenes)"},
-        {{"run", "missing.toml"}, 1, "missing.toml: cannot be read"},
-        {{"run", "./folder"}, 1, "./folder: cannot be read"},
+        {{"run", "missing.toml"}, 1, "missing.toml: cannot be read: No such file or directory"},
+        {{"run", "./folder"}, 1, "./folder: cannot be read: a folder, not a file"},
         {{"run", "broken.toml"},
          1,
          "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
