@@ -151,6 +151,9 @@ std::vector<double> RunRecorder::position() {
 }
 
 void RunRecorder::restore(const std::vector<double>& position) {
+    std::size_t least = 7;
+    for_every_sum(sums_, [&](double) { ++least; });
+    if (position.size() < least) throw engine::RecordError(options_.file + ": the checkpoint does not say where its record stood");
     const double* next = position.data();
     const auto take = [&] { return *next++; };
     const auto count = [&] { return static_cast<std::size_t>(take()); };

@@ -134,6 +134,9 @@ void Simulation::take_state(const engine::SavedState& saved) {
         for (const std::string& line : start_differences_) message += "\n  " + line;
         throw SimulationError(message);
     }
+    if (std::any_of(saved.phases.begin(), saved.phases.end(), [](std::uint8_t phase) { return phase > static_cast<std::uint8_t>(model::Phase::slip); })) {
+        throw SimulationError(fmt::format("start.state: {} holds a phase that is none", scene_.state_file));
+    }
     const bool had_control = beyond % ledger_size == 1;
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
     std::copy(saved.state.begin(), behind, workspace_->states[0]);

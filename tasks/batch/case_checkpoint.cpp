@@ -30,8 +30,7 @@ void CaseEngine::save() {
 }
 
 void CaseEngine::forget_checkpoint() {
-    std::error_code gone;
-    if (std::exchange(on_disk_, false)) std::filesystem::remove(checkpoint_file(), gone);
+    if (std::exchange(on_disk_, false)) remove_checkpoint(checkpoint_file());
 }
 
 /// Puts the case to where its checkpoint was taken, if it has one. A checkpoint that does not fit any more is passed over: the case begins anew.
@@ -68,7 +67,7 @@ StartStates::State CaseEngine::start() {
         std::error_code missing;
         if (!std::filesystem::exists(file, missing)) continue;
         auto state = std::make_shared<engine::SavedState>(engine::read_state(file));
-        const double number = state->more.empty() ? -1.0 : state->more.front().values.front();
+        const double number = state->more.empty() || state->more.front().values.empty() ? -1.0 : state->more.front().values.front();
         if (number >= static_cast<double>(result_.number) || number <= newest) continue;
         newest = number;
         latest = std::move(state);

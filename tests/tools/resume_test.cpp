@@ -86,6 +86,27 @@ TEST_F(Resume, RefusesAnotherSceneAndNamesTheDifference) {
     expect_same("whole.h5", "cut.h5");
 }
 
+TEST_F(Resume, RefusesACheckpointOfWhichAnyByteHasChanged) {
+    ASSERT_EQ(run(arguments("cut.h5", {"--checkpoint-every", "1 h", "--set", "run.max_steps=500"})).status, 4);
+    const std::string good = read("cut.checkpoint.h5");
+    for (std::size_t k = 0; k < 40; ++k) {
+        std::string bad = good;
+        const std::size_t at = k * (good.size() - 1) / 39;   // from the first to the last
+        bad[at] = static_cast<char>(bad[at] ^ 4);
+        write("bad.h5", bad);
+        const Outcome outcome = run({"resume", "bad.h5", "-q", "-o", "none"});
+        EXPECT_EQ(outcome.status, 1) << at;
+        EXPECT_THAT(outcome.err, StartsWith("cvtflow: bad.h5: ")) << at;
+    }
+    ASSERT_EQ(run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
+}
+
+TEST_F(Resume, LeavesNoHalfWrittenCheckpointBehind) {
+    write("cut.checkpoint.h5.part", "what a kill left");
+    ASSERT_EQ(run(arguments("cut.h5", {"--checkpoint-every", "1 h"})).status, 0);
+    EXPECT_FALSE(exists("cut.checkpoint.h5.part"));
+}
+
 TEST_F(Resume, SaysWhatIsWrongWithTheFile) {
     EXPECT_EQ(run({"resume", "nothing.h5"}).err, "cvtflow: nothing.h5: No such file or directory\n");
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
