@@ -73,9 +73,9 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
                                                             Partition::equal(scene.parameters.chain.pins, candidates.front().segments))),
       method_(method_of(scene, *workspace_)), runner_(*workspace_, candidates, options, recorder) {
     if (!scene_.state_file.empty()) {
-        const engine::SavedState saved = engine::read_state(scene_.state_file);
-        if (const std::string* text = text_attribute(saved, "scene")) start_differences_ = differences(*text, scene_);
-        take_state(saved);
+        const auto saved = scene_.start_state.read(scene_.state_file);
+        if (const std::string* text = text_attribute(*saved, "scene")) start_differences_ = differences(*text, scene_);
+        take_state(*saved);
     } else {
         place_geometrically();
     }

@@ -1,7 +1,7 @@
 #include "engine/record/hdf5_open.hpp"
 
 #include <cstring>
-#include <memory>
+#include <new>
 #include <regex>
 
 #include "engine/record/hdf5_attribute.hpp"
@@ -11,8 +11,8 @@ namespace {
 
 constexpr std::size_t memory_to_open = std::size_t{4} << 20U;   ///< HDF5 takes less than 2 MiB to open a file of ours and to read an array
 
-/// HDF5 1.10 crashes where it gets no memory, so whether there is some is asked before.
-void require_memory() { std::make_unique<std::byte[]>(memory_to_open); }
+/// HDF5 1.10 crashes where it gets no memory, so whether there is some is asked before. (A new expression may be optimised away.)
+void require_memory() { ::operator delete(::operator new(memory_to_open)); }
 
 /// HDF5's mark, and the version of its format: until version 1 nothing in a file has a checksum, and ours were never of these.
 enum class Marked { no, old, yes };
