@@ -50,6 +50,10 @@ struct Attribute {
     bool operator==(const Attribute&) const = default;
 };
 
+/// Keeps HDF5 from closing itself when the program ends: every file is closed by then, and after a damaged one it may find no end ("HDF5:
+/// infinite loop closing library"). For programs of our own, before their first file; a host may have files that HDF5 is to close.
+void leave_library_at_exit() noexcept;
+
 /// Provenance as attributes "program_version", "commit", "compiler", "build_type", "instruction_set", "cpu", "cores", "os", "date",
 /// and "hdf5_version".
 [[nodiscard]] std::vector<Attribute> attributes_of(const Provenance& provenance);
