@@ -89,5 +89,6 @@ int execute(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     cvtflow::engine::leave_library_at_exit();
+    cvtflow::engine::try_files_first();
     return cvtflow::tools::guarded([&] { return cvtflow::tools::execute(argc, argv); });
 }

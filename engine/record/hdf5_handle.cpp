@@ -78,7 +78,7 @@ std::uint64_t bytes_on_disk(hid_t file) {
 
 Handle live_access() {
     Handle access = file_access();
-    check(H5Pset_metadata_read_attempts(access.id(), 24), "cannot make access properties");
+    check(H5Pset_metadata_read_attempts(access.id(), 22), "cannot make access properties");
     return access;
 }
 

@@ -5,6 +5,7 @@
 #include <regex>
 
 #include "engine/record/hdf5_attribute.hpp"
+#include "engine/record/hdf5_trial.hpp"
 
 namespace cvtflow::engine::hdf5 {
 namespace {
@@ -86,6 +87,7 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
     }
     OpenFile open{{}, seal == Seal::whole};
     try {
+        survive([&] { look_at_everything(open_that(path, input).id()); });
         open.file = open_that(path, input);
     } catch (const Failure& failure) {
         throw_unreadable(path, failure.what());

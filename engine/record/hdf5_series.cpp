@@ -208,7 +208,7 @@ bool has_object(hid_t file, const std::string& path) {
 
 std::vector<std::string> dataset_names(hid_t file, const std::string& group) {
     Listing found;
-    if (has_object(file, group)) {
+    if (group == "/" || has_object(file, group)) {
         collect_datasets(file, group, "", 0, found);
     }
     return std::move(found.datasets);
