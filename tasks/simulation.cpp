@@ -250,6 +250,7 @@ void Simulation::rest_at_start() {
 }
 
 void Simulation::restore(const IntegrationState& from) {
+    if (const char* why = from.unsound()) throw SimulationError(why);
     Workspace& w = *workspace_;
     const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.phases.size();
     if (from.state.size() != size || from.phases.size() != tips || from.changed.size() != tips || from.before.size() != tips) {

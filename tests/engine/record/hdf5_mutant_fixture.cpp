@@ -283,7 +283,7 @@ void renew_seal(const std::string& path, bool had_seal) {
 Mutation mutate(const std::string& path, std::uint64_t seed, const MutantOptions& options) {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     Dice dice(seed);
-    const auto what = static_cast<Mutation>(dice.below(mutation_names.size()));
+    const auto what = static_cast<Mutation>(dice.below(mutation_names.size() - (options.forge ? 0 : 1)));
     if (what < Mutation::bits) {
         change_structure(path, what, dice);
         if (options.seal_anew) renew_seal(path, false);   // HDF5 has cut the former one off

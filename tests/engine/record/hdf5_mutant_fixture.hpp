@@ -16,6 +16,7 @@ inline constexpr std::array<std::string_view, 11> mutation_names{"rank", "extent
 
 struct MutantOptions {
     bool seal_anew = false;   ///< as someone does who knows how; otherwise the seal stays as it was, or is lost
+    bool forge = true;        ///< headers with checksums made right, too
 };
 
 /// Changes a file in place. @return what was done
