@@ -18,6 +18,7 @@ const char* IntegrationState::unsound() const noexcept {
     if (!started) return nullptr;
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };
     if (!std::isfinite(begin) || !is_length(output_interval) || !is_length(step) || !(std::isfinite(next_step) && next_step >= 0.0)) return "its steps or outputs have no length";
+    if (!(static_cast<double>(outputs + 2) * std::max(1.0, output_interval / step) <= static_cast<double>(most))) return "its steps cannot be counted";
     if (std::abs(time - begin - static_cast<double>(outputs) * output_interval) > 2.0 * output_interval + 1e-6 * std::abs(time)) return "its outputs are not at its time";
     return nullptr;
 }

@@ -11,6 +11,8 @@
 #include "tests/engine/record/hdf5_mutant_fixture.hpp"
 #include "tests/fuzz/fuzz_fixture.hpp"
 
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* bytes, std::size_t size, std::size_t most);
+
 namespace {
 
 using namespace cvtflow::engine;
@@ -38,13 +40,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     return 0;
 }
 
+/// A true file, changed; or any of the inputs, with other bytes. Never a changed one through HDF5, which may not survive opening it for writing.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t size, std::size_t most, unsigned seed) {
+    if (seed % 4 == 0) return LLVMFuzzerMutate(bytes, size, most);
+    constexpr const char* originals[] = {"run.h5", "killed.h5", "state.h5", "cases.h5"};
+    const std::filesystem::path corpus = std::string(CVTFLOW_SOURCE_DIR) + "/tests/fuzz/corpus/record";
     const std::string path = (std::filesystem::temp_directory_path() / ("cvtflow-fuzz-" + std::to_string(getpid()))).string();
-    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes), static_cast<std::streamsize>(size));
-    static_cast<void>(mutate(path, seed, {.seal_anew = seed % 4 != 0, .forge = false}));
+    std::filesystem::remove(path);
+    std::filesystem::copy_file(corpus / originals[seed / 4 % 4], path);
+    static_cast<void>(mutate(path, seed, {.seal_anew = seed % 4 != 1, .forge = false}));
     std::ifstream file(path, std::ios::binary);
     const std::string mutant{std::istreambuf_iterator<char>(file), {}};
-    std::filesystem::remove(path);
     if (mutant.empty() || mutant.size() > most) return size;
     std::copy(mutant.begin(), mutant.end(), reinterpret_cast<char*>(bytes));
     return mutant.size();

@@ -206,6 +206,12 @@ TEST_F(Batch, WithADamagedTableStopsAndTouchesNothing) {
     EXPECT_THAT(run({"resume", "out"}).err, StartsWith("cvtflow: out/cases.h5: truncated HDF5 file: "));
 }
 
+TEST_F(Batch, TellsATableThatIsNoSweepsFromOneThatIs) {
+    engine::write_cases((folder_ / "other.h5").string(), {engine::RowLayout({{"case", "1", "", engine::CaseColumnType::integer}, {"status", "1", "", engine::CaseColumnType::real}}), {}, {}});
+    EXPECT_EQ(run({"table", "other.h5"}).err, "cvtflow: other.h5: a table, but not of a sweep: it has no column 'status' of texts\n");
+    EXPECT_EQ(run({"table", "other.h5"}).status, 1);
+}
+
 TEST_F(Batch, MergeNamesWhatIsMissing) {
     write_sweep();
     for (const char* shard : {"1/3", "3/3"}) ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", shard}).status, 0);

@@ -51,8 +51,6 @@ void write_bytes(const std::string& path, const Bytes& bytes) {
     std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
-// ---- through the library ----
-
 struct Objects {
     std::vector<std::string> datasets, all;
 };
@@ -150,8 +148,7 @@ void change_shape(hid_t file, const std::string& path, Mutation what, Dice& dice
         if (how == 1) H5Pset_layout(plan.creation, H5D_VIRTUAL);
         if (how == 2 && !plan.chunk.empty()) plan.chunk[0] = hsize_t{1} << dice.below(32);
         if (how == 3) H5Pset_fletcher32(plan.creation);
-        if (how == 4) H5Pset_deflate(plan.creation, 9);
-        if (how == 4) H5Pset_deflate(plan.creation, 9);
+        for (int twice = 0; how == 4 && twice < 2; ++twice) H5Pset_deflate(plan.creation, 9);
         if (how == 5) H5Pset_scaleoffset(plan.creation, H5Z_SO_FLOAT_DSCALE, 3);
     }
     put_in_place(file, path, plan, chunked);
@@ -216,14 +213,16 @@ void change_structure(const std::string& path, Mutation what, Dice& dice) {
     if (file < 0) return;
     const Objects objects = objects_of(file);
     const std::string dataset = objects.datasets.empty() ? "" : dice.one_of(objects.datasets);
+    if (objects.all.empty()) {   // a mutant of a mutant
+        H5Fclose(file);
+        return;
+    }
     if (what == Mutation::attribute) change_attribute(file, dice.one_of(objects.all), dice);
     else if (what == Mutation::group) change_group(file, dice);
     else if (what == Mutation::link && !dataset.empty()) change_link(file, dataset, dice.one_of(objects.all), dice);
     else if (!dataset.empty()) change_shape(file, dataset, what, dice);
     H5Fclose(file);
 }
-
-// ---- in the bytes ----
 
 void change_bytes(Bytes& bytes, Mutation what, Dice& dice) {
     if (bytes.empty()) return;
@@ -271,11 +270,11 @@ void forge(Bytes& bytes, Dice& dice) {
 }
 
 void renew_seal(const std::string& path, bool had_seal) {
-    const int descriptor = open(path.c_str(), O_RDWR | O_CLOEXEC);
+    const int descriptor = open(path.c_str(), O_RDWR | O_CLOEXEC);   // it is there: it was just written
     std::uint64_t length = std::filesystem::file_size(path);
     if (had_seal && length >= seal_size) length -= seal_size;
-    if (descriptor >= 0) static_cast<void>(write_seal(descriptor, length));
-    if (descriptor >= 0) close(descriptor);
+    static_cast<void>(write_seal(descriptor, length));
+    close(descriptor);
 }
 
 }  // namespace

@@ -181,6 +181,7 @@ TEST(IntegrationState, ThatCannotBeIsRefused) {
     refused([](IntegrationState& s) { s.time = std::numeric_limits<double>::quiet_NaN(); });
     refused([](IntegrationState& s) { s.output_interval = 0.0; });
     refused([](IntegrationState& s) { s.step = std::numeric_limits<double>::infinity(); });
+    refused([](IntegrationState& s) { s.step = 1e-300; });   // output_interval / step is counted
 }
 
 TEST(Simulation, ResetIsANewOne) {
