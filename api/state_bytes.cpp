@@ -45,6 +45,12 @@ public:
         std::memcpy(&value, rest_.data(), sizeof value);
         rest_ = rest_.subspan(sizeof value);
     }
+    void operator()(bool& value) {
+        std::uint8_t byte = 0;
+        (*this)(byte);
+        if (byte > 1) reject("a flag is neither set nor not");
+        value = byte != 0;
+    }
     void operator()(std::optional<double>& value) {
         std::uint8_t given = 0;
         double number = 0.0;

@@ -10,6 +10,7 @@
 #include "engine/method/catalogue.hpp"
 #include "engine/method/stability.hpp"
 #include "tasks/method_choice.hpp"
+#include "tasks/method_memory.hpp"
 #include "tasks/program_stability.hpp"
 
 namespace cvtflow::tasks {
@@ -89,11 +90,12 @@ void AutoStep::save(std::vector<double>& memory) const {
 void AutoStep::load(std::span<const double> memory) {
     restart();
     if (memory.empty()) return;
-    looked_ = memory[0];
-    begun_ = memory[1];
-    stable_ = memory[2];
-    evaluations_ = static_cast<long>(memory[3]);
-    (void)bound_.load(memory.subspan(4));
+    const auto own = taken(memory, 3);
+    looked_ = own[0];
+    begun_ = own[1];
+    stable_ = own[2];
+    evaluations_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
+    (void)bound_.load(memory);
 }
 
 }  // namespace cvtflow::tasks

@@ -5,9 +5,12 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 #include <type_traits>
+#include <utility>
 
 #include "model/variator.hpp"
+#include "tasks/method_memory.hpp"
 
 namespace cvtflow::tasks {
 
@@ -197,9 +200,13 @@ void EnergyLedger::save(std::vector<double>& memory) const {
     std::memcpy(memory.data(), &m_, sizeof(Memory));
 }
 
-void EnergyLedger::load(std::span<const double> memory, long stride) noexcept {
+void EnergyLedger::load(std::span<const double> memory, long stride) {
     restart(stride);
-    if (memory.size_bytes() == sizeof(Memory)) std::memcpy(static_cast<void*>(&m_), memory.data(), sizeof(Memory));
+    if (memory.empty()) return;
+    std::memcpy(static_cast<void*>(&m_), taken(memory, sizeof(Memory) / sizeof(double)).data(), sizeof(Memory));
+    for (const auto& [place, most] : {std::pair{m_.past_begin, past_size - 1}, {m_.past_count, past_size}}) {
+        if (!(place >= 0.0 && place <= static_cast<double>(most)) || place != std::floor(place)) throw std::invalid_argument("a memory of energies that is none");
+    }
 }
 
 }  // namespace cvtflow::tasks

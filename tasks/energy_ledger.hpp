@@ -85,7 +85,8 @@ public:
 
     /// For checkpoints: goes on bit for bit.
     void save(std::vector<double>& memory) const;
-    void load(std::span<const double> memory, long stride) noexcept;
+    /// @throws std::invalid_argument for a memory that is none
+    void load(std::span<const double> memory, long stride);
 
 private:
     static constexpr std::size_t past_size = 80, past_per_period = 64;

@@ -146,7 +146,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     report.schedule = simulation.runner().text();
     report.hash = simulation.hash();
     recorder.finish(report);
-    if (!report.fault && !options.checkpoint.empty()) std::filesystem::remove(options.checkpoint);
+    if (!report.fault && !options.checkpoint.empty()) remove_checkpoint(options.checkpoint);
     return report;
 }
 

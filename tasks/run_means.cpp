@@ -8,6 +8,8 @@
 #include <limits>
 #include <type_traits>
 
+#include "tasks/method_memory.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -155,12 +157,15 @@ void RunMeans::save(std::vector<double>& memory) const {
     std::memcpy(memory.data() + begin, bins_.data(), bins_.size() * sizeof(Bin));
 }
 
-const double* RunMeans::load(const double* memory) {
-    bins_.resize(static_cast<std::size_t>(memory[0]));
-    per_bin_ = memory[1];
-    pin_period_ = memory[2];
-    std::memcpy(static_cast<void*>(bins_.data()), memory + 3, bins_.size() * sizeof(Bin));
-    return memory + 3 + bins_.size() * (sizeof(Bin) / sizeof(double));
+std::span<const double> RunMeans::load(std::span<const double> memory) {
+    constexpr std::size_t numbers = sizeof(Bin) / sizeof(double);
+    const auto bins = static_cast<std::size_t>(whole_taken(memory, 0, static_cast<int>(most_bins)));
+    const auto own = taken(memory, 2);
+    per_bin_ = own[0];
+    pin_period_ = own[1];
+    bins_.resize(bins);
+    if (bins > 0) std::memcpy(static_cast<void*>(bins_.data()), taken(memory, bins * numbers).data(), bins * sizeof(Bin));
+    return memory;
 }
 
 }  // namespace cvtflow::tasks

@@ -43,9 +43,9 @@ public:
     /// Their names, blank between them, in `names`.
     void name_notes(std::string& names) const;
 
-    /// For checkpoints: goes on bit for bit. load() returns what follows in memory.
+    /// For checkpoints: goes on bit for bit. load() returns what follows in memory. @throws std::invalid_argument for a memory that is none
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] const double* load(const double* memory);
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
 
 private:
     /// Sums over some outputs, and where the energies stood at the last of them. Numbers only.

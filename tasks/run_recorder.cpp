@@ -96,19 +96,20 @@ void RunRecorder::write(double time, const Workspace& workspace, const Instant& 
         next += channel->width(workspace.layout());
     }
     file_->append(time, row_);
-    ++written_.rows;
+    written_.channels.add(time, row_);
     if (time < next_state_ - 1e-9 * state_interval_) return;
     while (next_state_ <= time + 1e-9 * state_interval_) next_state_ += state_interval_;
     const auto* phases = reinterpret_cast<const std::uint8_t*>(workspace.phases.data());
-    file_->append_state(time, {workspace.states[0], static_cast<std::size_t>(workspace.layout().size())}, {phases, workspace.phases.size()});
-    ++written_.states;
+    const std::span<const double> state(workspace.states[0], static_cast<std::size_t>(workspace.layout().size()));
+    file_->append_state(time, state, {phases, workspace.phases.size()});
+    written_.states.add(time, state, {phases, workspace.phases.size()});
 }
 
 void RunRecorder::transition(const TransitionRecord& record) {
     if (begin_ < 0.0 || !file_) return;
     const double values[] = {record.time, static_cast<double>(record.pin), static_cast<double>(record.tip), static_cast<double>(record.from), static_cast<double>(record.to)};
     file_->append_row("transitions", values);
-    ++written_.tables[0];
+    written_.tables[0].add(0.0, values);
 }
 
 void RunRecorder::gather(const model::Observation& now, const Workspace& workspace) {
@@ -140,24 +141,38 @@ void for_every_sum(RunReport& sums, const Each& each) {
 
 std::vector<double> RunRecorder::position() {
     if (file_) file_->flush();
-    std::vector<double> numbers{static_cast<double>(written_.rows), static_cast<double>(written_.states), static_cast<double>(written_.tables[0]),
-                                next_state_, static_cast<double>(outputs_)};
+    std::vector<double> numbers;
+    for (const engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {   // a double holds half of a checksum
+        numbers.insert(numbers.end(), {static_cast<double>(rows->count), static_cast<double>(rows->sum >> 32U), static_cast<double>(rows->sum & 0xffffffffU)});
+    }
+    numbers.insert(numbers.end(), {next_state_, static_cast<double>(outputs_)});
     for_every_sum(sums_, [&](double sum) { numbers.push_back(sum); });
     means_.save(numbers);
     return numbers;
 }
 
 void RunRecorder::restore(const std::vector<double>& position) {
+    std::size_t least = 14;   // rows, next state, outputs, and what the means begin with
+    for_every_sum(sums_, [&](double) { ++least; });
+    if (position.size() < least) throw engine::RecordError(options_.file + ": the checkpoint does not say where its record stood");
     const double* next = position.data();
     const auto take = [&] { return *next++; };
-    const auto count = [&] { return static_cast<std::size_t>(take()); };
-    written_ = {count(), count(), {count()}};
+    const auto count = [&] {
+        const double number = take();
+        if (!(number >= 0.0 && number <= 9007199254740992.0)) throw engine::RecordError(options_.file + ": the checkpoint holds a count that is none");
+        return static_cast<std::size_t>(number);
+    };
+    for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {
+        rows->count = count();
+        rows->sum = count() << 32U;
+        rows->sum |= count();
+    }
     next_state_ = take();
     outputs_ = static_cast<long>(take());
     for_every_sum(sums_, [&](double& sum) { sum = take(); });
-    (void)means_.load(next);
+    (void)means_.load({next, position.data() + position.size()});
     if (!file_) return;
-    if (former_.empty() && written_.rows > 0) throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is gone");
+    if (former_.empty() && written_.channels.count > 0) throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is gone");
     if (former_.empty()) return;
     engine::copy_record(former_, written_, contents_, *file_);
     std::filesystem::remove(former_);

@@ -40,7 +40,7 @@ private:
     std::string former_;   ///< file with the rows before the checkpoint
     engine::RunContents contents_;
     std::unique_ptr<engine::RunFile> file_;
-    engine::RecordPosition written_{0, 0, {0}};
+    engine::RecordPosition written_{{}, {}, {{}}};
     double next_state_ = 0.0;
     double begin_ = 0.0, until_ = 0.0;
     std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();

@@ -84,9 +84,9 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
                                                             Partition::equal(scene.parameters.chain.pins, candidates.front().segments))),
       method_(method_of(scene, *workspace_)), runner_(*workspace_, candidates, options, recorder) {
     if (!scene_.state_file.empty()) {
-        const engine::SavedState saved = engine::read_state(scene_.state_file);
-        if (const std::string* text = text_attribute(saved, "scene")) start_differences_ = differences(*text, scene_);
-        take_state(saved);
+        const auto saved = scene_.start_state.read(scene_.state_file);
+        if (const std::string* text = text_attribute(*saved, "scene")) start_differences_ = differences(*text, scene_);
+        take_state(*saved);
     } else {
         place_geometrically();
     }
@@ -145,6 +145,9 @@ void Simulation::take_state(const engine::SavedState& saved) {
         std::string message = fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());
         for (const std::string& line : start_differences_) message += "\n  " + line;
         throw SimulationError(message);
+    }
+    if (std::any_of(saved.phases.begin(), saved.phases.end(), [](std::uint8_t phase) { return phase > static_cast<std::uint8_t>(model::Phase::slip); })) {
+        throw SimulationError(fmt::format("start.state: {} holds a phase that is none", scene_.state_file));
     }
     const bool had_control = beyond % ledger_size == 1;
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
@@ -271,6 +274,7 @@ void Simulation::rest_at_start() {
 }
 
 void Simulation::restore(const IntegrationState& from) {
+    if (const char* why = from.unsound()) throw SimulationError(why);
     Workspace& w = *workspace_;
     const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.phases.size();
     if (from.state.size() != size || from.phases.size() != tips || from.changed.size() != tips || from.before.size() != tips) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "tasks/method_memory.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -101,13 +103,12 @@ void SpectralBound::save(std::vector<double>& memory) const {
 }
 
 std::span<const double> SpectralBound::load(std::span<const double> memory) {
-    cold_ = memory[0] != 0.0;
-    memory = memory.subspan(1);
+    cold_ = taken(memory, 1)[0] != 0.0;
     for (Iteration* each : {&velocity_, &coordinate_}) {
-        each->value = memory[0];
-        each->size = memory[1];
-        std::copy_n(memory.begin() + 2, each->direction.size(), each->direction.begin());
-        memory = memory.subspan(2 + each->direction.size());
+        const auto numbers = taken(memory, 2 + each->direction.size());
+        each->value = numbers[0];
+        each->size = numbers[1];
+        std::copy(numbers.begin() + 2, numbers.end(), each->direction.begin());
     }
     return memory;
 }

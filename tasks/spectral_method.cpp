@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "engine/method/dumka3_coefficients.hpp"
 #include "engine/method/fitted.hpp"
 #include "engine/method/stability.hpp"
+#include "tasks/method_memory.hpp"
 
 namespace cvtflow::tasks {
 
@@ -62,8 +64,8 @@ void SpectralMethod::save(std::vector<double>& memory) const {
 
 void SpectralMethod::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    looked_ = memory[0];
-    memory = bound_.load(memory.subspan(own_memory));
+    looked_ = taken(memory, own_memory)[0];
+    memory = bound_.load(memory);
     StageMethod::load(memory);
 }
 
@@ -129,10 +131,11 @@ void FittedMethod::save(std::vector<double>& memory) const {
 
 void FittedMethod::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    if (memory[0] > 0.0) refit(memory[0], memory[1]);   // the same polynomial again
-    wanted_lately_ = memory[2];
-    steps_since_review_ = static_cast<int>(memory[3]);
-    SpectralMethod::load(memory.subspan(4));
+    const auto fit = taken(memory, 3);
+    if (fit[0] > 0.0) refit(fit[0], fit[1]);   // the same polynomial again
+    wanted_lately_ = fit[2];
+    steps_since_review_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
+    SpectralMethod::load(memory);
 }
 
 double FittedMethod::longest(double wanted) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tasks/method_memory.hpp"
 #include "tasks/step_graph.hpp"
 
 namespace cvtflow::tasks {
@@ -45,7 +46,8 @@ void StageMethod::save(std::vector<double>& memory) const {
 
 void StageMethod::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    std::copy(memory.begin(), memory.end(), w_.slopes[0]);
+    const auto slope = taken(memory, static_cast<std::size_t>(w_.layout().size()));
+    std::copy(slope.begin(), slope.end(), w_.slopes[0]);
     slope_at_ = SlopeAt::start;
 }
 

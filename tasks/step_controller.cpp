@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "tasks/checkpoint/integration_state.hpp"
+#include "tasks/method_memory.hpp"
 #include "tasks/stage_method.hpp"
 
 namespace cvtflow::tasks {
@@ -82,10 +83,9 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
     w_.secant = method_.retakes();
     w_.evaluations = from.counters.evaluations;
     method_.restart();
-    const std::span<const double> memory(from.method);
-    const std::size_t own = settings.control == StepControl::error ? StepSizeControl::memory_size : 0;
-    if (own != 0) control_.load(memory.first(own));
-    method_.load(memory.subspan(own));
+    std::span<const double> memory(from.method);
+    if (settings.control == StepControl::error) control_.load(taken(memory, StepSizeControl::memory_size));
+    method_.load(memory);
     w_.list_touching();
 }
 

@@ -62,7 +62,7 @@ tasks::Sweep load_sweep(const std::string& path) {
 std::string sweep_of(const std::string& folder) {
     std::error_code unreadable;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, unreadable)) {
-        if (entry.path().filename() == "cases.h5") return engine::read_cases(entry.path().string()).attribute("sweep_path");
+        if (entry.path().filename() == "cases.h5") return engine::CaseReader(entry.path().string()).head().attribute("sweep_path");
     }
     throw tasks::SimulationError(folder + ": no sweep has written into it");
 }

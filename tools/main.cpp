@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/base/provenance.hpp"
+#include "engine/record/schema.hpp"
 #include "model/kernels/isa.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tools/command.hpp"
@@ -87,5 +88,7 @@ int execute(int argc, char** argv) {
 }  // namespace cvtflow::tools
 
 int main(int argc, char** argv) {
+    cvtflow::engine::leave_library_at_exit();
+    cvtflow::engine::try_files_first();
     return cvtflow::tools::guarded([&] { return cvtflow::tools::execute(argc, argv); });
 }

@@ -24,20 +24,12 @@ constexpr std::size_t rows_per_chunk = 64;
 constexpr std::size_t rows_per_write = 16 * rows_per_chunk;
 constexpr std::size_t spare_bytes = 65536;   ///< kept free beyond every write, for HDF5's own tables
 
-hdf5::Handle text_of_width(int width) {
-    hdf5::Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "cannot make a type");
-    hdf5::check(H5Tset_size(type.id(), static_cast<std::size_t>(width)), "cannot make a type");
-    hdf5::check(H5Tset_strpad(type.id(), H5T_STR_NULLPAD), "cannot make a type");
-    hdf5::check(H5Tset_cset(type.id(), H5T_CSET_UTF8), "cannot make a type");
-    return type;
-}
-
 hdf5::Handle row_type(const RowLayout& layout) {
     hdf5::Handle type(H5Tcreate(H5T_COMPOUND, layout.bytes()), H5Tclose, "cannot make a type");
     for (std::size_t i = 0; i < layout.columns().size(); ++i) {
         const CaseColumn& column = layout.columns()[i];
         std::optional<hdf5::Handle> text;
-        if (column.type == CaseColumnType::text) text.emplace(text_of_width(column.width));
+        if (column.type == CaseColumnType::text) text.emplace(hdf5::text_type(static_cast<std::size_t>(column.width)));
         const hid_t cell = text ? text->id() : column.type == CaseColumnType::real ? H5T_IEEE_F64LE : H5T_STD_I64LE;
         hdf5::check(H5Tinsert(type.id(), column.name.c_str(), layout.offset(i), cell), "cannot make a type");
     }
@@ -89,7 +81,7 @@ RowLayout read_layout(hid_t dataset) {
     const auto names = hdf5::read_texts(dataset, "columns");
     const auto units = hdf5::read_texts(dataset, "units");
     const auto descriptions = hdf5::read_texts(dataset, "descriptions");
-    const int members = hdf5::check(H5Tget_nmembers(type.id()), "cannot read the columns");
+    const int members = hdf5::require_record_type(type.id(), "cannot read the columns");
     if (static_cast<std::size_t>(members) != names.size() + 1 || units.size() != names.size() || descriptions.size() != names.size()) throw hdf5::Failure("cannot read the columns: they do not fit");
     std::vector<CaseColumn> columns;
     for (std::size_t i = 0; i < names.size(); ++i) {
@@ -104,18 +96,21 @@ RowLayout read_layout(hid_t dataset) {
 }  // namespace
 
 struct CaseReader::Impl {
-    hdf5::Handle file, dataset, type;
+    hdf5::OpenFile open;
+    std::optional<hdf5::Series> cases;
+    hdf5::Handle type;
 };
 
 CaseReader::CaseReader(std::string path) : path_(std::move(path)), impl_(std::make_unique<Impl>()) {
-    impl_->file = hdf5::open_for_reading(path_, cases_format, cases_version);
+    impl_->open = hdf5::open_for_reading(path_, {cases_format, cases_version, false});
     hdf5::guarded(path_, [&] {
-        head_.attributes = hdf5::read_attributes(impl_->file.id());
+        const hid_t file = impl_->open.file.id();
+        head_.attributes = hdf5::read_attributes(file);
         std::erase_if(head_.attributes, [](const Attribute& each) { return each.name == "format" || each.name == "format_version"; });
-        impl_->dataset = hdf5::open_series(impl_->file.id(), "/cases");
-        head_.layout = read_layout(impl_->dataset.id());
+        impl_->cases.emplace(file, "/cases", hdf5::Cells::records);
+        head_.layout = read_layout(impl_->cases->id());
         impl_->type = row_type(head_.layout);
-        size_ = hdf5::extent(impl_->dataset.id()).at(0);
+        size_ = impl_->cases->rows();
     });
 }
 
@@ -124,7 +119,7 @@ CaseReader::~CaseReader() = default;
 void CaseReader::read(std::size_t first, std::span<std::byte> rows) const {
     const std::size_t bytes = head_.layout.bytes();
     hdf5::guarded(path_, [&] {
-        hdf5::read_rows(impl_->dataset.id(), impl_->type.id(), first, rows.size() / bytes, rows.data());
+        impl_->cases->read(impl_->type.id(), first, rows.size() / bytes, rows.data(), rows.size());
         for (std::size_t at = 0; at < rows.size(); at += bytes) {
             if (!head_.layout.sound(rows.subspan(at, bytes))) throw hdf5::Failure("row " + std::to_string(first + at / bytes) + " is damaged: it does not have the check that it was written with");
         }
@@ -159,6 +154,10 @@ FillRows rows_of(const CaseTable& table) {
 void write_cases(const std::string& path, const CaseTable& head, std::size_t rows, const FillRows& fill) {
     PartFile part(path, true);
     write_part(part, head, rows, fill);
+    if (const int reason = part.seal(); reason != 0) {
+        part.discard();
+        throw RecordError(path + ": cannot write: " + std::strerror(reason));
+    }
     part.publish();
 }
 

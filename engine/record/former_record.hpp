@@ -5,6 +5,8 @@
 /// instant either `<path>.before` holds all rows up to the checkpoint, or the new `<path>.part` does, on disk.
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,15 +14,25 @@
 
 namespace cvtflow::engine {
 
-/// How much of a record had been written at a checkpoint.
+/// Rows of one kind: how many, and a checksum over all of them in their order.
+struct RowsWritten {
+    std::size_t count = 0;
+    std::uint64_t sum = 0;
+
+    /// @param values one row; time and phases, where there are any, go with it
+    void add(double time, std::span<const double> values, std::span<const std::uint8_t> phases = {}) noexcept;
+    bool operator==(const RowsWritten&) const = default;
+};
+
+/// How much of a record had been written at a checkpoint, and what. A record that is not finished has no seal: this is what it is compared with.
 struct RecordPosition {
-    std::size_t rows = 0;                ///< of channels
-    std::size_t states = 0;
-    std::vector<std::size_t> tables{};   ///< rows, in the order of RunContents
+    RowsWritten channels;
+    RowsWritten states;
+    std::vector<RowsWritten> tables{};   ///< in the order of RunContents; rows of a table come without time
 };
 
 /// Copies the first rows of a record into a new one of the same contents, which is then flushed to disk.
-/// Errors (RecordError): the former holds less than that, e.g. since it is another run's; other channels; damaged.
+/// Errors (RecordError): the former holds less than that, or other numbers, e.g. since it is another run's; other channels; damaged.
 void copy_record(const std::string& former, const RecordPosition& until, const RunContents& contents, RunFile& file);
 
 }  // namespace cvtflow::engine

@@ -1,5 +1,6 @@
 #include "engine/record/hdf5_attribute.hpp"
 
+#include <algorithm>
 #include <optional>
 
 namespace cvtflow::engine::hdf5 {
@@ -23,30 +24,27 @@ Handle open_attribute(hid_t object, const std::string& name) {
     return {H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, "cannot read attribute '" + name + "'"};
 }
 
-/// Texts of an attribute of any fixed or variable length; nullopt if it is no text.
+constexpr std::size_t most_text_bytes = std::size_t{64} << 20U;   ///< of one attribute: a scene, a sweep
+
+/// Texts of an attribute of fixed length; nullopt if it is no text. HDF5 keeps texts of variable length where no checksum guards them, and
+/// its release 1.10.8 crashes on damaged ones.
 std::optional<std::vector<std::string>> texts_of(hid_t attribute, const std::string& what) {
     const Handle type(H5Aget_type(attribute), H5Tclose, what);
     const Handle space(H5Aget_space(attribute), H5Sclose, what);
-    if (H5Tget_class(type.id()) != H5T_STRING) {
+    if (H5Tget_class(type.id()) != H5T_STRING || check(H5Tis_variable_str(type.id()), what) > 0) {
         return std::nullopt;
     }
+    const std::size_t width = H5Tget_size(type.id());
     const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.id()), what));
+    if (width == 0 || count > most_text_bytes / width) {
+        throw Failure(what + ": it is too large");
+    }
+    std::string all(width * count, '\0');
+    check(H5Aread(attribute, type.id(), all.data()), what);
     std::vector<std::string> texts(count);
-    if (check(H5Tis_variable_str(type.id()), what) == 0) {
-        const std::size_t width = H5Tget_size(type.id());
-        std::string all(width * count, '\0');
-        check(H5Aread(attribute, type.id(), all.data()), what);
-        for (std::size_t i = 0; i < count; ++i) {
-            texts[i] = all.substr(i * width, width).c_str();
-        }
-        return texts;
-    }
-    std::vector<char*> raw(count, nullptr);
-    check(H5Aread(attribute, type.id(), raw.data()), what);
     for (std::size_t i = 0; i < count; ++i) {
-        texts[i] = raw[i] == nullptr ? "" : raw[i];
+        texts[i] = all.substr(i * width, width).c_str();
     }
-    H5Dvlen_reclaim(type.id(), space.id(), H5P_DEFAULT, raw.data());
     return texts;
 }
 
@@ -58,7 +56,11 @@ std::optional<Attribute> read(hid_t object, const std::string& name) {
     if (H5Sget_simple_extent_type(space.id()) != H5S_SCALAR) {
         return std::nullopt;
     }
-    if (const H5T_class_t kind = H5Tget_class(type.id()); kind == H5T_INTEGER) {
+    const H5T_class_t kind = H5Tget_class(type.id());
+    if (kind != H5T_STRING && H5Tget_size(type.id()) > sizeof(std::int64_t)) {
+        return std::nullopt;
+    }
+    if (kind == H5T_INTEGER) {
         std::int64_t value = 0;
         check(H5Aread(attribute.id(), H5T_NATIVE_INT64, &value), what);
         return Attribute{name, value};
@@ -68,14 +70,15 @@ std::optional<Attribute> read(hid_t object, const std::string& name) {
         return Attribute{name, value};
     }
     auto texts = texts_of(attribute.id(), what);
-    return texts ? std::optional(Attribute{name, texts->front()}) : std::nullopt;
+    return texts && !texts->empty() ? std::optional(Attribute{name, texts->front()}) : std::nullopt;
 }
 
 }  // namespace
 
-Handle text_type() {
+Handle text_type(std::size_t width) {
     Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "cannot make a text type");
-    check(H5Tset_size(type.id(), H5T_VARIABLE), "cannot make a text type");
+    check(H5Tset_size(type.id(), std::max<std::size_t>(width, 1)), "cannot make a text type");
+    check(H5Tset_strpad(type.id(), H5T_STR_NULLPAD), "cannot make a text type");
     check(H5Tset_cset(type.id(), H5T_CSET_UTF8), "cannot make a text type");
     return type;
 }
@@ -83,8 +86,7 @@ Handle text_type() {
 void write_attribute(hid_t object, const Attribute& attribute) {
     const Handle space = scalar();
     if (const auto* text = std::get_if<std::string>(&attribute.value)) {
-        const char* raw = text->c_str();
-        write(object, attribute.name, text_type().id(), space.id(), &raw);
+        write(object, attribute.name, text_type(text->size()).id(), space.id(), text->c_str());
     } else if (const auto* real = std::get_if<double>(&attribute.value)) {
         write(object, attribute.name, H5T_NATIVE_DOUBLE, space.id(), real);
     } else {
@@ -93,13 +95,18 @@ void write_attribute(hid_t object, const Attribute& attribute) {
 }
 
 void write_texts(hid_t object, const std::string& name, const std::vector<std::string>& texts) {
-    std::vector<const char*> raw;
+    std::size_t width = 1;
     for (const std::string& text : texts) {
-        raw.push_back(text.c_str());
+        width = std::max(width, text.size());
     }
-    const hsize_t count = raw.size();
+    std::string all;
+    for (const std::string& text : texts) {
+        all += text;
+        all.resize(all.size() + width - text.size(), '\0');
+    }
+    const hsize_t count = texts.size();
     const Handle space(H5Screate_simple(1, &count, nullptr), H5Sclose, "cannot make a list");
-    write(object, name, text_type().id(), space.id(), raw.data());
+    write(object, name, text_type(width).id(), space.id(), all.data());
 }
 
 bool has_attribute(hid_t object, const std::string& name) {
@@ -109,8 +116,7 @@ bool has_attribute(hid_t object, const std::string& name) {
 std::vector<Attribute> read_attributes(hid_t object) {
     std::vector<std::string> names;
     const auto collect = [](hid_t, const char* name, const H5A_info_t*, void* client) -> herr_t {
-        static_cast<std::vector<std::string>*>(client)->emplace_back(name);
-        return 0;
+        return note_name(name, client);
     };
     check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names), "cannot list attributes");
     std::vector<Attribute> attributes;

@@ -1,7 +1,13 @@
 #include "engine/record/hdf5_handle.hpp"
 
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <new>
+#include <vector>
 
 namespace cvtflow::engine::hdf5 {
 namespace {
@@ -54,6 +60,35 @@ Handle file_access() {
     check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_V110, H5F_LIBVER_V110), "cannot choose the format");
     check(H5Pset_file_locking(access.id(), 0, 1), "cannot turn file locks off");
     return access;
+}
+
+int descriptor_of(hid_t file) {
+    void* handle = nullptr;
+    check(H5Fget_vfd_handle(file, H5P_DEFAULT, &handle), "cannot tell the file's descriptor");
+    return *static_cast<int*>(handle);
+}
+
+std::uint64_t bytes_on_disk(hid_t file) {
+    struct stat status {};
+    if (fstat(descriptor_of(file), &status) != 0) {
+        throw Failure(std::string("cannot tell the file's size: ") + std::strerror(errno));
+    }
+    return static_cast<std::uint64_t>(status.st_size);
+}
+
+Handle live_access() {
+    Handle access = file_access();
+    check(H5Pset_metadata_read_attempts(access.id(), 22), "cannot make access properties");
+    return access;
+}
+
+herr_t note_name(const char* name, void* names) noexcept {
+    try {
+        static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+        return 0;
+    } catch (const std::bad_alloc&) {
+        return -1;
+    }
 }
 
 void divert_writes(hid_t file) noexcept {

@@ -81,9 +81,21 @@ decltype(auto) guarded(const std::string& path, Body&& body) {
     }
 }
 
+/// Bytes that the file of an identifier has on disk now; the size in its header may be any number. Throws Failure.
+[[nodiscard]] std::uint64_t bytes_on_disk(hid_t file);
+/// Descriptor of an open file. Throws Failure.
+[[nodiscard]] int descriptor_of(hid_t file);
+
+/// For iterations: appends a name to the std::vector<std::string> behind `names`. @return what HDF5 wants: 0, or -1 without memory
+[[nodiscard]] herr_t note_name(const char* name, void* names) noexcept;
+
 /// After a failed write HDF5 1.10 still wants to write what it holds, fails to close, and crashes at the end of the program. So its
 /// descriptor is turned to memory: closing succeeds, and the file stays as it was at the first failed write.
 void divert_writes(hid_t file) noexcept;
+
+/// Access properties for reading a file that may be open for writing: what does not have its checksum is read again, as it may be half written,
+/// but not for ever. HDF5 waits 1 ns, 2 ns, 4 ns …: 22 times take 5 ms, its own 100 times the age of the universe.
+[[nodiscard]] Handle live_access();
 
 /// Access properties of all our files: format of HDF5 1.10 (which single-writer-multiple-reader needs), and none of HDF5's file locks,
 /// because with them a reader who looks at a running simulation's file can end the simulation.

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "engine/record/file_seal.hpp"
 #include "engine/record/schema.hpp"
 
 namespace cvtflow::engine {
@@ -116,6 +117,11 @@ int PartFile::write(const void* bytes, std::size_t size) noexcept {
         done += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
     }
     return 0;
+}
+
+int PartFile::seal() noexcept {
+    struct stat file {};
+    return fstat(descriptor_, &file) != 0 ? errno : write_seal(descriptor_, static_cast<std::uint64_t>(file.st_size));
 }
 
 int PartFile::sync() noexcept {

@@ -26,6 +26,8 @@ public:
     [[nodiscard]] int reserve(std::size_t end) noexcept;
     /// Writes all of it at the file's beginning (for contents that were built in memory). @return 0 or an errno
     [[nodiscard]] int write(const void* bytes, std::size_t size) noexcept;
+    /// Reads what was written, by whatever descriptor, and puts the seal behind it (file_seal.hpp). @return 0 or an errno
+    [[nodiscard]] int seal() noexcept;
     /// Waits until the data are on disk. @return 0 or an errno
     [[nodiscard]] int sync() noexcept;
     /// Gives back what was reserved beyond the end.

@@ -73,7 +73,8 @@ void describe_channels(const std::vector<Handle>& datasets, const std::vector<Ch
         write_attribute(dataset, {"description", channels[i].description});
         write_attribute(dataset, {"index", static_cast<std::int64_t>(i)});
         if (channels[i].width > 1 && !channels[i].axis.empty()) {
-            check(H5DSset_label(dataset, 1, channels[i].axis.c_str()), "cannot label '" + channels[i].name + "'");
+            check(H5DSset_label(dataset, 1, channels[i].axis.c_str()), "cannot label '" + channels[i].name + "'");   // for others
+            write_attribute(dataset, {"axis", channels[i].axis});
         }
     }
 }

@@ -11,37 +11,16 @@
 namespace cvtflow::engine {
 namespace {
 
-std::vector<std::string> dataset_names(hid_t file, const std::string& group) {
-    if (H5Lexists(file, group.c_str(), H5P_DEFAULT) <= 0) {
-        return {};
-    }
-    std::vector<std::string> names;
-    const auto collect = [](hid_t, const char* name, const H5L_info_t*, void* client) -> herr_t {
-        static_cast<std::vector<std::string>*>(client)->emplace_back(name);
-        return 0;
-    };
-    const hdf5::Handle handle(H5Gopen2(file, group.c_str(), H5P_DEFAULT), H5Gclose, "cannot open '" + group + "'");
-    hdf5::check(H5Lvisit(handle.id(), H5_INDEX_NAME, H5_ITER_INC, collect, &names), "cannot list '" + group + "'");
-    std::erase_if(names, [&](const std::string& name) { return !hdf5::has_series(file, group + "/" + name); });
-    return names;
-}
-
-std::string axis_label(hid_t dataset) {
-    const std::vector<std::string> labels = hdf5::read_texts(dataset, "DIMENSION_LABELS");
-    return labels.size() > 1 ? labels[1] : "";
-}
-
 std::vector<ChannelInfo> read_channels(hid_t file) {
     std::vector<std::pair<std::int64_t, ChannelInfo>> found;
-    for (const std::string& name : dataset_names(file, "/channels")) {
+    for (const std::string& name : hdf5::dataset_names(file, "/channels")) {
         if (name == "time") {
             continue;
         }
-        const hdf5::Handle dataset = hdf5::open_series(file, "/channels/" + name);
-        const auto sizes = hdf5::extent(dataset.id());
-        found.push_back({hdf5::read_integer(dataset.id(), "index", 0),
-            {name, hdf5::read_text(dataset.id(), "units"), hdf5::read_text(dataset.id(), "description"),
-                sizes.size() > 1 ? static_cast<int>(sizes[1]) : 1, axis_label(dataset.id())}});
+        const hdf5::Series series(file, "/channels/" + name, hdf5::Cells::reals, 2);
+        found.push_back({hdf5::read_integer(series.id(), "index", 0),
+            {name, hdf5::read_text(series.id(), "units"), hdf5::read_text(series.id(), "description"), static_cast<int>(series.width()),
+                hdf5::read_text(series.id(), "axis")}});
     }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<ChannelInfo> channels;
@@ -51,43 +30,47 @@ std::vector<ChannelInfo> read_channels(hid_t file) {
     return channels;
 }
 
+TableInfo read_table_info(hid_t file, const std::string& name) {
+    const hdf5::Series series(file, "/tables/" + name, hdf5::Cells::records);
+    const hdf5::Handle type(H5Dget_type(series.id()), H5Tclose, "cannot read the type of table '" + name + "'");
+    TableInfo table{name, hdf5::read_text(series.id(), "description"), {}};
+    const auto units = hdf5::read_texts(series.id(), "units");
+    const auto descriptions = hdf5::read_texts(series.id(), "descriptions");
+    const int members = hdf5::require_record_type(type.id(), "cannot read table '" + name + "'");
+    for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {
+        const std::unique_ptr<char, herr_t (*)(void*)> column(H5Tget_member_name(type.id(), i), H5free_memory);
+        const H5T_class_t kind = H5Tget_member_class(type.id(), i);
+        if (column == nullptr || kind == H5T_STRING) {
+            throw hdf5::Failure("cannot read table '" + name + "': it has texts");
+        }
+        table.columns.push_back({column.get(), i < units.size() ? units[i] : "", i < descriptions.size() ? descriptions[i] : "",
+            kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
+    }
+    return table;
+}
+
 std::vector<TableInfo> read_tables(hid_t file) {
     std::vector<TableInfo> tables;
-    for (const std::string& name : dataset_names(file, "/tables")) {
-        const hdf5::Handle dataset = hdf5::open_series(file, "/tables/" + name);
-        const hdf5::Handle type(H5Dget_type(dataset.id()), H5Tclose, "cannot read the type of table '" + name + "'");
-        TableInfo table{name, hdf5::read_text(dataset.id(), "description"), {}};
-        const auto units = hdf5::read_texts(dataset.id(), "units");
-        const auto descriptions = hdf5::read_texts(dataset.id(), "descriptions");
-        for (unsigned i = 0; H5Tget_class(type.id()) == H5T_COMPOUND && i < static_cast<unsigned>(H5Tget_nmembers(type.id())); ++i) {
-            char* column = H5Tget_member_name(type.id(), i);
-            const bool whole = H5Tget_member_class(type.id(), i) == H5T_INTEGER;
-            table.columns.push_back({column, i < units.size() ? units[i] : "", i < descriptions.size() ? descriptions[i] : "",
-                whole ? ColumnType::integer : ColumnType::real});
-            H5free_memory(column);
-        }
-        tables.push_back(std::move(table));
+    for (const std::string& name : hdf5::dataset_names(file, "/tables")) {
+        tables.push_back(read_table_info(file, name));
     }
     return tables;
 }
 
 std::size_t rows_of(hid_t file, const std::string& path) {
-    return hdf5::has_series(file, path) ? hdf5::extent(hdf5::open_series(file, path).id()).at(0) : 0;
+    return hdf5::has_object(file, path) ? hdf5::Series(file, path, hdf5::Cells::reals).rows() : 0;
 }
 
-std::vector<double> read_reals(hid_t file, const std::string& path, std::size_t first, std::size_t count) {
-    const hdf5::Handle dataset = hdf5::open_series(file, path);
-    const auto sizes = hdf5::extent(dataset.id());
-    std::vector<double> values(count * (sizes.size() > 1 ? sizes[1] : 1));
-    hdf5::read_rows(dataset.id(), H5T_NATIVE_DOUBLE, first, count, values.data());
-    return values;
+std::vector<double> read_reals(hid_t file, const std::string& path, std::size_t first, std::size_t count, int most_rank = 1) {
+    return hdf5::Series(file, path, hdf5::Cells::reals, most_rank).reals(first, count);
 }
 
 }  // namespace
 
 struct RunReader::Impl {
     std::string path;
-    hdf5::Handle file;
+    hdf5::OpenFile opened;
+    const hdf5::Handle& file = opened.file;
     std::string status;
     std::vector<Attribute> attributes;
     std::vector<ChannelInfo> channels;
@@ -95,7 +78,7 @@ struct RunReader::Impl {
     std::size_t rows = 0;
     std::size_t states = 0;
 
-    explicit Impl(const std::string& name) : path(name), file(hdf5::open_for_reading(name, hdf5::run_format, hdf5::run_format_version)) {
+    explicit Impl(const std::string& name) : path(name), opened(hdf5::open_for_reading(name, {hdf5::run_format, hdf5::run_format_version, false})) {
         hdf5::guarded(path, [this] { read_structure(); });
     }
 
@@ -116,18 +99,18 @@ struct RunReader::Impl {
         if (name != "time" && std::none_of(channels.begin(), channels.end(), [&](const ChannelInfo& each) { return each.name == name; })) {
             throw RecordError(path + ": no channel '" + std::string(name) + "'");
         }
-        return hdf5::guarded(path, [&] { return read_reals(file.id(), "/channels/" + std::string(name), first, count); });
+        return hdf5::guarded(path, [&] { return read_reals(file.id(), "/channels/" + std::string(name), first, count, 2); });
     }
 
     RecordedState read_state(std::size_t number) const {
         return hdf5::guarded(path, [&] {
             RecordedState result;
             result.time = read_reals(file.id(), "/states/time", number, 1).front();
-            result.state = read_reals(file.id(), "/states/y", number, 1);
-            if (hdf5::has_series(file.id(), "/states/phases")) {
-                const hdf5::Handle dataset = hdf5::open_series(file.id(), "/states/phases");
-                result.phases.resize(hdf5::extent(dataset.id()).at(1));
-                hdf5::read_rows(dataset.id(), H5T_NATIVE_UINT8, number, 1, result.phases.data());
+            result.state = read_reals(file.id(), "/states/y", number, 1, 2);
+            if (hdf5::has_object(file.id(), "/states/phases")) {
+                const hdf5::Series series(file.id(), "/states/phases", hdf5::Cells::bytes, 2);
+                result.phases.resize(series.width());
+                series.read(H5T_NATIVE_UINT8, number, 1, result.phases.data(), result.phases.size());
             }
             return result;
         });
@@ -145,6 +128,7 @@ RunReader::~RunReader() = default;
 RunReader::RunReader(RunReader&&) noexcept = default;
 RunReader& RunReader::operator=(RunReader&&) noexcept = default;
 
+bool RunReader::sealed() const noexcept { return impl_->opened.sealed; }
 const std::string& RunReader::status() const noexcept { return impl_->status; }
 const std::vector<Attribute>& RunReader::attributes() const noexcept { return impl_->attributes; }
 const std::vector<ChannelInfo>& RunReader::channels() const noexcept { return impl_->channels; }
@@ -204,15 +188,15 @@ std::vector<std::vector<double>> RunReader::table(std::string_view name) const {
         throw RecordError(impl_->path + ": no table '" + std::string(name) + "'");
     }
     return hdf5::guarded(impl_->path, [&] {
-        const hdf5::Handle dataset = hdf5::open_series(impl_->file.id(), "/tables/" + info->name);
+        const hdf5::Series series(impl_->file.id(), "/tables/" + info->name, hdf5::Cells::records);
         const std::size_t columns = info->columns.size();
         const hdf5::Handle type(H5Tcreate(H5T_COMPOUND, 8 * columns), H5Tclose, "cannot make a type");
         for (std::size_t i = 0; i < columns; ++i) {
             hdf5::check(H5Tinsert(type.id(), info->columns[i].name.c_str(), 8 * i, H5T_NATIVE_DOUBLE), "cannot make a type");
         }
-        const std::size_t rows = hdf5::extent(dataset.id()).at(0);
+        const std::size_t rows = series.rows();
         std::vector<double> cells(rows * columns);
-        hdf5::read_rows(dataset.id(), type.id(), 0, rows, cells.data());
+        series.read(type.id(), 0, rows, cells.data(), 8 * cells.size());
         std::vector<std::vector<double>> result;
         for (std::size_t row = 0; row < rows; ++row) {
             const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(row * columns);

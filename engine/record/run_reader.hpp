@@ -19,7 +19,7 @@ struct RecordedState {
     bool operator==(const RecordedState&) const = default;
 };
 
-/// All errors are RecordError. At opening, after "path: ": "No such file or directory", "a folder, not a file", "not an HDF5 file",
+/// All errors are RecordError. At opening, after "path: ": "No such file or directory", "a folder, not a file", "not a regular file", "not an HDF5 file",
 /// "truncated HDF5 file: 2000 bytes of 8200", "damaged HDF5 file (reason)", "an HDF5 file, but not a cvtflow run",
 /// "format version 2 is newer than this program reads (1)"; later for names that are not there and for damaged data.
 /// Rows are those that were there at opening.
@@ -30,6 +30,8 @@ public:
     RunReader(RunReader&&) noexcept;
     RunReader& operator=(RunReader&&) noexcept;
 
+    /// Whether it is byte for byte what its writer finished; false while it is written, after a kill, and for what others have made of it.
+    [[nodiscard]] bool sealed() const noexcept;
     /// "finished", "running" (also of a killed run), "interrupted", or what ended the run.
     [[nodiscard]] const std::string& status() const noexcept;
     /// Of the whole file, by name; without format, format_version and status.

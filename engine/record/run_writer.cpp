@@ -139,6 +139,9 @@ void RunFile::Impl::finish(const std::string& final_status) {
         make_room(bytes + 16384 > spare_run_bytes ? bytes : 0);
         release();
         write_ending(final_status);
+        if (const int reason = part.seal(); reason != 0) {
+            fail(std::strerror(reason));
+        }
     });
     part.trim();
 }

@@ -5,6 +5,8 @@
 ///     /y         [size] float64
 ///     /phases    [count] uint8
 ///     /more/<name>  [size] float64: whatever else belongs to the state; absent if there is nothing
+///
+/// and the seal behind it (file_seal.hpp). `state_hash` is of all of this, as it is read: a state is what was saved, or refused.
 
 #include <cstdint>
 #include <string>
@@ -36,7 +38,7 @@ struct SavedState {
 void write_state(const std::string& path, const SavedState& saved);
 
 /// Exactly what was written, bit for bit. Attributes come sorted by name.
-/// Throws RecordError: missing, not HDF5, truncated, damaged (also if the state does not have the hash it was saved with), another kind.
+/// Throws RecordError: missing, not HDF5, truncated, damaged (no seal, a broken one, or another state_hash), another kind.
 [[nodiscard]] SavedState read_state(const std::string& path);
 
 }  // namespace cvtflow::engine

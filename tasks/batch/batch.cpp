@@ -70,7 +70,7 @@ private:
         done_.assign(static_cast<std::size_t>(sweep_.cases()), 0);
         std::error_code missing;
         if (!fs::exists(file_, missing)) return begin;
-        engine::CaseTable table = engine::read_cases(file_);
+        engine::CaseTable table = read_results(file_);
         require_same_sweep(file_, table, begin);
         if (table.attribute("shard") != begin.attribute("shard")) throw SimulationError(fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
         keep_done(table, options_.part.attempt == 0 ? options_.retry : std::vector<std::string>{}, done_);

@@ -10,12 +10,6 @@
 
 namespace cvtflow::tasks {
 
-namespace {
-
-constexpr std::size_t least_reducer_memory = 6;   ///< two sums of three numbers
-
-}  // namespace
-
 std::string CaseEngine::checkpoint_file() const { return (places_.checkpoints / fmt::format("{}-{:06}.h5", own_start_ ? "check" : "case", result_.number)).string(); }
 
 void CaseEngine::save() {
@@ -37,8 +31,7 @@ void CaseEngine::save() {
 }
 
 void CaseEngine::forget_checkpoint() {
-    std::error_code gone;
-    if (std::exchange(on_disk_, false)) std::filesystem::remove(checkpoint_file(), gone);
+    if (std::exchange(on_disk_, false)) remove_checkpoint(checkpoint_file());
 }
 
 /// Puts the case to where its checkpoint was taken, if it has one. A checkpoint that does not fit any more is passed over: the case begins anew.
@@ -47,7 +40,6 @@ bool CaseEngine::restore() {
     on_disk_ = resumable_ && std::filesystem::exists(checkpoint_file(), missing);
     if (!on_disk_) return false;
     const Checkpoint checkpoint = read_checkpoint(checkpoint_file());
-    if (checkpoint.recorder.size() < least_reducer_memory * reducers_.size()) return false;
     record_options_.from = &checkpoint;
     begin(nullptr);
     record_options_.from = nullptr;
@@ -57,8 +49,8 @@ bool CaseEngine::restore() {
     wall_before_ = checkpoint.history.wall;
     std::span<const double> memory(checkpoint.recorder);
     for (Reducer& reducer : reducers_) memory = reducer.load(memory);
-    const double* next = means_.load(memory.data());
-    if (recorder_) recorder_->restore({next, checkpoint.recorder.data() + checkpoint.recorder.size()});
+    memory = means_.load(memory);
+    if (recorder_) recorder_->restore({memory.begin(), memory.end()});
     return true;
 }
 
@@ -73,7 +65,7 @@ StartStates::State CaseEngine::start() {
         std::error_code missing;
         if (!std::filesystem::exists(file, missing)) continue;
         auto state = std::make_shared<engine::SavedState>(engine::read_state(file));
-        const double number = state->more.empty() ? -1.0 : state->more.front().values.front();
+        const double number = state->more.empty() || state->more.front().values.empty() ? -1.0 : state->more.front().values.front();
         if (number >= static_cast<double>(result_.number) || number <= newest) continue;
         newest = number;
         latest = std::move(state);

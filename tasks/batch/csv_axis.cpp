@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
-#include <fstream>
+#include <sstream>
 
+#include "engine/base/input_file.hpp"
 #include "tasks/batch/axis_reader.hpp"
 #include "tasks/scene/spelling.hpp"
 
@@ -84,12 +85,18 @@ private:
 
 Axis read_csv_axis(const std::filesystem::path& file, Position position, std::vector<Problem>& problems) {
     CsvReader reader(file.filename().string(), position, problems);
-    std::ifstream stream(file);
-    if (!stream) {
+    std::error_code missing;
+    if (!std::filesystem::exists(file, missing)) {
         problems.push_back({position, fmt::format("axes.csv: there is no file {}", toml_text(file.string()))});
         return {};
     }
-    for (std::string line; std::getline(stream, line);) reader.line(line);
+    try {
+        std::istringstream text(engine::read_text_input(file.string()));
+        for (std::string line; std::getline(text, line);) reader.line(line);
+    } catch (const engine::InputError& error) {
+        problems.push_back({position, fmt::format("axes.csv: {} cannot be read: {}", toml_text(file.string()), error.what())});
+        return {};
+    }
     if (reader.good() && reader.axis().rows() == 0) reader.problem(1, "there are no rows");
     return reader.good() ? reader.axis() : Axis{};
 }

@@ -46,7 +46,7 @@ private:
         const std::string file = (fs::path(shard) / "cases.h5").string();
         std::error_code missing;
         if (!fs::exists(file, missing)) return report_.missing_shards.push_back(shard);
-        const engine::CaseTable part = engine::read_cases(file);
+        const engine::CaseTable part = read_results(file);
         if (!table_) {
             table_ = part;
             table_->rows.clear();
@@ -63,7 +63,7 @@ private:
     }
 
     void find_missing() {
-        report_.cases = std::stol(table_->attribute("cases"));
+        report_.cases = cases_of(*table_, folder_);
         report_.rows = static_cast<long>(table_->size());
         for (long number = 0; number < report_.cases; ++number) {
             if (!seen_.contains(number)) report_.missing_cases.push_back(number);

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <numeric>
 #include <sstream>
+#include <tuple>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
@@ -106,6 +108,26 @@ engine::CaseTable empty_table(const Sweep& sweep) {
     table.set({"cases", static_cast<std::int64_t>(sweep.cases())});
     table.set({"status", "running"});
     return table;
+}
+
+engine::CaseTable read_results(const std::string& path) {
+    engine::CaseTable table = engine::read_cases(path);
+    for (const auto& [name, type, kind] : {std::tuple{"case", Type::integer, "integers"}, {"status", Type::text, "texts"}, {"hash", Type::text, "texts"}}) {
+        if (table.layout.has(name) && table.layout.columns()[table.layout.column(name)].type == type) continue;
+        throw engine::RecordError(fmt::format("{}: a table, but not of a sweep: it has no column '{}' of {}", path, name, kind));
+    }
+    return table;
+}
+
+long cases_of(const engine::CaseTable& table, const std::string& path) {
+    constexpr long most = 1'000'000'000;
+    const std::string text = table.attribute("cases");
+    long cases = -1;
+    const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), cases);
+    if (wrong != std::errc() || end != text.data() + text.size() || cases < 0 || cases > most) {
+        throw engine::RecordError(fmt::format("{}: it does not say how many cases there are: '{}'", path, text));
+    }
+    return cases;
 }
 
 void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseResult& r, std::span<std::byte> row) {

@@ -17,6 +17,13 @@ namespace cvtflow::tasks {
 /// The table without rows, with provenance and what the results depend on.
 [[nodiscard]] engine::CaseTable empty_table(const Sweep& sweep);
 
+/// The table in a file, with the columns that every sweep's has.
+/// @throws engine::RecordError as engine::read_cases, and "out/cases.h5: a table, but not of a sweep: it has no column 'case' of integers"
+[[nodiscard]] engine::CaseTable read_results(const std::string& path);
+
+/// Cases of the sweep that a table is of. @throws engine::RecordError if it does not say so
+[[nodiscard]] long cases_of(const engine::CaseTable& table, const std::string& path);
+
 /// Fills and seals a row. @param scene of the case
 void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseResult& result, std::span<std::byte> row);
 

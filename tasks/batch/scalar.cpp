@@ -8,6 +8,7 @@
 #include <limits>
 #include <sstream>
 
+#include "tasks/method_memory.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tasks/scene/units.hpp"
 
@@ -200,12 +201,12 @@ void Reducer::save(std::vector<double>& memory) const {
 }
 
 std::span<const double> Reducer::load(std::span<const double> memory) {
+    constexpr int most = std::numeric_limits<int>::max();
     for (TermSum& sum : sums) {
-        sum.count = static_cast<long>(memory[0]);
-        sum.value = memory[1];
-        const auto numbers = static_cast<std::size_t>(memory[2]);
-        sum.all.assign(memory.begin() + 3, memory.begin() + 3 + static_cast<std::ptrdiff_t>(numbers));
-        memory = memory.subspan(3 + numbers);
+        sum.count = whole_taken(memory, 0, most);
+        sum.value = taken(memory, 1)[0];
+        const auto numbers = taken(memory, static_cast<std::size_t>(whole_taken(memory, 0, most)));
+        sum.all.assign(numbers.begin(), numbers.end());
     }
     return memory;
 }

@@ -57,7 +57,7 @@ struct Reducer {
     /// Ready for another case.
     void clear() noexcept;
 
-    /// For checkpoints: load() returns what follows in memory.
+    /// For checkpoints: load() returns what follows in memory. @throws std::invalid_argument for a memory that is none
     void save(std::vector<double>& memory) const;
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);
 };

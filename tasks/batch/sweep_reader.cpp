@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
+#include <string>
 
+#include "engine/base/input_file.hpp"
 #include "tasks/method_choice.hpp"
 #include "tasks/batch/axis_reader.hpp"
 #include "tasks/batch/sweep.hpp"
@@ -171,12 +171,13 @@ private:
 }  // namespace
 
 Sweep read_sweep(const std::filesystem::path& path, const FindScene& find_scene) {
-    std::error_code error;
-    std::ifstream file(path, std::ios::binary);
-    if (!file || std::filesystem::is_directory(path, error)) throw SceneError(fmt::format("{}: cannot be read", path.string()));
-    std::ostringstream text;
-    text << file.rdbuf();
-    return SweepReader(path, text.str(), find_scene).read();
+    std::string text;
+    try {
+        text = engine::read_text_input(path.string());
+    } catch (const engine::InputError& error) {
+        throw SceneError(fmt::format("{}: cannot be read: {}", path.string(), error.what()));
+    }
+    return SweepReader(path, std::move(text), find_scene).read();
 }
 
 }  // namespace cvtflow::tasks

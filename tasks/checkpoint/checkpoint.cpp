@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
@@ -61,7 +64,11 @@ Numbers packed(const IntegrationState& s) {
     return numbers;
 }
 
-long whole(double value) { return static_cast<long>(value); }
+/// A count; its sign and size are looked at before, since converting any other number is undefined.
+long whole(double value) {
+    if (!(value >= 0.0 && value <= 9007199254740992.0) || value != std::floor(value)) throw std::domain_error("it holds a count that is none");
+    return static_cast<long>(value);
+}
 
 void unpack(const Numbers& n, IntegrationState& s) {
     s.started = n[0] != 0.0;
@@ -104,6 +111,18 @@ const Numbers& array(const engine::SavedState& saved, const std::string& path, s
     throw engine::RecordError(path + ": a state, but no checkpoint: it has no " + std::string(name));
 }
 
+[[nodiscard]] model::Phase phase_of(std::uint8_t number) {
+    if (number > static_cast<std::uint8_t>(model::Phase::slip)) throw std::domain_error("it holds a phase that is none");
+    return static_cast<model::Phase>(number);
+}
+
+/// Of what gives a checkpoint's numbers their meaning.
+[[nodiscard]] std::string fingerprint_of(const Checkpoint& c) {
+    engine::Hash hash;
+    for (const std::string* text : {&c.scene, &c.method_hash, &c.slope_hash}) hash.add(static_cast<std::uint64_t>(text->size())).add(std::string_view(*text));
+    return hash.hex();
+}
+
 std::string text(const engine::SavedState& saved, std::string_view name) {
     for (const engine::Attribute& attribute : saved.attributes) {
         if (attribute.name != name) continue;
@@ -113,6 +132,11 @@ std::string text(const engine::SavedState& saved, std::string_view name) {
 }
 
 }  // namespace
+
+void remove_checkpoint(const std::string& path) {
+    std::error_code gone;
+    for (const std::string& file : {path, path + ".part"}) std::filesystem::remove(file, gone);
+}
 
 void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator) {
     checkpoint.scene = write_scene(scene);
@@ -129,7 +153,7 @@ void write_checkpoint(const std::string& path, const Checkpoint& c) {
     saved.time = c.integration.time;
     saved.state = c.integration.state;
     for (const model::Phase phase : c.integration.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
-    saved.fingerprint = engine::Hash().add(std::string_view(c.scene)).add(std::string_view(c.method_hash)).hex();
+    saved.fingerprint = fingerprint_of(c);
     saved.attributes = {{"scene", c.scene},     {"scene_name", c.name},       {"scene_path", c.path},           {"scene_text", c.text},
                         {"record", c.record},   {"program", c.program},       {"method_hash", c.method_hash},   {"slope_hash", c.slope_hash}};
     saved.more = {{"integration", packed(c.integration)}, {"changed", c.integration.changed}, {"before", packed(c.integration.before)},
@@ -138,13 +162,14 @@ void write_checkpoint(const std::string& path, const Checkpoint& c) {
     engine::write_state(path, saved);
 }
 
-Checkpoint read_checkpoint(const std::string& path) {
-    const engine::SavedState saved = engine::read_state(path);
+namespace {
+
+Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
     Checkpoint c;
     unpack(array(saved, path, "integration", 18), c.integration);
     unpack(array(saved, path, "history", 9), c.history);
     c.integration.state = saved.state;
-    for (const std::uint8_t phase : saved.phases) c.integration.phases.push_back(static_cast<model::Phase>(phase));
+    for (const std::uint8_t phase : saved.phases) c.integration.phases.push_back(phase_of(phase));
     c.integration.changed = array(saved, path, "changed", 0);
     const Numbers& before = array(saved, path, "before", 0);
     for (std::size_t i = 0; i + 1 < before.size(); i += 2) c.integration.before.push_back({before[i], before[i + 1]});
@@ -160,7 +185,19 @@ Checkpoint read_checkpoint(const std::string& path) {
     c.program = text(saved, "program");
     c.method_hash = text(saved, "method_hash");
     c.slope_hash = text(saved, "slope_hash");
+    if (saved.fingerprint != fingerprint_of(c)) throw std::domain_error("its fingerprint is that of another scene, method or model");
     return c;
+}
+
+}  // namespace
+
+Checkpoint read_checkpoint(const std::string& path) {
+    const engine::SavedState saved = engine::read_state(path);
+    try {
+        return unpacked(saved, path);
+    } catch (const std::domain_error& error) {
+        throw engine::RecordError(fmt::format("{}: damaged checkpoint: {}", path, error.what()));
+    }
 }
 
 Scene scene_of(const Checkpoint& checkpoint) {

@@ -40,7 +40,10 @@ void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& var
 
 /// @throws engine::RecordError as write_state and read_state; also a state file that is no checkpoint
 void write_checkpoint(const std::string& path, const Checkpoint& checkpoint);
+/// Also for a fingerprint that is not of the scene, method and model that it holds.
 [[nodiscard]] Checkpoint read_checkpoint(const std::string& path);
+/// Also what a kill left half written beside it.
+void remove_checkpoint(const std::string& path);
 
 /// The scene of a checkpoint, for resuming it; start.state is ignored. @throws SceneError if this program cannot read it
 [[nodiscard]] Scene scene_of(const Checkpoint& checkpoint);

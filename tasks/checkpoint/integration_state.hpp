@@ -35,6 +35,8 @@ struct IntegrationState {
     std::vector<double> method;                ///< what else a method remembers from step to step; empty for one-step methods
 
     bool operator==(const IntegrationState&) const = default;
+    /// Why no integration can stand here, whatever the scene: counts and lengths that are none, unknown phases. nullptr if one may.
+    [[nodiscard]] const char* unsound() const noexcept;
     /// Of every field, bit by bit.
     [[nodiscard]] std::uint64_t hash() const noexcept;
 };

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "tasks/assembly/link_accesses.hpp"
+#include "tasks/method_memory.hpp"
 #include "tasks/step_graph.hpp"
 
 namespace cvtflow::tasks {
@@ -112,9 +114,9 @@ void FrictionLeapfrog::save(std::vector<double>& memory) const {
 
 void FrictionLeapfrog::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    radius_ = memory[0];
-    steps_ = static_cast<long>(memory[1]);
-    system_.load(frame_.load(memory.subspan(2)));
+    radius_ = taken(memory, 1)[0];
+    steps_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
+    system_.load(frame_.load(memory));
 }
 
 void FrictionLeapfrog::push(int segment) noexcept {

@@ -5,6 +5,7 @@
 
 #include "tasks/assembly/segment_tasks.hpp"
 #include "tasks/friction/index.hpp"
+#include "tasks/method_memory.hpp"
 
 namespace cvtflow::tasks {
 
@@ -128,13 +129,12 @@ void FrictionSystem::save(std::vector<double>& memory) const {
     }
 }
 
-void FrictionSystem::load(std::span<const double> memory) noexcept {
+void FrictionSystem::load(std::span<const double> memory) {
     const model::ChainLayout& at = friction_.chain().layout();
     const auto links = static_cast<std::size_t>(at.links);
     for (model::Columns* field : {&base_, &mode_}) {
         for (int row = 0; row < at.link_size(); ++row) {
-            std::copy_n(memory.begin(), links, field->at(row, 1));
-            memory = memory.subspan(links);
+            std::ranges::copy(taken(memory, links), field->at(row, 1));
         }
     }
 }

@@ -42,7 +42,7 @@ public:
 
     /// What outlasts a step: forces of the last one, and where power iterations have come to.
     void save(std::vector<double>& memory) const;
-    void load(std::span<const double> memory) noexcept;
+    void load(std::span<const double> memory);
 
     /// Velocities after the last row.
     [[nodiscard]] const model::Columns& result() const noexcept { return result_; }

@@ -6,6 +6,7 @@
 
 #include "tasks/assembly/segment_tasks.hpp"
 #include "tasks/friction/index.hpp"
+#include "tasks/method_memory.hpp"
 
 namespace cvtflow::tasks {
 
@@ -205,8 +206,7 @@ void ImplicitLeapfrog::load(std::span<const double> memory) {
     memory = frame_.load(memory);
     const auto numbers = static_cast<std::size_t>(w_.layout().link_size() * model::slip_lanes);
     for (Kick& kick : kicks_) {
-        std::copy_n(memory.begin(), numbers, kick.base.at(0));
-        memory = memory.subspan(numbers);
+        std::ranges::copy(taken(memory, numbers), kick.base.at(0));
     }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tasks/method_memory.hpp"
 #include "tasks/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -81,19 +82,18 @@ void LeapfrogFrame::save(std::vector<double>& memory) const {
     memory.insert(memory.end(), w_.end_slope, w_.end_slope + w_.layout().size());
 }
 
-std::span<const double> LeapfrogFrame::load(std::span<const double> memory) noexcept {
-    continues_ = memory[0] != 0.0;
-    length_ = memory[1];
+std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
+    const auto own = taken(memory, 2);
+    continues_ = own[0] != 0.0;
+    length_ = own[1];
     begun_ = -1e300;
-    memory = memory.subspan(2);
     for (model::SheaveMotion& s : w_.sheaves) {
-        s.vx = memory[0], s.vy = memory[1], s.vz = memory[2];
-        s.spin_x = memory[3], s.spin_y = memory[4], s.spin_z = memory[5];
-        memory = memory.subspan(6);
+        const auto motion = taken(memory, 6);
+        s.vx = motion[0], s.vy = motion[1], s.vz = motion[2];
+        s.spin_x = motion[3], s.spin_y = motion[4], s.spin_z = motion[5];
     }
-    const auto size = static_cast<std::size_t>(w_.layout().size());
-    std::copy_n(memory.begin(), size, w_.end_slope);
-    return memory.subspan(size);
+    std::ranges::copy(taken(memory, static_cast<std::size_t>(w_.layout().size())), w_.end_slope);
+    return memory;
 }
 
 }  // namespace cvtflow::tasks

@@ -37,7 +37,7 @@ public:
 
     void save(std::vector<double>& memory) const;
     /// @returns what of the memory is not its own
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory) noexcept;
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
 
 private:
     void extrapolate();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tasks/method_memory.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -40,12 +42,10 @@ void Broyden::save(std::vector<double>& memory) const {
     for (const std::vector<double>* part : {&steps_, &updates_}) memory.insert(memory.end(), part->begin(), part->begin() + count_ * unknowns_);
 }
 
-std::span<const double> Broyden::load(std::span<const double> memory) noexcept {
-    count_ = static_cast<int>(memory.front());
-    const auto size = static_cast<std::size_t>(count_ * unknowns_);
-    std::copy_n(memory.begin() + 1, size, steps_.begin());
-    std::copy_n(memory.begin() + 1 + static_cast<std::ptrdiff_t>(size), size, updates_.begin());
-    return memory.subspan(1 + 2 * size);
+std::span<const double> Broyden::load(std::span<const double> memory) {
+    count_ = whole_taken(memory, 0, static_cast<int>(steps_.size()) / std::max(1, unknowns_));
+    for (std::vector<double>* part : {&steps_, &updates_}) std::ranges::copy(taken(memory, static_cast<std::size_t>(count_ * unknowns_)), part->begin());
+    return memory;
 }
 
 }  // namespace cvtflow::tasks

@@ -23,7 +23,7 @@ public:
 
     /// The updates, appended to `memory` / taken back from its front. @return what is left
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory) noexcept;
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
 
 private:
     int unknowns_, most_, count_ = 0;

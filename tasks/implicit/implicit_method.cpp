@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <string>
 
+#include "tasks/method_memory.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -129,18 +131,14 @@ void ImplicitMethod::save_factors(std::vector<double>& memory) const {
     memory.insert(memory.end(), numbers.begin(), numbers.end());
 }
 
-std::span<const double> ImplicitMethod::load_factors(std::span<const double> memory) noexcept {
-    theta_ = memory.front();
-    memory = memory.subspan(1);
-    for (int& shaft : shafts_) {
-        shaft = static_cast<int>(memory.front());
-        memory = memory.subspan(1);
-    }
+std::span<const double> ImplicitMethod::load_factors(std::span<const double> memory) {
+    theta_ = taken(memory, 1)[0];
+    for (int& shaft : shafts_) shaft = whole_taken(memory, -1, 1);
     const std::span<double> numbers = jacobian_.numbers();
-    std::copy_n(memory.begin(), numbers.size(), numbers.begin());
+    std::ranges::copy(taken(memory, numbers.size()), numbers.begin());
     for (int chunk = 0; chunk < matrix_.chunks(); ++chunk) eliminate(chunk);
     join();
-    return memory.subspan(numbers.size());
+    return memory;
 }
 
 }  // namespace cvtflow::tasks

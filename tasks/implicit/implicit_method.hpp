@@ -56,7 +56,7 @@ protected:
     /// Jacobian, θ and contacts of the last factorisation: appended to `memory`.
     void save_factors(std::vector<double>& memory) const;
     /// Takes them back from the front of `memory` and factorises again: the same bits. @return what is left
-    [[nodiscard]] std::span<const double> load_factors(std::span<const double> memory) noexcept;
+    [[nodiscard]] std::span<const double> load_factors(std::span<const double> memory);
 
     [[nodiscard]] double* state(int slot) const noexcept { return w_.states[static_cast<std::size_t>(slot)]; }
     [[nodiscard]] double* slope(int slot) const noexcept { return w_.slopes[static_cast<std::size_t>(slot)]; }

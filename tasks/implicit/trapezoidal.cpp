@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "model/start_state.hpp"
+#include "tasks/method_memory.hpp"
 
 namespace cvtflow::tasks {
 
@@ -46,14 +48,12 @@ void TrapezoidalMethod::save(std::vector<double>& memory) const {
 
 void TrapezoidalMethod::load(std::span<const double> memory) {
     if (memory.empty()) return;   // nothing has begun
-    end_slope_ = memory[0] != 0.0;
-    has_jacobian_ = memory[1] != 0.0;
-    since_jacobian_ = static_cast<int>(memory[2]);
-    memory = memory.subspan(3);
-    if (end_slope_) {
-        std::copy_n(memory.begin(), w_.layout().size(), slope(trial_slope));
-        memory = memory.subspan(static_cast<std::size_t>(w_.layout().size()));
-    }
+    const auto flags = taken(memory, 2);
+    end_slope_ = flags[0] != 0.0;
+    const bool has_jacobian = flags[1] != 0.0;
+    since_jacobian_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
+    if (end_slope_) std::ranges::copy(taken(memory, static_cast<std::size_t>(w_.layout().size())), slope(trial_slope));
+    has_jacobian_ = has_jacobian;
     if (has_jacobian_) static_cast<void>(load_factors(broyden_.load(memory)));
 }
 

@@ -1,18 +1,16 @@
 #include "tasks/scene/scene.hpp"
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <set>
-#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "engine/base/input_file.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/spelling.hpp"
@@ -148,13 +146,11 @@ void read_setting(Reading& reading, const std::string& setting, Position positio
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& path, StartState start) {
-    std::error_code error;
-    const bool is_folder = std::filesystem::is_directory(path, error);
-    std::ifstream file(path, std::ios::binary);
-    if (!file || is_folder) throw SceneError(fmt::format("{}: cannot be read", path.string()));
-    std::ostringstream text;
-    text << file.rdbuf();
-    return parse_scene(text.str(), path, start);
+    try {
+        return parse_scene(engine::read_text_input(path.string()), path, start);
+    } catch (const engine::InputError& error) {
+        throw SceneError(fmt::format("{}: cannot be read: {}", path.string(), error.what()));
+    }
 }
 
 Scene parse_scene(std::string text, std::filesystem::path name, StartState start) {

@@ -15,6 +15,7 @@
 
 #include "model/parameters.hpp"
 #include "tasks/assembly_kind.hpp"
+#include "tasks/scene/kept_state.hpp"
 #include "tasks/step_control.hpp"
 
 namespace cvtflow::tasks {
@@ -58,6 +59,7 @@ struct Scene {
     model::Parameters parameters;
     RunSettings run;
     std::string state_file;           ///< absolute path of the state to start from; empty: geometric start
+    KeptState start_state;            ///< what state_file holds, read once
     std::string text;                 ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
     std::filesystem::path path;       ///< of the file, as given
 };

@@ -1,10 +1,13 @@
 /// Threads and processes: none before the first step, none after shutdown, and what a fork leaves.
 
 #include <oneapi/tbb/global_control.h>
+#include <cvtflow/cvtflow.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdlib>
+#include <fstream>
 #include <thread>
 
 #include "host_fixture.hpp"
@@ -40,6 +43,44 @@ bool alone() {
     const std::string command = "CVTFLOW_ALONE=1 '" + self + "' --gtest_filter=" + test->test_suite_name() + "." + test->name();
     EXPECT_EQ(std::system(command.c_str()), 0);
     return false;
+}
+
+/// Bytes of addresses that this process has.
+std::size_t addresses() {
+    std::ifstream file("/proc/self/statm");
+    std::size_t pages = 0;
+    file >> pages;
+    return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+/// Takes the stack that calls will need: where it cannot grow any more, the kernel ends a process, and nobody can say why.
+void touch_stack() {
+    volatile char stack[512 * 1024];
+    for (std::size_t i = 0; i < sizeof stack; i += 1024) stack[i] = 1;
+}
+
+/// Makes simulations through the C interface, with as many bytes more as are left. @return its code
+int create_with(const cvtflow_scene* scene, std::size_t more) {
+    touch_stack();
+    const rlimit limit{addresses() + more, RLIM_INFINITY};
+    setrlimit(RLIMIT_AS, &limit);
+    cvtflow_code code = CVTFLOW_OK;
+    for (int k = 0; k < 400 && code == CVTFLOW_OK; ++k) {   // until there is no room for another one; all are kept
+        cvtflow_simulation* simulation = nullptr;
+        code = cvtflow_create(scene, nullptr, &simulation, nullptr);
+    }
+    return code;
+}
+
+TEST(HostProcess, WithoutMemorySaysSoInsteadOfCrashing) {
+    if (address_sanitizer || thread_sanitizer) GTEST_SKIP() << "they take terabytes of addresses";
+    if (!alone()) return;
+    cvtflow_scene* scene = nullptr;
+    ASSERT_EQ(cvtflow_scene_read((std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml").c_str(), &scene, nullptr), CVTFLOW_OK);   // starts from a state file
+    for (std::size_t more = 0; more < (std::size_t{24} << 20U); more += 400'000) {
+        EXPECT_EQ(in_child([&] { return create_with(scene, more); }), CVTFLOW_MEMORY) << more << " bytes";
+    }
+    cvtflow_scene_release(scene);
 }
 
 TEST(HostProcess, NoneIsStartedBeforeTheFirstStepAndNoneLeftAfterShutdown) {

@@ -11,7 +11,7 @@ namespace {
 const std::set<std::string> allowed{
     ".ci",      ".clang-format", ".clang-tidy", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json", "DECISIONS.md", "LICENSE", "README.md",
     "api",        // what host programs include and link: must be found without knowing the inside
-    "bench",      "engine",
+    "bench",      "docs",          "engine",
     "examples",   // the first thing that an author of a host program opens; a project of its own as well
     "model",    "scenes",        "tasks",       "tests",      "tools",
 };

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <random>
 
+#include "engine/record/file_seal.hpp"
 #include "tests/tools/batch_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -193,11 +194,22 @@ TEST_F(Batch, WithADamagedTableStopsAndTouchesNothing) {
     bytes[hash] = bytes[hash] == 'f' ? '0' : 'f';
     write("out/cases.h5", bytes);
     for (const char* command : {"resume", "table"}) {
+        EXPECT_EQ(run({command, "out"}).err, "cvtflow: out/cases.h5: damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)\n");
+    }
+    bytes.resize(bytes.size() - engine::seal_size);   // as a kill leaves it: rows have checks of their own
+    write("out/cases.h5", bytes);
+    for (const char* command : {"resume", "table"}) {
         EXPECT_EQ(run({command, "out"}).err, "cvtflow: out/cases.h5: row 5 is damaged: it does not have the check that it was written with\n");
     }
     EXPECT_EQ(read("out/cases.h5"), bytes);
     write("out/cases.h5", whole.substr(0, whole.size() / 2));
     EXPECT_THAT(run({"resume", "out"}).err, StartsWith("cvtflow: out/cases.h5: truncated HDF5 file: "));
+}
+
+TEST_F(Batch, TellsATableThatIsNoSweepsFromOneThatIs) {
+    engine::write_cases((folder_ / "other.h5").string(), {engine::RowLayout({{"case", "1", "", engine::CaseColumnType::integer}, {"status", "1", "", engine::CaseColumnType::real}}), {}, {}});
+    EXPECT_EQ(run({"table", "other.h5"}).err, "cvtflow: other.h5: a table, but not of a sweep: it has no column 'status' of texts\n");
+    EXPECT_EQ(run({"table", "other.h5"}).status, 1);
 }
 
 TEST_F(Batch, MergeNamesWhatIsMissing) {

@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <hdf5.h>
+#include <sys/stat.h>
 
+#include "engine/record/file_seal.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -26,6 +28,9 @@ protected:
         write("method.toml", "[run]\nmethod = \"rk45\"\nstepp = \"50 ns\"\n");
         write("no_state.toml", "[start]\nstate = \"gone.h5\"\n");
         std::filesystem::create_directory(folder_ / "folder");
+        write("large.toml", "");
+        std::filesystem::resize_file(folder_ / "large.toml", 70'000'000);
+        mkfifo((folder_ / "pipe").c_str(), 0600);
         const hid_t other = H5Fcreate((folder_ / "other.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
         H5Fclose(other);
     }
@@ -69,8 +74,8 @@ TEST_F(Errors, InScenesSayWhereAndWhat) {
     const std::vector<Mistake> mistakes{
         {{"run", "basline"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
         {{"run", "zzzzzzz"}, 1, "no scene 'zzzzzzz' (cvtflow list scenes)"},
-        {{"run", "missing.toml"}, 1, "missing.toml: cannot be read"},
-        {{"run", "./folder"}, 1, "./folder: cannot be read"},
+        {{"run", "missing.toml"}, 1, "missing.toml: cannot be read: No such file or directory"},
+        {{"run", "./folder"}, 1, "./folder: cannot be read: a folder, not a file"},
         {{"run", "broken.toml"},
          1,
          "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
@@ -139,11 +144,19 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
 
 TEST_F(Errors, InFilesSayWhatTheFileIs) {
     make_records();
-    const std::string record = std::to_string(read("record.h5").size()), state = std::to_string(read("state.h5").size());
+    const std::string record = std::to_string(read("record.h5").size() - engine::seal_size), state = std::to_string(read("state.h5").size() - engine::seal_size);
     const std::vector<Mistake> mistakes{
         {{"info", "missing.h5"}, 1, "missing.h5: No such file or directory"},
         {{"info", "folder"}, 1, "folder: a folder, not a file"},
         {{"info", "text.h5"}, 1, "text.h5: not an HDF5 file"},
+        {{"info", "pipe"}, 1, "pipe: not a regular file"},
+        {{"info", "/dev/zero"}, 1, "/dev/zero: not a regular file"},
+        {{"table", "pipe"}, 1, "pipe: not a regular file"},
+        {{"resume", "pipe"}, 1, "pipe: not a regular file"},
+        {{"check", "./pipe"}, 1, "./pipe: cannot be read: not a regular file"},
+        {{"check", "/dev/zero"}, 1, "/dev/zero: cannot be read: not a regular file"},
+        {{"batch", "/dev/zero", "-o", "sweep"}, 1, "/dev/zero: cannot be read: not a regular file"},
+        {{"check", "large.toml"}, 1, "large.toml: cannot be read: 70000000 bytes, more than the 67108864 that such a file may have"},
         {{"info", "other.h5"}, 1, "other.h5: an HDF5 file, but neither a record nor a state of cvtflow"},
         {{"info", "cut_record.h5"}, 1, "cut_record.h5: truncated HDF5 file: 2000 bytes of " + record},
         {{"info", "cut_state.h5"}, 1, "cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <random>
 
+#include "engine/record/file_seal.hpp"
 #include "engine/record/run_reader.hpp"
 #include "tests/tools/program_fixture.hpp"
 
@@ -18,6 +19,14 @@ protected:
         std::vector<std::string> all{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--set", "start.settling_time=100us", "--set", "start.ramp_time=50us", "--set", "run.schedule=serial"};
         all.insert(all.end(), more.begin(), more.end());
         return all;
+    }
+    /// Of a record that is being written; 0 before it can be read.
+    [[nodiscard]] std::size_t rows_in(const std::string& record) const {
+        try {
+            return engine::RunReader((folder_ / record).string()).rows();
+        } catch (const engine::RecordError&) {
+            return 0;
+        }
     }
     /// Everything that a record holds but when and how long it ran.
     void expect_same(const std::string& left, const std::string& right) const {
@@ -84,6 +93,47 @@ TEST_F(Resume, RefusesAnotherSceneAndNamesTheDifference) {
     EXPECT_EQ(run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
     ASSERT_EQ(run(arguments("whole.h5")).status, 0);
     expect_same("whole.h5", "cut.h5");
+}
+
+TEST_F(Resume, RefusesACheckpointOfWhichAnyByteHasChanged) {
+    ASSERT_EQ(run(arguments("cut.h5", {"--checkpoint-every", "1 h", "--set", "run.max_steps=500"})).status, 4);
+    const std::string good = read("cut.checkpoint.h5");
+    for (std::size_t k = 0; k < 40; ++k) {
+        std::string bad = good;
+        const std::size_t at = k * (good.size() - 1) / 39;   // from the first to the last
+        bad[at] = static_cast<char>(bad[at] ^ 4);
+        write("bad.h5", bad);
+        const Outcome outcome = run({"resume", "bad.h5", "-q", "-o", "none"});
+        EXPECT_EQ(outcome.status, 1) << at;
+        EXPECT_THAT(outcome.err, StartsWith("cvtflow: bad.h5: ")) << at;
+    }
+    ASSERT_EQ(run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
+}
+
+TEST_F(Resume, RefusesARecordWhoseRowsHaveChanged) {
+    Child child(arguments("cut.h5", {"--until", "1 ms", "--checkpoint-every", "5 ms"}), folder_);
+    ASSERT_TRUE(eventually([&] { return exists("cut.checkpoint.h5") && rows_in("cut.h5.part") > 5; }));
+    child.send(SIGINT);   // leaves checkpoint and record at the same place
+    ASSERT_EQ(child.wait().status, 130);
+    const std::string record = exists("cut.h5.part") ? "cut.h5.part" : "cut.h5";
+    const double time = engine::RunReader((folder_ / record).string()).times().back();
+    std::string bytes = read(record);
+    bytes.resize(bytes.size() - engine::seal_size);   // as if it had been killed
+    const auto at = bytes.find(std::string_view(reinterpret_cast<const char*>(&time), sizeof time));
+    ASSERT_NE(at, std::string::npos);
+    bytes[at] = static_cast<char>(bytes[at] ^ 1);
+    std::filesystem::remove(folder_ / record);
+    write(record, bytes);
+    const Outcome outcome = run({"resume", "cut.checkpoint.h5", "-q"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("cut.h5.before: cannot go on with it: damaged: its rows are not those that were written before the checkpoint"));
+    EXPECT_EQ(read("cut.h5.before"), bytes);   // nothing is lost
+}
+
+TEST_F(Resume, LeavesNoHalfWrittenCheckpointBehind) {
+    write("cut.checkpoint.h5.part", "what a kill left");
+    ASSERT_EQ(run(arguments("cut.h5", {"--checkpoint-every", "1 h"})).status, 0);
+    EXPECT_FALSE(exists("cut.checkpoint.h5.part"));
 }
 
 TEST_F(Resume, SaysWhatIsWrongWithTheFile) {

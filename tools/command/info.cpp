@@ -78,6 +78,7 @@ std::string run_text(const std::string& path, const engine::RunReader& run) {
     const bool running = run.status() == "running";
     std::string text = fmt::format("{}: record of a run, {}\n", path, size_text(static_cast<double>(std::filesystem::file_size(path))));
     text += field("status", running ? "running (being written now, or left by a run that was killed)" : run.status());
+    text += field("seal", run.sealed() ? "whole: every byte is what the run wrote" : "none, so that numbers are not checked");
     text += field("scene", of("scene"));
     if (const auto scene = scene_in(all, "parameters")) text += field("detail", detail_text(*scene));
     text += field("method", fmt::format("{}, step {} s, seed {}", of("method"), of("step"), of("seed")));

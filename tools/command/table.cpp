@@ -66,7 +66,7 @@ void keep_status(engine::CaseTable& table, const std::string& status) {
 
 ExitStatus show(const TableArguments& arguments) {
     const std::string file = std::filesystem::is_directory(arguments.folder) ? arguments.folder + "/cases.h5" : arguments.folder;
-    engine::CaseTable table = engine::read_cases(file);
+    engine::CaseTable table = tasks::read_results(file);
     tasks::sort_rows(table);
     const std::string hash = tasks::results_hash(table);
     if (!arguments.status.empty()) keep_status(table, arguments.status);

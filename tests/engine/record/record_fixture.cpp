@@ -1,5 +1,6 @@
 #include "tests/engine/record/record_fixture.hpp"
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -7,6 +8,8 @@
 #include <cstdio>
 #include <fstream>
 #include <sstream>
+
+#include "engine/record/file_seal.hpp"
 
 namespace cvtflow::engine {
 
@@ -78,6 +81,14 @@ int wait_for(int child) {
     int status = 0;
     waitpid(child, &status, 0);
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+void without_seal(const std::string& path) { std::filesystem::resize_file(path, std::filesystem::file_size(path) - seal_size); }
+
+void seal_anew(const std::string& path) {
+    const int descriptor = open(path.c_str(), O_RDWR | O_CLOEXEC);
+    EXPECT_EQ(write_seal(descriptor, std::filesystem::file_size(path)), 0);
+    close(descriptor);
 }
 
 std::string read_text_file(const std::string& path) {

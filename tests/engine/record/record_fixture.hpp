@@ -38,6 +38,10 @@ void append_example_state(RunFile& file, int i);
 [[nodiscard]] int start_child(const std::function<void()>& body);
 /// Waits for it. @return exit status as the shell counts it, 128 + signal for a killed one
 int wait_for(int child);
+/// Cuts a finished file's seal off.
+void without_seal(const std::string& path);
+/// Puts one behind what the file holds now.
+void seal_anew(const std::string& path);
 [[nodiscard]] std::string read_text_file(const std::string& path);
 
 }  // namespace cvtflow::engine

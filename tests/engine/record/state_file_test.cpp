@@ -9,6 +9,7 @@
 #include <limits>
 #include <thread>
 
+#include "engine/record/file_seal.hpp"
 #include "tests/engine/record/record_fixture.hpp"
 
 namespace cvtflow::engine {
@@ -97,7 +98,7 @@ TEST_F(StateFileTest, SaysWhyAFileCannotBeRead) {
     { RunFile run(path("run.h5"), {}); run.close(); }
     EXPECT_EQ(reading(path("run.h5")), path("run.h5") + ": an HDF5 file, but not a cvtflow state (format: 'cvtflow run')");
     write_state(path("s.h5"), example());
-    const auto size = fs::file_size(path("s.h5"));
+    const auto size = fs::file_size(path("s.h5")) - seal_size;
     fs::resize_file(path("s.h5"), size - 100);
     EXPECT_EQ(reading(path("s.h5")),
         path("s.h5") + ": truncated HDF5 file: " + std::to_string(size - 100) + " bytes of " + std::to_string(size));
@@ -105,8 +106,36 @@ TEST_F(StateFileTest, SaysWhyAFileCannotBeRead) {
 
 TEST_F(StateFileTest, NoticesAStateThatChangedOnDisk) {
     write_state(path("s.h5"), example());
-    python("import h5py, sys\nf = h5py.File(sys.argv[1], \"r+\"); f[\"y\"][7] += 1e-15", path("s.h5"));
-    EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged: the state does not have the hash it was saved with");
+    const std::string good = read_text_file(path("s.h5"));
+    python("import h5py, sys\nf = h5py.File(sys.argv[1], \"r+\"); f[\"y\"][7] += 1e-15", path("s.h5"));   // which cuts the file where HDF5's part of it ends
+    EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged HDF5 file (it has no seal: changed after it was finished, or its end is missing)");
+    std::string bad = good;
+    bad[good.size() / 2] = static_cast<char>(good[good.size() / 2] ^ 1);
+    std::ofstream(path("s.h5")) << bad;
+    EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)");
+}
+
+TEST_F(StateFileTest, HashesAllThatItHolds) {
+    const std::vector<std::string> changes{"f[\"y\"][7] += 1e-15", "f[\"phases\"][1] = 2", "f.attrs[\"time\"] = 0.26", "f.attrs[\"step\"] = 2e-7", "f.attrs[\"steps\"] += 1",
+                                           "f.attrs[\"scene\"] = numpy.bytes_(b\"baselina\")", "f.attrs[\"fingerprint\"] = numpy.bytes_(b\"0\")", "f[\"more/a\"][0] = 2",
+                                           "f.attrs[\"added\"] = 1"};
+    for (const std::string& change : changes) {
+        SavedState saved = example();
+        saved.more = {{"a", {1.0}}};
+        write_state(path("s.h5"), saved);
+        without_seal(path("s.h5"));
+        ASSERT_EQ(python("import h5py, numpy, sys\nf = h5py.File(sys.argv[1], \"r+\"); " + change, path("s.h5")), "");
+        seal_anew(path("s.h5"));
+        EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged: the state does not have the hash it was saved with") << change;
+    }
+}
+
+TEST_F(StateFileTest, KeepsTextsThatAreLongerThanAnObjectHeader) {
+    SavedState saved = example();
+    saved.attributes = {{"scene", std::string(300'000, 'x')}, {"empty", std::string()}};
+    write_state(path("s.h5"), saved);
+    std::swap(saved.attributes[0], saved.attributes[1]);
+    EXPECT_EQ(read_state(path("s.h5")), saved);
 }
 
 TEST_F(StateFileTest, H5pyReadsTheFileNaturally) {
@@ -115,7 +144,7 @@ TEST_F(StateFileTest, H5pyReadsTheFileNaturally) {
         "import h5py, sys\n"
         "f = h5py.File(sys.argv[1], \"r\")\n"
         "print(f.attrs[\"fingerprint\"], f.attrs[\"time\"], f[\"y\"][1], f[\"phases\"][:])";
-    EXPECT_EQ(python(program, path("s.h5")), "cbf29ce484222325 0.25 0.5 [  0   1 255]\n");
+    EXPECT_EQ(python(program, path("s.h5")), "b'cbf29ce484222325' 0.25 0.5 [  0   1 255]\n");
 }
 
 }  // namespace

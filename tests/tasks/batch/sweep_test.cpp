@@ -52,6 +52,12 @@ protected:
     std::filesystem::path folder_;
 };
 
+TEST_F(SweepFile, ReadsACsvThatBeginsWithAByteOrderMark) {
+    write("rows.csv", "\xEF\xBB\xBFload.torque [N*m]\r\n6\r\n7\r\n");
+    EXPECT_EQ(value(read(head + "[[axes]]\ncsv = \"rows.csv\"\n"), 1, "load.torque"), 7.0);
+    EXPECT_EQ(error(head + "[[axes]]\ncsv = \"/dev/zero\"\n"), "s.toml:6:7: axes.csv: \"/dev/zero\" cannot be read: not a regular file");
+}
+
 TEST_F(SweepFile, MultipliesItsAxesTheLastFastest) {
     const Sweep sweep = read(head + "[[axes]]\nkey = \"load.torque\"\nvalues = [\"1 N*m\", 2]\n[[axes]]\nkey = \"clamping.driven\"\nfrom = \"1 kN\"\nto = \"100 kN\"\ncount = 3\nscale = \"log\"\n");
     ASSERT_EQ(sweep.cases(), 6);
@@ -98,7 +104,7 @@ TEST_F(SweepFile, SamplesStayInTheirBox) {
 }
 
 TEST_F(SweepFile, TellsEveryMistakeWithItsPlace) {
-    EXPECT_EQ(error("[sweep]\nscene = \"tny\"\n"), "s.toml:2:9: sweep.scene: " + std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tny.toml: cannot be read");
+    EXPECT_EQ(error("[sweep]\nscene = \"tny\"\n"), "s.toml:2:9: sweep.scene: " + std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tny.toml: cannot be read: No such file or directory");
     EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torqe\"\nvlues = [1]\n"),
               "s.toml:6:7: axes.key: there is no key \"load.torqe\" (did you mean \"load.torque\"?)\ns.toml:7:1: axes.vlues: unknown key (did you mean \"values\"?)");
     EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torque\"\nvalues = [\"1 N\"]\n"), "s.toml:7:11: load.torque: 1 N is a force, expected a torque (N*m)");

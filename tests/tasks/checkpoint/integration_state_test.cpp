@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <limits>
 
 #include "tasks/checkpoint/checkpoint.hpp"
 #include "tasks/method_choice.hpp"
@@ -138,6 +139,52 @@ TEST(IntegrationState, OfAnotherSizeIsRefused) {
     EXPECT_THROW(simulation.restore(small.integration_state()), SimulationError);
     SilentObserver silent;
     EXPECT_THROW((void)simulation.proceed(1.0, silent, never), SimulationError);
+}
+
+/// Somewhere within settling, with all that the method remembers.
+IntegrationState midway(const Scene& scene) {
+    Simulation simulation(scene);
+    Pauser observer(true);
+    simulation.pause_on(&observer.pause);
+    EXPECT_EQ(simulation.settle(observer, never).kind, FaultKind::cancelled);
+    return simulation.integration_state();
+}
+
+TEST(IntegrationState, WithLessThanItsMethodRemembersIsRefused) {
+    for (const char* method : {"dopri54", "dumka3", "fitted", "leapfrog-chebyshev", "leapfrog-rkc", "leapfrog-be", "trapezoidal-broyden", "trapezoidal-frozen"}) {
+        Scene scene = tiny();
+        scene.run.method = method;
+        const IntegrationState whole = midway(scene);
+        for (const std::size_t kept : {std::size_t{1}, std::size_t{2}, std::size_t{5}, whole.method.size() / 2, whole.method.size() - 1}) {
+            if (kept == 0 || kept >= whole.method.size()) continue;
+            IntegrationState cut = whole;
+            cut.method.resize(kept);
+            Simulation simulation(scene);
+            simulation.restore(cut);
+            SilentObserver silent;
+            EXPECT_THROW((void)simulation.proceed(0.0, silent, never), std::invalid_argument) << method << ", " << kept << " of " << whole.method.size();
+        }
+    }
+}
+
+TEST(IntegrationState, ThatCannotBeIsRefused) {
+    const IntegrationState good = midway(tiny());
+    ASSERT_EQ(good.unsound(), nullptr);
+    const auto refused = [&](const auto& change) {
+        IntegrationState bad = good;
+        change(bad);
+        Simulation simulation(tiny());
+        EXPECT_THROW(simulation.restore(bad), SimulationError);
+        EXPECT_NE(bad.unsound(), nullptr);
+    };
+    refused([](IntegrationState& s) { s.grid_number = -1; });
+    refused([](IntegrationState& s) { s.counters.steps = std::numeric_limits<long>::max(); });
+    refused([](IntegrationState& s) { s.outputs += 10; });
+    refused([](IntegrationState& s) { s.phases[3] = static_cast<model::Phase>(4); });
+    refused([](IntegrationState& s) { s.time = std::numeric_limits<double>::quiet_NaN(); });
+    refused([](IntegrationState& s) { s.output_interval = 0.0; });
+    refused([](IntegrationState& s) { s.step = std::numeric_limits<double>::infinity(); });
+    refused([](IntegrationState& s) { s.step = 1e-300; });   // output_interval / step is counted
 }
 
 TEST(Simulation, ResetIsANewOne) {

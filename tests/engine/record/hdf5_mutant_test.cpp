@@ -1,0 +1,199 @@
+/// Every reader against files that lie: thousands of mutants, each read in a child process that may neither crash, nor take over 5 s or 1 GB.
+
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <new>
+
+#include "engine/record/case_table.hpp"
+#include "engine/record/run_reader.hpp"
+#include "engine/record/state_file.hpp"
+#include "tests/engine/record/hdf5_mutant_fixture.hpp"
+#include "tests/engine/record/record_fixture.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool instrumented = true;   ///< its shadow takes terabytes of addresses
+#else
+constexpr bool instrumented = false;
+#endif
+
+enum class Fate { unread, ok, refused, memory, crash, hang };
+
+/// What a child says of the mutant at hand, for its parent to read after its death.
+struct Notes {
+    long next = 0;
+    Mutation mutation{};
+    Fate fate[20'000]{};
+    Mutation of[20'000]{};
+};
+
+void read_run(const std::string& path) {
+    const RunReader run(path);
+    (void)run.times();
+    for (const ChannelInfo& channel : run.channels()) {
+        (void)run.last(channel.name);
+        (void)run.channel(channel.name);
+    }
+    for (const TableInfo& table : run.tables()) (void)run.table(table.name);
+    if (const auto times = run.state_times(); !times.empty()) {
+        (void)run.state(0);
+        (void)run.state_nearest(times.back());
+    }
+}
+
+void begin_five_seconds() {
+    const itimerval five{{0, 0}, {5, 0}};
+    setitimer(ITIMER_REAL, &five, nullptr);
+}
+
+struct Reader {
+    std::string_view of;
+    void (*read)(const std::string& path);
+};
+
+const Reader readers[] = {{"run", read_run}, {"killed", read_run}, {"state", [](const std::string& file) { (void)read_state(file); }},
+                          {"cases", [](const std::string& file) { (void)read_cases(file); }}, {"growing", [](const std::string& file) { (void)read_cases(file); }}};
+
+/// @return refused if the mutant is not taken
+Fate fate_of(const std::string& path, const Reader& reader) {
+    begin_five_seconds();
+    try {
+        reader.read(path);
+        return Fate::ok;
+    } catch (const RecordError&) {
+        return Fate::refused;
+    } catch (const std::bad_alloc&) {
+        return Fate::memory;
+    }
+}
+
+CaseTable example_cases() {
+    CaseTable table{RowLayout({{"case", "1", "number", CaseColumnType::integer}, {"slip", "1", "", CaseColumnType::real}, {"status", "", "", CaseColumnType::text, 16}}), {{"sweep", std::string("s")}, {"cases", std::int64_t{9}}}, {}};
+    table.rows.resize(9 * table.layout.bytes());
+    for (std::size_t i = 0; i < 9; ++i) {
+        const auto row = std::span(table.rows).subspan(i * table.layout.bytes(), table.layout.bytes());
+        table.layout.put(row, 0, static_cast<std::int64_t>(i));
+        table.layout.put(row, 1, 0.5 * static_cast<double>(i));
+        table.layout.put(row, 2, std::string_view("ok"));
+        table.layout.seal(row);
+    }
+    return table;
+}
+
+class Hdf5MutantTest : public RecordTest {
+protected:
+    Hdf5MutantTest() : notes_(new (mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) Notes) {}
+    ~Hdf5MutantTest() override { munmap(notes_, sizeof(Notes)); }
+
+    /// In the order of the readers: a finished record, one as a kill leaves it, a state, a finished table of cases, and one that was being written.
+    [[nodiscard]] std::vector<std::string> originals() const {
+        const auto fill = [](RunFile& file) {
+            for (int i = 0; i < 40; ++i) append_example(file, i);
+            for (int i = 0; i < 9; ++i) append_example_state(file, i);
+            file.append_row("transitions", std::array{0.5, 80.0});
+        };
+        { RunFile file(path("run.h5"), example_contents(), {.deflate_states = 3}); fill(file); file.close(); }
+        EXPECT_EQ(wait_for(start_child([&] {
+            RunFile file(path("killed.h5"), example_contents());
+            fill(file);
+            file.flush();
+            _exit(0);
+        })), 0);
+        write_state(path("state.h5"), {.time = 0.5, .state = std::vector<double>(200, 1.5), .phases = std::vector<std::uint8_t>(30, 1), .fingerprint = "0123", .attributes = {{"scene", std::string(300, 's')}, {"step", 1e-6}}, .more = {{"a", {1.0, 2.0}}, {"method", {}}}});
+        write_cases(path("cases.h5"), example_cases());
+        EXPECT_EQ(wait_for(start_child([&] {
+            CaseWriter writer(path("growing.h5"), example_cases());
+            writer.append(example_cases().row(3));
+            _exit(0);
+        })), 0);
+        return {path("run.h5"), path("killed.h5.part"), path("state.h5"), path("cases.h5"), path("growing.h5")};
+    }
+
+    /// Reads mutants until there are `count`, or one ends the child.
+    void work(const std::vector<std::string>& files, std::uint64_t seed, long count, bool seal_anew) const {
+        if (!instrumented) {
+            const rlimit gigabyte{rlim_t{1} << 30U, RLIM_INFINITY};
+            setrlimit(RLIMIT_AS, &gigabyte);
+        }
+        const rlimit none{0, 0};
+        setrlimit(RLIMIT_CORE, &none);
+        try_files_first();   // as the program does
+        for (; notes_->next < count; ++notes_->next) {
+            begin_five_seconds();
+            const auto number = static_cast<std::uint64_t>(notes_->next);
+            const std::string mutant = path("mutant.h5");
+            std::filesystem::remove(mutant);   // file systems write out at once what is cut and written anew
+            std::filesystem::copy_file(files[number % files.size()], mutant);
+            notes_->of[number] = mutate(mutant, seed * 1'000'003 + number, {seal_anew});
+            const std::size_t kind = number % files.size();
+            notes_->fate[number] = fate_of(mutant, readers[kind]);
+            if (number % 8 != 0) continue;
+            const Fate other = fate_of(mutant, readers[(kind + 2) % files.size()]);   // the reader of another kind of file
+            if (other != Fate::refused) notes_->fate[number] = other;
+        }
+    }
+
+    void run_children(std::uint64_t seed, long count, bool seal_anew) {
+        ASSERT_LE(count, static_cast<long>(std::size(notes_->fate)));
+        const std::vector<std::string> files = originals();
+        *notes_ = {};
+        while (notes_->next < count) {
+            const int status = wait_for(start_child([&] { work(files, seed, count, seal_anew); }));
+            if (status == 0) break;
+            const auto number = static_cast<std::size_t>(notes_->next++);
+            notes_->fate[number] = status == 128 + SIGALRM ? Fate::hang : Fate::crash;
+            ADD_FAILURE() << "mutant " << number << " of seed " << seed << " of " << files[number % files.size()] << " ended its reader with " << status;
+        }
+    }
+
+    /// Counts by kind, and what may not be.
+    void judge(long count) const {
+        std::map<Mutation, std::map<Fate, long>> counts;
+        for (long i = 0; i < count; ++i) ++counts[notes_->of[i]][notes_->fate[i]];
+        std::printf("%-10s %8s %8s %8s %8s %10s\n", "mutants", "ok", "refused", "crash", "over 5 s", "over 1 GB");
+        long read = 0, refused = 0;
+        for (auto& [mutation, fates] : counts) {
+            std::printf("%-10s %8ld %8ld %8ld %8ld %10ld\n", mutation_names[static_cast<std::size_t>(mutation)].data(), fates[Fate::ok], fates[Fate::refused], fates[Fate::crash], fates[Fate::hang], fates[Fate::memory]);
+            EXPECT_EQ(fates[Fate::memory] + fates[Fate::crash] + fates[Fate::hang], 0) << mutation_names[static_cast<std::size_t>(mutation)];
+            read += fates[Fate::ok];
+            refused += fates[Fate::refused];
+        }
+        EXPECT_EQ(read + refused, count);
+        EXPECT_GT(refused, count / 10);   // the mutants are some
+    }
+
+    Notes* notes_;
+};
+
+TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemAsTheyCome) {
+    run_children(1, 1500, false);
+    judge(1500);
+}
+
+TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemSealedAnew) {
+    run_children(2, 1500, true);
+    judge(1500);
+}
+
+using NightlyHdf5MutantTest = Hdf5MutantTest;
+
+TEST_F(NightlyHdf5MutantTest, EveryReaderSurvivesAHundredThousand) {
+    for (std::uint64_t seed = 100; seed < 105; ++seed) {
+        run_children(seed, 20'000, seed % 2 == 0);
+        judge(20'000);
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::engine

@@ -1,0 +1,18 @@
+/// Any text is a scene or a SceneError; a scene that was read is written so that it is read back the same.
+
+#include <cstdlib>
+
+#include "tasks/scene/scene.hpp"
+#include "tests/fuzz/fuzz_fixture.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+    using namespace cvtflow::tasks;
+    std::string text;
+    try {
+        text = write_scene(parse_scene(std::string(cvtflow::fuzz::text_of(bytes, size)), "scene.toml", StartState::ignored));
+    } catch (const SceneError&) {
+        return 0;
+    }
+    if (write_scene(parse_scene(text, "written.toml", StartState::ignored)) != text) std::abort();
+    return 0;
+}

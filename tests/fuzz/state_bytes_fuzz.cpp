@@ -1,0 +1,49 @@
+/// Any bytes are a state or an Error, also if mark and checksum are right; what a state of this size says of an integration, the integration
+/// takes or refuses. The input is what lies between mark and checksum.
+
+#include <cvtflow/error.hpp>
+
+#include "api/state_bytes.hpp"
+#include "engine/base/hash.hpp"
+#include "tasks/simulation.hpp"
+#include "tests/fuzz/fuzz_fixture.hpp"
+
+namespace {
+
+using namespace cvtflow;
+
+tasks::Scene scene() {
+    tasks::Scene tiny = tasks::read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+    tiny.run.schedule = "serial";
+    tiny.run.max_steps = 3;
+    return tiny;
+}
+
+void go_on(const tasks::IntegrationState& from) {
+    static tasks::Simulation simulation(scene());
+    const engine::Cancellation never;
+    tasks::SilentObserver silent;
+    try {
+        simulation.restore(from);
+        static_cast<void>(simulation.advance(from.time + 1e-6, 3, silent, never));
+    } catch (const tasks::SimulationError&) {
+    } catch (const std::invalid_argument&) {   // what the method remembers is none
+    }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+    std::vector<std::byte> framed;
+    for (const char letter : std::string_view("CVTFLOW1")) framed.push_back(static_cast<std::byte>(letter));
+    const auto* begin = reinterpret_cast<const std::byte*>(bytes);
+    framed.insert(framed.end(), begin, begin + size);
+    const std::uint64_t sum = engine::Hash().add(std::span<const std::byte>(framed)).value();
+    const auto* tail = reinterpret_cast<const std::byte*>(&sum);
+    framed.insert(framed.end(), tail, tail + sizeof sum);
+    try {
+        go_on(api::read_state_bytes(framed).integration);
+    } catch (const Error&) {
+    }
+    return 0;
+}
