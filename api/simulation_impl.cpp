@@ -261,23 +261,6 @@ void Simulation::Impl::on_output(double interval, std::function<void(Simulation&
     if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / interval + 1e-9)) + 1;
 }
 
-std::vector<std::string> Simulation::Impl::notices() const {
-    std::vector<std::string> lines = simulation_.start_differences();
-    if (!energy().reliable) {
-        char text[200];
-        std::snprintf(text, sizeof text, "unreliable: the energy balance is off by %.2g times what an honest integration leaves; a shorter step is needed (run.step = \"auto\", or less)",
-                      energy().suspicion);
-        lines.emplace_back(text);
-    }
-    return lines;
-}
-
-Energy Simulation::Impl::energy() const noexcept {
-    const tasks::EnergyBalance balance = simulation_.energy().balance();
-    const double suspicion = simulation_.suspicion();
-    return {balance.residual(), balance.loss, suspicion, suspicion <= 1.0};
-}
-
 tasks::FrozenStart Simulation::Impl::present() const {
     const double* state = simulation_.state();
     return {simulation_.time(), {state, state + simulation_.variator().layout().size()}, simulation_.phases()};

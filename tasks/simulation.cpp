@@ -10,6 +10,7 @@
 #include "model/start_state.hpp"
 #include "tasks/auto_schedule.hpp"
 #include "tasks/method_choice.hpp"
+#include "tasks/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
 
 namespace cvtflow::tasks {
@@ -37,42 +38,6 @@ std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) 
     return method;
 }
 
-/// Of a saved state: what its energy balance said (EnergyLedger::suspicion). Whoever starts from a wrong state gets wrong results.
-constexpr std::string_view suspicion_attribute = "energy_suspicion";
-
-double suspicion_of(const engine::SavedState& saved) {
-    for (const engine::Attribute& attribute : saved.attributes) {
-        if (attribute.name != suspicion_attribute) continue;
-        if (const auto* value = std::get_if<double>(&attribute.value)) return *value;
-    }
-    return 0.0;
-}
-
-const std::string* text_attribute(const engine::SavedState& saved, std::string_view name) {
-    for (const engine::Attribute& attribute : saved.attributes) {
-        if (attribute.name == name) return std::get_if<std::string>(&attribute.value);
-    }
-    return nullptr;
-}
-
-/// Sections whose keys describe the machine, not the run or the operating point.
-[[nodiscard]] bool describes_machine(const Parameter& parameter) {
-    constexpr std::string_view sections[] = {"detail", "chain", "half", "plate", "joint", "tip", "pulley"};
-    return std::find(std::begin(sections), std::end(sections), parameter.section()) != std::end(sections);
-}
-
-std::vector<std::string> differences(const std::string& saved_scene, const Scene& scene) {
-    std::vector<std::string> lines;
-    const Scene then = parse_scene(saved_scene, scene.path, StartState::ignored);
-    for (const Parameter& parameter : parameter_table()) {
-        if (!describes_machine(parameter)) continue;
-        const std::string was = value_text(parameter, then);
-        const std::string is = value_text(parameter, scene);
-        if (was != is) lines.push_back(fmt::format("{} = {}, settled with {}", parameter.key, is, was));
-    }
-    return lines;
-}
-
 }  // namespace
 
 Simulation::Simulation(const Scene& scene) : Simulation(scene, schedules_for(scene), ChooserOptions{}) {}
@@ -85,7 +50,7 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
       method_(method_of(scene, *workspace_)), runner_(*workspace_, candidates, options, recorder) {
     if (!scene_.state_file.empty()) {
         const auto saved = scene_.start_state.read(scene_.state_file);
-        if (const std::string* text = text_attribute(*saved, "scene")) start_differences_ = differences(*text, scene_);
+        start_differences_ = tasks::start_differences(*saved, scene_);
         take_state(*saved);
     } else {
         place_geometrically();

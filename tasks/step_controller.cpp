@@ -13,16 +13,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// Longest time a freshly changed tip keeps its phase, in steps: one whole step, whatever rounding says.
-constexpr double dwell_steps = 1.5;
-
 /// A step shorter than this fraction of the longest one will not help [1].
 constexpr double shortest_step = 1e-7;
-
-/// A new choice replaces a shorter step only where it is longer by this.
-constexpr double worth_while = 1.05;
-
-[[nodiscard]] bool automatic(const StepSettings& settings) noexcept { return settings.choice != nullptr && settings.step == 0.0; }
 
 /// With the error in charge, the grid is that of outputs.
 [[nodiscard]] StepGrid grid_of(const StepSettings& settings) noexcept {
@@ -30,14 +22,14 @@ constexpr double worth_while = 1.05;
     grid.begin = settings.begin;
     grid.output_interval = settings.output_interval;
     const bool free = settings.control == StepControl::error;
-    if (automatic(settings) && !free) grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / AutoStep::ask_interval * (1.0 - 1e-12)));
-    grid.divide(free ? settings.output_interval : automatic(settings) ? AutoStep::longest_step : settings.step);
+    if (settings.automatic() && !free) grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / AutoStep::ask_interval * (1.0 - 1e-12)));
+    grid.divide(free ? settings.output_interval : settings.automatic() ? AutoStep::longest_step : settings.step);
     return grid;
 }
 
 /// Longest step where the error decides.
 [[nodiscard]] double longest_free_step(const StepSettings& settings) noexcept {
-    return automatic(settings) ? settings.output_interval : std::min(settings.step, settings.output_interval);
+    return settings.automatic() ? settings.output_interval : std::min(settings.step, settings.output_interval);
 }
 
 }  // namespace
@@ -153,23 +145,6 @@ int StepController::next() noexcept {
     return stop;
 }
 
-void StepGrid::divide(double longest) noexcept {
-    steps_per_leg = std::max(1L, static_cast<long>(std::ceil(leg_length() / longest * (1.0 - 1e-12))));
-    step = leg_length() / static_cast<double>(steps_per_leg);
-}
-
-double StepGrid::time(long of_leg, long of_point) const noexcept {
-    const long interval = of_leg / legs_per_output;
-    const double whole = begin + static_cast<double>(interval) * output_interval;
-    return whole + (static_cast<double>(of_leg % legs_per_output) * leg_length() + static_cast<double>(of_point) * step);
-}
-
-void StepGrid::pass() noexcept {
-    if (++point < steps_per_leg) return;
-    point = 0;
-    ++leg;
-}
-
 int StepController::end(Fault fault) {
     fault_ = fault;
     return Controller::stop;
@@ -187,28 +162,10 @@ Fault StepController::budget() const {
     return {};
 }
 
-/// Stages must lie at times of their own, and a step must move the time by what it says, to three digits.
-Fault StepController::lost_in_rounding() const {
-    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.time);
-    if (grid_.step >= shortest) return {};
-    return {FaultKind::step_too_short, w_.time, -1, grid_.step, shortest};
-}
-
 int StepController::begin_step() {
     if (const Fault lost = lost_in_rounding()) return end(lost);
     counters_.evaluations = w_.evaluations;
     if (w_.energy.due(w_.time)) return start_observation();
-    return go_on();
-}
-
-int StepController::start_observation() {
-    state_ = State::observe;
-    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.observed_sheaves);
-    return observe_cycle;
-}
-
-int StepController::finish_observation() {
-    w_.energy.sample(w_.time, w_.observed(), w_.pin_period());
     return go_on();
 }
 
@@ -222,20 +179,8 @@ int StepController::go_on() {
     if (due) ++outputs_;
     if (over) return end(Fault{});
     if (const Fault spent = budget()) return end(spent);
-    if (automatic(settings_) && grid_.point == 0 && w_.time == grid_.here()) choose_step();
+    if (settings_.automatic() && grid_.point == 0 && w_.time == grid_.here()) choose_step();
     return start_step();
-}
-
-/// Steps of the leg that begins: shorter ones as soon as they are needed, longer ones where it is worth while.
-void StepController::choose_step() {
-    if (settings_.control == StepControl::error) return;
-    const double longest = std::min(method_.longest_step(AutoStep::longest_step), settings_.choice->longest(w_.time, w_.states[0], w_.phases.data()));
-    StepGrid next = grid_;
-    next.divide(longest);
-    const bool longer = next.step > grid_.step;
-    if (longer && grid_.leg > 0) next.divide(longest / worth_while);
-    if (!longer || next.step > grid_.step) grid_ = next;
-    w_.dwell = dwell_steps * grid_.step;
 }
 
 /// To the next grid point, in as many equal steps as the error asks for.

@@ -14,6 +14,7 @@
 #include "engine/executor/executor.hpp"
 #include "tasks/auto_step.hpp"
 #include "tasks/step_graph.hpp"
+#include "tasks/step_grid.hpp"
 #include "tasks/step_method.hpp"
 #include "tasks/workspace.hpp"
 
@@ -73,6 +74,8 @@ struct StepSettings {
     double tolerance = 1.0;          ///< of local errors, in units of ErrorScale
     AutoStep* choice = nullptr;      ///< what chooses automatic steps; outlives the controller
     const bool* pause = nullptr;     ///< if it becomes true (an observer's wish), the run ends before the next step as if cancelled
+
+    [[nodiscard]] bool automatic() const noexcept { return choice != nullptr && step == 0.0; }
 };
 
 /// Local errors of accepted steps, in units of ErrorScale; only with StepControl::report and error.
@@ -82,28 +85,6 @@ struct LocalErrorStatistics {
     double sum = 0.0;
 
     [[nodiscard]] double mean() const noexcept { return steps > 0 ? sum / static_cast<double>(steps) : 0.0; }
-};
-
-/// Times at which fixed and automatic steps end. Outputs are `output_interval` apart; between two of them lie one or more legs, equally long, at
-/// whose ends the length of steps may change; a leg is divided into equal steps.
-struct StepGrid {
-    double begin = 0.0, output_interval = 0.0;   ///< [s]
-    long legs_per_output = 1;
-    long steps_per_leg = 1;
-    double step = 0.0;        ///< [s]
-    long leg = 0, point = 0;  ///< legs passed, and points of the leg at hand
-
-    /// Steps of at most this length [s].
-    void divide(double longest) noexcept;
-    [[nodiscard]] double leg_length() const noexcept { return output_interval / static_cast<double>(legs_per_output); }
-    /// When the point at hand, or the next one, is due [s].
-    [[nodiscard]] double here() const noexcept { return time(leg, point); }
-    [[nodiscard]] double next() const noexcept { return point + 1 < steps_per_leg ? time(leg, point + 1) : time(leg + 1, 0); }
-    [[nodiscard]] bool at_output(long outputs) const noexcept { return point == 0 && leg == outputs * legs_per_output; }
-    void pass() noexcept;
-
-private:
-    [[nodiscard]] double time(long of_leg, long of_point) const noexcept;
 };
 
 class StepController final : public engine::Controller {
@@ -135,6 +116,9 @@ private:
     /// @param own the method, or nullptr where somebody else owns `method`
     StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings, RunObserver& observer,
                    const engine::Cancellation& cancel);
+
+    /// Longest time a freshly changed tip keeps its phase, in steps: one whole step, whatever rounding says.
+    static constexpr double dwell_steps = 1.5;
 
     enum class State { begin_step, observe, method, detect, end_slope, locate, truncate };
 

@@ -14,6 +14,9 @@ void copy_window(const Workspace& workspace, const Segment& own, const double* s
 /// The same in the segment's own window, which is returned.
 [[nodiscard]] const double* window_of(Workspace& workspace, const double* state, int segment) noexcept;
 
+/// The accounts of a segment's links, all zero.
+[[nodiscard]] model::Account* cleared_accounts(Workspace& workspace, const Segment& own) noexcept;
+
 /// Stage state of the segment and its halo, forces, slope of its links.
 void evaluate_segment(void* workspace, int segment) noexcept;
 /// Losses and stored energies of its links at the step's start, kinetic ones too, into workspace.accounts; on workspace.observed_sheaves.

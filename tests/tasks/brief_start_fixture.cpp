@@ -6,7 +6,7 @@ namespace cvtflow::tasks {
 
 Scene brief_scene() {
     Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
-    const std::vector<std::string> brief{"start.settling_time=1ms", "start.ramp_time=0.5ms"};
+    const std::vector<std::string> brief{"start.settling_time=1ms", "start.ramp_time=0.5ms", "run.step=50 ns"};
     set_values(scene, brief);
     return scene;
 }

@@ -46,7 +46,7 @@ class EveryScene : public testing::TestWithParam<std::string> {};
 TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     Scene scene = read_scene(GetParam());
-    scene.run.output_interval = 20.0 * scene.run.step.value_or(AutoStep::longest_step);
+    scene.run.output_interval = 20.0 * scene.run.step.value_or(Simulation(scene).automatic_step());
     scene.run.segments = std::min(5, scene.parameters.chain.pins);
     scene.run.max_steps = 150;   // ends a settling run early
     scene.run.schedule = "serial";

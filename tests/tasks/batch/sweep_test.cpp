@@ -111,8 +111,8 @@ TEST_F(SweepFile, TellsEveryMistakeWithItsPlace) {
     EXPECT_EQ(error(head + "[[axes]]\nkey = \"detail.pulleys\"\nfrom = \"elastic\"\nto = \"rigid\"\ncount = 2\n"), "s.toml:5:1: axes.from: detail.pulleys has no values in between; list them");
     EXPECT_EQ(error("[sweep]\nscene = \"tiny\"\n[outputs]\nscalars = [\"slp mean\", \"slip men\", \"sheaves/axial_force mean\", \"slip at 3\"]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1]\n"),
               "s.toml:4:12: outputs.scalars: \"slp mean\": there is no channel \"slp\" (did you mean \"slip\"?)\n"
-              "s.toml:4:24: outputs.scalars: \"slip men\": \"men\" is not one of mean, min, max, rms, final, at (did you mean \"mean\"?)\n"
-              "s.toml:4:36: outputs.scalars: \"sheaves/axial_force mean\": sheaves/axial_force has several numbers; write sheaves/axial_force[0] …\n"
+              "s.toml:4:24: outputs.scalars: \"slip men\": \"men\" is not one of mean, min, max, rms, final, at, median (did you mean \"mean\"?)\n"
+              "s.toml:4:36: outputs.scalars: \"sheaves/axial_force mean\": sheaves/axial_force has several numbers; write sheaves/axial_force[0] … or sheaves/axial_force[*] for all of them\n"
               "s.toml:4:64: outputs.scalars: \"slip at 3\": \"3\" is not a time");
     EXPECT_EQ(error(head), "s.toml:1:1: axes: there are none; nothing varies");
     write("rows.csv", "load.torque\n1 kg\n");

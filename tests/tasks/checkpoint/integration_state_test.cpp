@@ -89,9 +89,6 @@ Course from_file_to_file(const Scene& scene, int segments) {
         write_checkpoint(file, checkpoint);
         const Checkpoint read = read_checkpoint(file);
         require_same(file, read, here, simulation.variator());
-        EXPECT_EQ(read.integration.energy, checkpoint.integration.energy);
-        EXPECT_EQ(read.integration.settling_suspicion, checkpoint.integration.settling_suspicion);
-        EXPECT_EQ(read.integration.settling_residual, checkpoint.integration.settling_residual);
         EXPECT_EQ(read.integration, checkpoint.integration);
         EXPECT_EQ(read.integration.hash(), checkpoint.integration.hash());
         at = read.integration;
@@ -107,6 +104,7 @@ class EveryMethod : public testing::TestWithParam<std::string> {};
 TEST_P(EveryMethod, GoesOnFromACheckpointBitForBit) {
     Scene scene = tiny();
     scene.run.method = GetParam();
+    scene.run.step = 5e-8;
     try {
         const Simulation usable(scene);
     } catch (const SimulationError& error) {

@@ -45,7 +45,7 @@ TEST(Stages, EveryTaskOfEveryMethodHasOneWithALetterOfItsOwn) {
                 const StageRow& row = stages.rows()[stages.row(of.graph().task(task).stage_name())];
                 EXPECT_TRUE(row.task) << method;
                 const int cycle = of.graph().task(task).cycle;
-                EXPECT_EQ(row.name == "transition", cycle > evaluate_cycle && cycle < method_cycles) << method << " " << of.graph().task(task).name;
+                EXPECT_EQ(row.name == "transition", cycle > evaluate_cycle && cycle < observe_cycle) << method << " " << of.graph().task(task).name;
             }
         }
     }
@@ -61,10 +61,10 @@ TEST(Stages, AreNamedByTheTasks) {
         return list;
     };
     using testing::ElementsAre;
-    EXPECT_THAT(names({scene, "rk4", {}}), ElementsAre("enter", "all forces (fused)", "transition", "controller", "wait", "exit"));
+    EXPECT_THAT(names({scene, "rk4", {}}), ElementsAre("enter", "all forces (fused)", "transition", "observe", "controller", "wait", "exit"));
     EXPECT_THAT(names({scene, "rk4", {Assembly::staged}}),
-                ElementsAre("enter", "combine", "contact forces", "chain forces", "boundary pins", "Cholesky", "transition", "controller", "wait", "exit"));
-    EXPECT_THAT(names({scene, "leapfrog-chebyshev", {}}), ElementsAre("enter", "all forces (fused)", "transition", "push", "friction", "finish", "controller", "wait", "exit"));
+                ElementsAre("enter", "combine", "contact forces", "chain forces", "boundary pins", "Cholesky", "observe", "transition", "controller", "wait", "exit"));
+    EXPECT_THAT(names({scene, "leapfrog-chebyshev", {}}), ElementsAre("enter", "all forces (fused)", "transition", "observe", "push", "friction", "finish", "controller", "wait", "exit"));
     EXPECT_THAT(names({scene, "trapezoidal-full", {Assembly::staged}}), testing::AllOf(testing::Contains("Cholesky"), testing::Contains("jacobian"), testing::Contains("backward")));
 }
 

@@ -1,0 +1,28 @@
+#pragma once
+/// Where steps end.
+
+namespace cvtflow::tasks {
+
+/// Times at which fixed and automatic steps end. Outputs are `output_interval` apart; between two of them lie one or more legs, equally long, at
+/// whose ends the length of steps may change; a leg is divided into equal steps.
+struct StepGrid {
+    double begin = 0.0, output_interval = 0.0;   ///< [s]
+    long legs_per_output = 1;
+    long steps_per_leg = 1;
+    double step = 0.0;        ///< [s]
+    long leg = 0, point = 0;  ///< legs passed, and points of the leg at hand
+
+    /// Steps of at most this length [s].
+    void divide(double longest) noexcept;
+    [[nodiscard]] double leg_length() const noexcept { return output_interval / static_cast<double>(legs_per_output); }
+    /// When the point at hand, or the next one, is due [s].
+    [[nodiscard]] double here() const noexcept { return time(leg, point); }
+    [[nodiscard]] double next() const noexcept { return point + 1 < steps_per_leg ? time(leg, point + 1) : time(leg + 1, 0); }
+    [[nodiscard]] bool at_output(long outputs) const noexcept { return point == 0 && leg == outputs * legs_per_output; }
+    void pass() noexcept;
+
+private:
+    [[nodiscard]] double time(long of_leg, long of_point) const noexcept;
+};
+
+}  // namespace cvtflow::tasks
