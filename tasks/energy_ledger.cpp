@@ -59,7 +59,7 @@ void EnergyLedger::restart(long stride) noexcept {
 void EnergyLedger::step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept {
     const model::ChainLayout& at = variator.layout();
     m_.steps += 1.0;
-    if (at.pulley_size == 0) return;
+    if (at.pulley_size == 0 || !on_) return;
     const model::PulleyModel& pulleys = variator.pulleys();
     const auto inputs = [&](double t, const double* tail) { return pulleys.inputs(t, tail, at.control ? tail[at.pulley_block()] : 0.0); };
     if (!known_) inputs_ = inputs(begin, from);
@@ -79,6 +79,7 @@ void EnergyLedger::inputs_changed(double time) noexcept {
 }
 
 bool EnergyLedger::due(double time) const noexcept {
+    if (!on_) return false;
     if (m_.samples == 0.0) return true;
     if (!(time > m_.sampled)) return false;   // a step may be cut at its start
     const double since = time - m_.jumped;   // what follows a jump dies out fast at first: samples lie as close as it is young

@@ -56,6 +56,8 @@ public:
 
     /// A new integration begins. @param stride steps between samples of the losses (StepMethod::observation_stride)
     void restart(long stride) noexcept;
+    /// false: nothing is kept from the next restart on, to measure what keeping costs.
+    void keep(bool on) noexcept { on_ = on; }
     /// Inputs have been changed from outside: losses are sampled densely for a while, unless that has just been so.
     void inputs_changed(double time) noexcept;
     /// A step has been taken. @param from, to states behind the links at its ends, which begin at pulley_begin()
@@ -121,6 +123,7 @@ private:
     Memory m_{};
     model::Inputs inputs_;   ///< at the end of the last step
     bool known_ = false;
+    bool on_ = true;
     double stride_ = 16.0;   ///< steps between samples
 };
 

@@ -92,6 +92,8 @@ public:
     [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
     /// The largest EnergyLedger::suspicion() of settling and run: above 1 the results are wrong.
     [[nodiscard]] double suspicion() const noexcept { return std::max(rest_.settling_suspicion, workspace_->energy.suspicion()); }
+    /// false: keeps no energies from the next run on, for measurements of what that costs.
+    void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
     /// What chooses steps, with what it found last; nullptr: run.step is given.
     [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
     /// The automatic step at the present state, whatever run.step says [s].

@@ -20,6 +20,7 @@ double seed(int index) { return std::sin(1.0 + 2.399963 * index) + 0.3 * ((index
 
 SpectralBound::SpectralBound(const model::Variator& variator) : variator_(variator), scratch_(variator.layout()) {
     const auto size = static_cast<std::size_t>(variator.layout().size());
+    rest_phases_.resize(static_cast<std::size_t>(model::tips_per_link * variator.layout().links));
     for (auto* field : {&velocity_.direction, &coordinate_.direction, &base_, &moved_, &slope_, &rest_}) field->assign(size, 0.0);
     velocity_.size = 1e-9;
     coordinate_.size = 1e-11;
@@ -78,8 +79,9 @@ int SpectralBound::estimate_at_rest(double t, const double* state, const model::
     begin();
     std::copy_n(state, rest_.size(), rest_.begin());
     for_each_unknown([&](int, int v) { rest_[static_cast<std::size_t>(v)] = 0.0; });
-    model::right_hand_side(variator_, t, rest_.data(), phases, base_.data(), scratch_);
-    int evaluations = 2 + iterate(velocity_, true, t, rest_.data(), phases);
+    std::transform(phases, phases + rest_phases_.size(), rest_phases_.begin(), [](model::Phase phase) { return phase == model::Phase::slip ? model::Phase::stick : phase; });
+    model::right_hand_side(variator_, t, rest_.data(), rest_phases_.data(), base_.data(), scratch_);
+    int evaluations = 2 + iterate(velocity_, true, t, rest_.data(), rest_phases_.data());
     model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
     evaluations += iterate(coordinate_, false, t, state, phases);
     cold_ = false;

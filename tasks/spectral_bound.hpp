@@ -52,6 +52,7 @@ private:
     const model::Variator& variator_;
     Iteration velocity_, coordinate_;
     std::vector<double> base_, moved_, slope_, rest_;
+    std::vector<model::Phase> rest_phases_;   ///< none of them slips
     model::EvaluationScratch scratch_;
     bool cold_ = true;
 };

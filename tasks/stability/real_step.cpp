@@ -25,6 +25,7 @@ void hold(IntegrationState& state, double h) {
     state.begin = state.time;
     state.output_interval = state.step = h;
     state.grid_number = state.outputs = 0;
+    state.grid_steps = 1;
     std::fill(state.changed.begin(), state.changed.end(), state.time);
 }
 

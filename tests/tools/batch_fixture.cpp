@@ -8,7 +8,7 @@ namespace cvtflow::tools {
 
 void Sweeps::write_sweep(const std::string& torques, const std::string& until, const std::string& more) const {
     write("sweep.toml", "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"" + until +
-                            "\"\nstart.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [" + torques +
+                            "\"\nrun.step = \"50 ns\"\nstart.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [" + torques +
                             "]\n[[axes]]\nkey = \"clamping.driven\"\nfrom = \"5 kN\"\nto = \"6 kN\"\ncount = 4\n[outputs]\n"
                             "scalars = [\"slip mean\", \"tight_tension max\", \"ratio at 20 us\"]\n[start]\nmode = \"settle\"\n" + more);
 }

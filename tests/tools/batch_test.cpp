@@ -34,7 +34,7 @@ TEST_F(Batch, GivesOneHashForEveryNumberOfThreadsAndEveryCut) {
 TEST_F(Batch, CaseEqualsTheRunOfItsScene) {
     write_sweep();
     ASSERT_EQ(batch().status, 0);
-    const Outcome single = run({"run", "tiny", "-o", "none", "--settle", "--until", "40 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us", "--set",
+    const Outcome single = run({"run", "tiny", "-o", "none", "--settle", "--until", "40 us", "--step", "50 ns", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us", "--set",
                                 "load.torque=12 N*m", "--set", "clamping.driven=5 kN"});
     EXPECT_THAT(single.out, HasSubstr("state hash          " + column("hash").at(4)));
 }

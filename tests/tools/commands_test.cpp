@@ -93,7 +93,7 @@ TEST_F(Commands, SchemaIsJson) {
 }
 
 TEST_F(Commands, CheckSaysWhatASceneIs) {
-    const Outcome outcome = run({"check", "tiny"});
+    const Outcome outcome = run({"check", "tiny", "--step", "50 ns"});
     EXPECT_EQ(outcome.status, 0);
     // Order 1: 4 (1 + 1) + 4 coordinates per link.
     EXPECT_THAT(outcome.out, HasSubstr("324 coordinates (24 links x 12 + pulleys 36), 648 unknowns\n"));
@@ -105,10 +105,10 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
 }
 
 TEST_F(Commands, CheckSaysUpToWhereASettledSceneIsStable) {
-    const Outcome beyond = run({"check", "control"});
+    const Outcome beyond = run({"check", "control", "--step", "2 us"});
     EXPECT_EQ(beyond.status, 0) << beyond.err;
     EXPECT_THAT(beyond.out, testing::ContainsRegex("\n  stable to +1\\.9[0-9]* us \\(oscillation of .* kHz under friction of .* 1/s\\); run.step is beyond\n"));
-    EXPECT_THAT(run({"check", "control", "--step", "1.8 us"}).out, testing::Not(HasSubstr("run.step is beyond")));
+    for (const char* step : {"1.8 us", "auto"}) EXPECT_THAT(run({"check", "control", "--step", step}).out, testing::Not(HasSubstr("run.step is beyond")));
     EXPECT_THAT(run({"check", "control", "--method", "trapezoidal-once"}).out, testing::ContainsRegex("\n  stable to +linear stability sets no limit\n"));
     EXPECT_THAT(run({"check", "tiny"}).out, testing::Not(HasSubstr("stable to"))) << "there is no state yet";
 }
@@ -141,7 +141,7 @@ TEST_F(Commands, LocalErrorShowsTheOrder) {
                                    HasSubstr("\n   80 ns ")));
 }
 
-const std::vector<std::string> brief_settling{"--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms"};
+const std::vector<std::string> brief_settling{"--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.step=50 ns"};
 
 TEST_F(Commands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
     const Outcome outcome = run(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns", "-o", "errors"} + brief_settling);

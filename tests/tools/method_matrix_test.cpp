@@ -58,7 +58,7 @@ const std::vector<Row> rows{
     {"resume", "", [](const std::string&) { return Words{"resume", "cut.checkpoint.h5", "--set", "run.max_steps=0"}; }, [](const std::string&) { return done("tiny: finished at t = 2e-06 s\n"); }},
     {"settle", "", [](const std::string& m) { return Words{"settle", "tiny", "--method", m, "--step", "100ns", "--time", "2us", "--set", "start.ramp_time=1us", "-o", "own.h5", "--force"} + outputs; },
      [](const std::string&) { return done("tiny: settled for 2 us\n"); }},
-    {"check", "", [](const std::string& m) { return Words{"check", "tiny", "--method", m}; }, [](const std::string& m) { return done(m + " with step 50 ns\n"); }},
+    {"check", "", [](const std::string& m) { return Words{"check", "tiny", "--method", m, "--step", "50 ns"}; }, [](const std::string& m) { return done(m + " with step 50 ns\n"); }},
     {"compare", "", [](const std::string& m) { return Words{"compare", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us"} + state; },
      [](const std::string& m) { return done("\n  " + m + "@100ns "); }},
     {"tradeoff", "", [](const std::string& m) { return Words{"tradeoff", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us", "--rounds", "1"} + state; },

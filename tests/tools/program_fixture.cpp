@@ -88,7 +88,7 @@ Outcome Program::run(const std::vector<std::string>& arguments, const std::vecto
 
 Outcome Program::run_briefly(const std::vector<std::string>& more) const {
     std::vector<std::string> arguments{
-        "run", "tiny", "--until", "20 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
+        "run", "tiny", "--until", "20 us", "--step", "50 ns", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
 }

@@ -16,7 +16,7 @@ using testing::StartsWith;
 class Resume : public Program {
 protected:
     [[nodiscard]] std::vector<std::string> arguments(const std::string& record, const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> all{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--set", "start.settling_time=100us", "--set", "start.ramp_time=50us", "--set", "run.schedule=serial"};
+        std::vector<std::string> all{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--step", "50 ns", "--set", "start.settling_time=100us", "--set", "start.ramp_time=50us", "--set", "run.schedule=serial"};
         all.insert(all.end(), more.begin(), more.end());
         return all;
     }
