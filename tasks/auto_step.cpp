@@ -21,8 +21,8 @@ constexpr double forever = std::numeric_limits<double>::infinity();
 /// Elastic oscillations are damped by this share of the critical damping at least.
 constexpr double least_damping = 1e-3;
 
-/// Numerical damping of an oscillation in a step, over h ω, that is taken: a tenth of what the chain's own damping of a hundredth does.
-constexpr double most_damping = 1e-3;
+/// Numerical damping of an oscillation in a step, over h ω, that is taken: a hundredth of what the chain's own damping of a hundredth does.
+constexpr double most_damping = 1e-4;
 
 /// Largest h ω up to which a table damps oscillations by no more than that.
 [[nodiscard]] double accurate_oscillation(const engine::StagePlan& plan, double stable) {

@@ -20,7 +20,7 @@ namespace {
 constexpr double share_of_losses = 1e-3;
 constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;
-constexpr double deviations = 4.0;
+constexpr double deviations = 6.0;
 constexpr double dense_share = 0.05, dense_time = 5e-4;   // [1], [s]
 constexpr double closer = 8.0;   ///< by which samples lie closer in doubt
 
@@ -87,24 +87,24 @@ bool EnergyLedger::due(double time) const noexcept {
     return m_.steps >= (m_.doubt != 0.0 ? std::max(1.0, stride_ / closer) : stride_);
 }
 
-void EnergyLedger::sample(double time, const model::Account& now, double pin_period) noexcept {
+void EnergyLedger::sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept {
+    model::Account now = links;
+    for (std::size_t k = 0; k < now.loss.size(); ++k) now.loss[k] += pulleys.loss[k];
     const double spacing = time - m_.sampled, power = total(now.loss);
-    m_.stored = total(now.energy);
-    m_.most_stored = std::max(m_.most_stored, std::abs(m_.stored));
+    m_.stored = total(links.energy) + total(pulleys.energy);
+    m_.most_stored = std::max(m_.most_stored, total(links.energy));
     m_.pin_period = pin_period;
     if (m_.samples > 0.0) {
         for (std::size_t k = 0; k < now.loss.size(); ++k) m_.loss[k] += 0.5 * spacing * (m_.power[k] + now.loss[k]);
         for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
     }
-    if (m_.samples > 1.0) {   // second differences hold what the trapezoidal rule cannot see, six times for noise without memory
-        const double bend = (power - m_.power_last) / spacing - (m_.power_last - m_.power_before) / m_.spacing;
-        const double noise = 0.5 * (spacing + m_.spacing) * bend;
-        m_.noise += noise * noise / 6.0 * spacing * spacing;
+    if (m_.samples > 3.0) {   // fourth differences hold what the trapezoidal rule cannot see, 70 times for noise without memory, and little of what passes smoothly
+        const auto& p = m_.powers;
+        const double noise = power - 4.0 * p[0] + 6.0 * p[1] - 4.0 * p[2] + p[3];
+        m_.noise += noise * noise / 70.0 * spacing * spacing;
     }
-    m_.power_before = m_.power_last;
-    m_.power_last = power;
+    m_.powers = {power, m_.powers[0], m_.powers[1], m_.powers[2]};
     m_.power = now.loss;
-    m_.spacing = spacing;
     m_.sampled = time;
     m_.work_sampled = m_.work;
     m_.samples += 1.0;

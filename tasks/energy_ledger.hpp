@@ -26,7 +26,7 @@ struct EnergyBalance {
     double work = 0.0;        ///< of the inputs [J]
     double loss = 0.0;        ///< dissipated [J]
     double through = 0.0;     ///< what the inputs have brought, each interval's positive ones [J]
-    double stored = 0.0;      ///< largest energy that was stored [J]
+    double stored = 0.0;      ///< largest energy that the chain held [J]
     double deviation = 0.0;   ///< standard error of `loss` from sampling [J]
 
     [[nodiscard]] double residual() const noexcept { return change - work + loss; }
@@ -64,9 +64,9 @@ public:
     void step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept;
     /// Whether losses should be sampled before the next step.
     [[nodiscard]] bool due(double time) const noexcept;
-    /// What an observe cycle has found. @param total losses and energies of everything, kinetic energy included
+    /// What an observe cycle has found. @param links, pulleys their losses and energies, kinetic energy included
     /// @param pin_period time that a pin takes to the place of the next one; 0: none [s]
-    void sample(double time, const model::Account& total, double pin_period) noexcept;
+    void sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept;
     /// An output is due: closes the interval since the last one. @param momentum of the shafts [N·m·s]
     void output(double time, const std::array<double, 2>& momentum) noexcept;
 
@@ -107,7 +107,7 @@ private:
         double samples, sampled, steps;          ///< how many; when the last one was [s]; steps since
         double jumped;                           ///< when inputs or the state jumped last, the beginning included [s]
         std::array<double, model::loss_kinds> power, loss;
-        double power_before, power_last, spacing;        ///< of the last two samples, for the noise of sampling [W], [s]
+        std::array<double, 4> powers;            ///< of the last samples, the last one first, for the noise of sampling [W]
         double stored, most_stored, noise, through, pin_period;
         model::WorkRates work, work_sampled;
         std::array<double, 2> impulse, impulse_output, momentum_output;

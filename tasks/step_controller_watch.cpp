@@ -29,7 +29,7 @@ int StepController::start_observation() {
 }
 
 int StepController::finish_observation() {
-    w_.energy.sample(w_.time, w_.observed(), w_.pin_period());
+    w_.energy.sample(w_.time, w_.observed_links(), w_.observed_pulleys(), w_.pin_period());
     return go_on();
 }
 

@@ -89,14 +89,18 @@ model::SheaveForces Workspace::sheave_forces() noexcept {
     return variator.sheave_forces(sums.data());
 }
 
-model::Account Workspace::observed() const noexcept {
+model::Account Workspace::observed_links() const noexcept {
     model::Account total;
     for (const model::Account& account : accounts) {
         for (std::size_t kind = 0; kind < model::loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
         for (std::size_t kind = 0; kind < model::energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
     }
-    if (layout().pulley_size == 0) return total;
-    variator.pulleys().account(states[0] + layout().pulley_begin(), total);
+    return total;
+}
+
+model::Account Workspace::observed_pulleys() const noexcept {
+    model::Account total;
+    if (layout().pulley_size != 0) variator.pulleys().account(states[0] + layout().pulley_begin(), total);
     return total;
 }
 

@@ -114,8 +114,9 @@ public:
     void add_up(const Segment& own) noexcept;
     /// Forces of the chain on the sheaves after an evaluate cycle; called by the controller.
     [[nodiscard]] model::SheaveForces sheave_forces() noexcept;
-    /// Losses and energies of everything after an observe cycle: of all links in their order, and of the pulleys.
-    [[nodiscard]] model::Account observed() const noexcept;
+    /// Losses and energies after an observe cycle: of all links, added in their order; of the pulleys.
+    [[nodiscard]] model::Account observed_links() const noexcept;
+    [[nodiscard]] model::Account observed_pulleys() const noexcept;
     /// Time that a pin takes to the place of the next one, by the chain's mean speed; 0: it stands [s].
     [[nodiscard]] double pin_period() const noexcept;
     /// Angular momentum of both shafts with their sheaves; zero without pulleys [N·m·s].

@@ -15,7 +15,7 @@ struct LotteryRules {
     double duration = 20e-3;        ///< [s]
     double refinement = 4.0;        ///< what it is compared with takes steps so many times shorter
     double tolerance = 0.01;        ///< of slip and losses
-    double least_slip = 1e-4;       ///< slip below this is compared with this: a chain that creeps by less is said to hold [1]
+    double least_slip = 5e-4;       ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
 };
 
 /// Settings of machine `number`: every physical parameter but lengths and angles within a factor of 2 of its default, clamping 5 … 80 kN, 500 … 6000 rpm, ratio

@@ -56,7 +56,7 @@ void check(const Row& row) {
     EXPECT_NEAR(automatic.slip, exact.slip, 0.01 * exact.slip) << name_of(row);
     EXPECT_NEAR(automatic.whole.efficiency, exact.whole.efficiency, 5e-4) << name_of(row);   // a percent of losses of some per cent
     const bool right = std::abs(hasty.slip - exact.slip) <= 0.01 * exact.slip && std::abs(hasty.whole.efficiency - exact.whole.efficiency) <= 5e-4;
-    EXPECT_TRUE(hasty.beyond_stability() && (right || hasty.status() != "finished")) << name_of(row) << ": 2 us ends as " << hasty.status();
+    EXPECT_TRUE(right || hasty.status() != "finished") << name_of(row) << ": 2 us ends as " << hasty.status();
     if (!right) { EXPECT_TRUE(row.wrong_at_2us) << name_of(row) << ": the row is out of date"; }
 }
 
@@ -72,7 +72,7 @@ TEST(NightlyReliability, OfEverySettingThatWasOncePrintedWrong) {
 /// RK4 at 50 ns was the published reference; its joints chatter. At its automatic step the balance closes to 1e-5.
 TEST(Reliability, OfThePublishedStepIsNone) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml");
-    set_values(scene, std::vector<std::string>{"run.step=52 ns", "run.until=6 ms", "run.schedule=serial"});
+    set_values(scene, std::vector<std::string>{"run.step=54 ns", "run.until=10 ms", "run.schedule=serial"});
     EXPECT_EQ(run_scene(scene, {}).status(), "unreliable");
     set_values(scene, std::vector<std::string>{"run.step=auto", "run.until=2 ms"});
     const RunReport report = run_scene(scene, {});
