@@ -9,8 +9,8 @@
 /// its inputs, cancel it, use other simulations in every way, and throw (the exception leaves advance_to()). Stepping or replacing the
 /// state of the same simulation from its own callback is refused (busy).
 ///
-/// Floating-point environment. Steps are taken in the default environment (round to nearest, denormals kept, traps off), whatever the host
-/// has set, so results do not depend on it; the host's is put back before any callback and on return.
+/// Floating-point environment. Everything (scenes read, simulations made, steps, questions) runs in the default environment (round to nearest,
+/// denormals kept, traps off), whatever the host has set, so results do not depend on it; the host's is put back for callbacks and on return.
 
 #include <cstddef>
 #include <cstdint>
