@@ -95,7 +95,7 @@ std::span<const double> Simulation::channel(const std::string& name) {
 
 Counters Simulation::counters() const noexcept { return impl_->counters(); }
 std::vector<std::string> Simulation::notices() const {
-    return entered(ErrorCode::internal, [&] { return impl_->simulation().start_differences(); });
+    return entered(ErrorCode::internal, [&] { return impl_->notices(); });
 }
 double Simulation::largest_stable_step() {
     return entered(ErrorCode::internal, [&] { return impl_->largest_stable_step(); });

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "api/translate.hpp"
+#include "engine/executor/worker_threads.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tasks/scene/units.hpp"
@@ -264,6 +265,13 @@ double Simulation::Impl::largest_stable_step() {
 double Simulation::Impl::step_length() const noexcept {
     const double interval = data().run.output_interval;
     return interval / std::max(1.0, std::ceil(interval / data().run.step * (1.0 - 1e-12)));
+}
+
+std::vector<std::string> Simulation::Impl::notices() const {
+    std::vector<std::string> lines = simulation_.start_differences();
+    const engine::ThreadShortage threads = engine::thread_shortage();
+    if (threads.wanted > 0) lines.push_back("threads: the system gave " + std::to_string(threads.had) + " of " + std::to_string(threads.wanted));
+    return lines;
 }
 
 Counters Simulation::Impl::counters() const noexcept {

@@ -59,6 +59,7 @@ public:
     [[nodiscard]] std::size_t channels() const noexcept { return channels_.size(); }
     [[nodiscard]] double step_length() const noexcept;
     [[nodiscard]] Counters counters() const noexcept;
+    [[nodiscard]] std::vector<std::string> notices() const;
 
 private:
     void output(double, const tasks::Workspace&, const tasks::Counters&) override {}

@@ -96,7 +96,10 @@ ExitStatus run_part(const tasks::Sweep& sweep, tasks::BatchOptions options, bool
         report = tasks::run_batch(sweep, options);
     }
     if (options.part.only >= 0 && !interrupted.requested()) return ExitStatus::finished;
-    if (!quiet) print_end(sweep, report, options.folder);
+    if (!quiet) {
+        print_end(sweep, report, options.folder);
+        print_notices();
+    }
     if (!report.finished) return ExitStatus::cancelled;
     return report.statuses.size() == 1 && report.statuses.contains("ok") ? ExitStatus::finished : ExitStatus::incomplete;
 }

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 
+#include "engine/executor/worker_threads.hpp"
 #include "tasks/run.hpp"
 
 namespace cvtflow::tools {
@@ -17,6 +18,12 @@ void print_error(std::string_view message) {
         fmt::print(stderr, "{}{}\n", continued ? "" : "cvtflow: ", message.substr(begin, end - begin));
         begin = end + 1;
     }
+}
+
+void print_notices() {
+    const engine::ThreadShortage threads = engine::thread_shortage();
+    if (threads.wanted == 0) return;
+    print_error(fmt::format("the system gave {} of {} threads; this took longer and gave the same bits", threads.had, threads.wanted));
 }
 
 int guarded(const std::function<int()>& work) noexcept {

@@ -78,7 +78,11 @@ int execute(int argc, char** argv) {
         return report_parse_error(app, error);
     }
     for (std::size_t i = 0; i < actions.size(); ++i) {
-        if (app.got_subcommand(std::string(commands()[i].name))) return static_cast<int>(actions[i]());
+        const std::string name(commands()[i].name);
+        if (!app.got_subcommand(name)) continue;
+        const ExitStatus status = actions[i]();
+        if (const CLI::Option* quiet = app.get_subcommand(name)->get_option_no_throw("--quiet"); quiet == nullptr || quiet->count() == 0) print_notices();
+        return static_cast<int>(status);
     }
     return static_cast<int>(ExitStatus::usage);
 }

@@ -135,7 +135,8 @@ public:
     [[nodiscard]] std::span<const double> channel(const std::string& name);
 
     [[nodiscard]] Counters counters() const noexcept;
-    /// What a user should know: differences between the scene and the one that its state file was settled with, one line each.
+    /// What a user should know, one line each: differences between the scene and the one that its state file was settled with; threads that
+    /// were wanted and not to be had (simulations of this process then run on fewer, down to the caller alone, with the same bits).
     [[nodiscard]] std::vector<std::string> notices() const;
     /// Largest step for which the scene's method is linearly stable here, from the extreme eigenvalues (about a hundred evaluations) [s].
     /// @throws Error busy
