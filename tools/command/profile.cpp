@@ -12,6 +12,7 @@
 #include "engine/executor/runtimes.hpp"
 #include "tasks/profile/report.hpp"
 #include "tools/command.hpp"
+#include "tools/output_place.hpp"
 #include "tools/profile_text.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text.hpp"
@@ -101,6 +102,7 @@ ExitStatus profile(const ProfileArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
     const tasks::Scene& scene = loaded.scene;
+    for (const std::string& file : {arguments.csv, arguments.json, arguments.trace, arguments.stages, arguments.curves}) require_no_input(file, {scene.path, scene.state_file});
     const tasks::MeasureOptions options = options_of(arguments);
     tasks::ScheduleChoice choice = arguments.choice;
     choice.wait = waits.at(arguments.wait);

@@ -9,6 +9,7 @@
 #include "tools/batch_text.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/output_place.hpp"
 #include "tools/progress.hpp"
 #include "tools/ready_scenes.hpp"
 #include "tools/scene_arguments.hpp"
@@ -58,6 +59,7 @@ ExitStatus go_on(const ResumeArguments& arguments) {
     ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
     tasks::RunOptions options;
     options.file = arguments.output.empty() ? checkpoint.record : arguments.output == "none" ? "" : arguments.output;
+    require_output(options.file, {arguments.what, scene.path, scene.state_file});
     options.cancel = &catch_interrupts();
     options.checkpoint = arguments.what;
     options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.empty() ? "60 s" : arguments.every);

@@ -8,6 +8,7 @@
 #include "tasks/run.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/output_place.hpp"
 #include "tools/progress.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text.hpp"
@@ -37,6 +38,14 @@ std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& s
     if (!arguments.checkpoint.empty()) return arguments.checkpoint;
     std::filesystem::path path = record.empty() ? scene.path.stem() : std::filesystem::path(record);
     return path.replace_extension(".checkpoint.h5").string();
+}
+
+/// Complaints about the command line, and about places that must not be written to, before the work.
+void require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+    const std::vector<std::filesystem::path> inputs{scene.path, scene.state_file};
+    require_output(file, inputs);
+    if (arguments.checkpoint_every.empty()) return;
+    require_checkpoint_place(checkpoint_path(arguments, scene, file), file, inputs);
 }
 
 std::string record_text(const std::string& path) {
@@ -70,6 +79,7 @@ ExitStatus run(const RunArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
     const std::string file = record_path(arguments, loaded.scene);
+    require_places(arguments, loaded.scene, file);
     const tasks::RunReport report = simulate(arguments, loaded.scene, file);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}{}", loaded.scene.name, tasks::summary(report), machine_text(), field("record", record_text(file)));
