@@ -58,6 +58,14 @@ std::optional<engine::StagePlan> plan_for(std::string_view method) {
     return plan;
 }
 
+bool is_method(std::string_view method) {
+    thread_local std::string last;   // a family's member is known by computing it
+    if (!last.empty() && method == last) return true;
+    if (find_program(method) == nullptr && !engine::make_method(method)) return false;
+    last = method;
+    return true;
+}
+
 std::vector<std::string> method_names() {
     std::vector<std::string> names;
     for (const engine::StagePlan& plan : engine::methods()) names.push_back(plan.name);

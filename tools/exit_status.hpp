@@ -14,7 +14,7 @@ enum class ExitStatus {
     fault = 3,       ///< the simulation ran into a state that it cannot continue from
     budget = 4,      ///< run.max_steps or run.max_wall used up
     incomplete = 5,  ///< a sweep whose cases did not all end well; shards or cases that are missing
-    cancelled = 130  ///< interrupted by SIGINT or SIGTERM; as shells report it
+    cancelled = 130  ///< interrupted by SIGINT, SIGTERM, SIGHUP, SIGXCPU or SIGPIPE; as shells report the first
 };
 
 [[nodiscard]] ExitStatus exit_status(tasks::FaultKind kind) noexcept;

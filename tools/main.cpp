@@ -91,5 +91,6 @@ int execute(int argc, char** argv) {
 }  // namespace cvtflow::tools
 
 int main(int argc, char** argv) {
-    return cvtflow::tools::guarded([&] { return cvtflow::tools::execute(argc, argv); });
+    cvtflow::tools::take_standard_descriptors();
+    return cvtflow::tools::finish_output(cvtflow::tools::guarded([&] { return cvtflow::tools::execute(argc, argv); }));
 }

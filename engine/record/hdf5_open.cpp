@@ -18,6 +18,9 @@ void require_file(const std::string& path) {
     if (std::error_code ignored; std::filesystem::is_directory(path, ignored)) {
         throw RecordError(path + ": a folder, not a file");
     }
+    if (std::error_code ignored; std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) {
+        throw RecordError(path + ": a device, pipe or socket, not a file");   // would be read without end, or waited for
+    }
     const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor < 0) {
         throw RecordError(path + ": " + std::strerror(errno));

@@ -1,13 +1,18 @@
 #include <fmt/format.h>
 
-#include <fstream>
+#include <filesystem>
+#include <sstream>
+#include <stdexcept>
 
+#include "engine/base/text_file.hpp"
 #include "tasks/batch/axis_reader.hpp"
 #include "tasks/scene/spelling.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
+
+constexpr std::size_t longest_csv = std::size_t{64} << 20U;   // a million rows of six numbers [byte]
 
 std::string trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
@@ -84,9 +89,16 @@ private:
 
 Axis read_csv_axis(const std::filesystem::path& file, Position position, std::vector<Problem>& problems) {
     CsvReader reader(file.filename().string(), position, problems);
-    std::ifstream stream(file);
-    if (!stream) {
+    std::error_code unknown;
+    if (!std::filesystem::exists(file, unknown)) {
         problems.push_back({position, fmt::format("axes.csv: there is no file {}", toml_text(file.string()))});
+        return {};
+    }
+    std::istringstream stream;
+    try {
+        stream.str(engine::read_text_file(file.string(), longest_csv));
+    } catch (const std::runtime_error& reason) {
+        problems.push_back({position, fmt::format("axes.csv: {}: cannot be read: {}", file.string(), reason.what())});
         return {};
     }
     for (std::string line; std::getline(stream, line);) reader.line(line);

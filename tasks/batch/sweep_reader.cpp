@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 #include "tasks/method_choice.hpp"
 #include "tasks/batch/axis_reader.hpp"
@@ -171,12 +169,7 @@ private:
 }  // namespace
 
 Sweep read_sweep(const std::filesystem::path& path, const FindScene& find_scene) {
-    std::error_code error;
-    std::ifstream file(path, std::ios::binary);
-    if (!file || std::filesystem::is_directory(path, error)) throw SceneError(fmt::format("{}: cannot be read", path.string()));
-    std::ostringstream text;
-    text << file.rdbuf();
-    return SweepReader(path, text.str(), find_scene).read();
+    return SweepReader(path, read_toml_text(path), find_scene).read();
 }
 
 }  // namespace cvtflow::tasks

@@ -6,8 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "tasks/scene/units.hpp"
+#include "engine/executor/catalogue.hpp"
 #include "model/belt.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/scene/spelling.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -137,8 +140,16 @@ Violation segments_have_links(const Scene& scene) {
 }
 
 Violation method_named(const Scene& scene) {
-    if (!scene.run.method.empty()) return {};
-    return "run.method: the name is empty";
+    if (is_method(scene.run.method)) return {};
+    return "run.method: " + (scene.run.method.empty() ? "the name is empty" : no_method(scene.run.method));
+}
+
+Violation executor_named(const Scene& scene) {
+    const std::string& name = scene.run.schedule;
+    if (name == "auto" || engine::find_executor(name) != nullptr) return {};
+    std::vector<std::string> names{"auto"};
+    for (const engine::ExecutorRow& row : engine::executors()) names.emplace_back(row.name);
+    return fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", name, did_you_mean(closest(name, names)));
 }
 
 }  // namespace
@@ -163,6 +174,7 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_named},
+        {{"run.schedule"}, executor_named},
     };
     return checks;
 }

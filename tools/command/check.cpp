@@ -7,6 +7,7 @@
 #include "tasks/method_choice.hpp"
 #include "tasks/simulation.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/scene_text.hpp"
 #include "tools/text.hpp"
@@ -57,7 +58,7 @@ ExitStatus check(const SceneArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments);
     const tasks::Scene& scene = loaded.scene;
     const tasks::Simulation simulation(scene);
-    if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    if (!loaded.notice.empty()) print_error(loaded.notice);
     std::string text = fmt::format("{}: {}\n", scene.name, scene.description.empty() ? "no description" : scene.description);
     text += field("file", scene.path.string());
     text += field("detail", detail_text(scene));

@@ -3,10 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "engine/base/provenance.hpp"
 #include "tasks/run.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/output_place.hpp"
 #include "tools/progress.hpp"
@@ -20,7 +22,8 @@ namespace {
 struct RunArguments {
     SceneArguments scene;
     std::string output;
-    std::string checkpoint, checkpoint_every;
+    std::string checkpoint;
+    std::optional<std::string> checkpoint_every;
     bool quiet = false;
 };
 
@@ -44,7 +47,8 @@ std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& s
 void require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
     const std::vector<std::filesystem::path> inputs{scene.path, scene.state_file};
     require_output(file, inputs);
-    if (arguments.checkpoint_every.empty()) return;
+    if (!arguments.checkpoint_every) return;
+    static_cast<void>(seconds_of("--checkpoint-every", *arguments.checkpoint_every));
     require_checkpoint_place(checkpoint_path(arguments, scene, file), file, inputs);
 }
 
@@ -67,8 +71,8 @@ tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& sce
     tasks::RunOptions options;
     options.file = file;
     options.cancel = &catch_interrupts();
-    if (!arguments.checkpoint_every.empty()) {
-        options.checkpoint_every = seconds_of("--checkpoint-every", arguments.checkpoint_every);
+    if (arguments.checkpoint_every) {
+        options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.checkpoint_every);
         options.checkpoint = checkpoint_path(arguments, scene, file);
     }
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
@@ -77,14 +81,14 @@ tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& sce
 
 ExitStatus run(const RunArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
-    if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     const std::string file = record_path(arguments, loaded.scene);
     require_places(arguments, loaded.scene, file);
     const tasks::RunReport report = simulate(arguments, loaded.scene, file);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}{}", loaded.scene.name, tasks::summary(report), machine_text(), field("record", record_text(file)));
     } else if (report.fault) {
-        fmt::print(stderr, "cvtflow: {}\n", report.fault.message());
+        print_error(report.fault.message());
     }
     return exit_status(report.fault.kind);
 }

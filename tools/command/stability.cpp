@@ -8,6 +8,7 @@
 #include "tasks/method_choice.hpp"
 #include "tasks/spectrum.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/output_folder.hpp"
 #include "tools/program_stability_report.hpp"
 #include "tools/scene_arguments.hpp"
@@ -41,9 +42,9 @@ Chosen chosen(const StabilityArguments& arguments) {
         if (program == nullptr) {
             all.plans.push_back(*tasks::plan_for(name));
         } else if (program->stability == nullptr) {
-            throw tasks::SceneError(fmt::format("{} chooses among tables of stages: ask for one of them (cvtflow list methods)", name));
+            throw UsageError(fmt::format("{} chooses among tables of stages: ask for one of them (cvtflow list methods)", name));
         } else if (!arguments.scene.scene.empty()) {
-            throw tasks::SceneError(fmt::format("{} is no table of stages: eigenvalues of a scene do not say how far it is stable there", name));
+            throw UsageError(fmt::format("{} is no table of stages: eigenvalues of a scene do not say how far it is stable there", name));
         } else {
             all.programs.push_back(*program);
         }
@@ -61,11 +62,11 @@ struct Ground {
 
 Ground ground_of(const StabilityArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
-    if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     Ground ground{loaded.scene.name, settled_start(loaded.scene, arguments.scene.settle, "its eigenvalues"), {}, {}};
     ground.variator.emplace(loaded.scene.parameters);
     const int size = static_cast<int>(ground.start.state.size());
-    if (!arguments.quiet) fmt::print(stderr, "cvtflow: eigenvalues of {}\n", ground.scene);
+    if (!arguments.quiet) print_error(fmt::format("eigenvalues of {}", ground.scene));
     std::vector<double> matrix = tasks::jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
     ground.values = arguments.all ? tasks::eigenvalues(std::move(matrix), size) : tasks::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
     return ground;
@@ -86,7 +87,7 @@ std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans
     if (!arguments.scene.scene.empty()) ground = ground_of(arguments);
     std::vector<StabilityResult> results;
     for (const engine::StagePlan& plan : plans) {
-        if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", plan.name);
+        if (!arguments.quiet) print_error(plan.name);
         results.push_back(stability_of(plan));
         if (ground) try_on(results.back(), *ground);
         const double step = arguments.step > 0.0 ? arguments.step : ground ? results.back().limit->predicted.step : 1.0;
@@ -100,7 +101,7 @@ std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans
 std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments, OutputFolder& folder) {
     std::vector<ProgramResult> results;
     for (const tasks::MethodProgram& program : programs) {
-        if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", program.name);
+        if (!arguments.quiet) print_error(program.name);
         results.push_back(program_result(program));
         const std::string picture = fmt::format("stability-{}.svg", program.name);
         if (folder.wants(picture)) folder.write(picture, svg(program_map(results.back())));

@@ -98,7 +98,7 @@ TEST_F(SweepFile, SamplesStayInTheirBox) {
 }
 
 TEST_F(SweepFile, TellsEveryMistakeWithItsPlace) {
-    EXPECT_EQ(error("[sweep]\nscene = \"tny\"\n"), "s.toml:2:9: sweep.scene: " + std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tny.toml: cannot be read");
+    EXPECT_EQ(error("[sweep]\nscene = \"tny\"\n"), "s.toml:2:9: sweep.scene: " + std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tny.toml: cannot be read: No such file or directory");
     EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torqe\"\nvlues = [1]\n"),
               "s.toml:6:7: axes.key: there is no key \"load.torqe\" (did you mean \"load.torque\"?)\ns.toml:7:1: axes.vlues: unknown key (did you mean \"values\"?)");
     EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torque\"\nvalues = [\"1 N\"]\n"), "s.toml:7:11: load.torque: 1 N is a force, expected a torque (N*m)");
