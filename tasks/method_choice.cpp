@@ -59,11 +59,7 @@ std::optional<engine::StagePlan> plan_for(std::string_view method) {
 }
 
 bool is_method(std::string_view method) {
-    thread_local std::string last;   // a family's member is known by computing it
-    if (!last.empty() && method == last) return true;
-    if (find_program(method) == nullptr && !engine::make_method(method)) return false;
-    last = method;
-    return true;
+    return find_program(method) != nullptr || engine::find_method(method) != nullptr || engine::make_method(method).has_value();   // the last computes it
 }
 
 std::vector<std::string> method_names() {

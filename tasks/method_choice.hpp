@@ -35,7 +35,7 @@ struct MethodProgram {
 
 /// Table whose slots a workspace for this method needs: the method's own, or one that holds a program's slots. nullopt: no method of that name.
 [[nodiscard]] std::optional<engine::StagePlan> plan_for(std::string_view method);
-/// Whether plan_for would find it. Cheap when asked again for the same name, as sweeps do.
+/// Whether plan_for would find it.
 [[nodiscard]] bool is_method(std::string_view method);
 /// Names of all methods of both kinds, tables first.
 [[nodiscard]] std::vector<std::string> method_names();
