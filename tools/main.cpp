@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/base/provenance.hpp"
+#include "engine/record/hdf5_exit.hpp"
 #include "model/kernels/isa.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tools/command.hpp"
@@ -92,5 +93,6 @@ int execute(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     cvtflow::tools::take_standard_descriptors();
+    cvtflow::engine::leave_hdf5_alone_at_exit();
     return cvtflow::tools::finish_output(cvtflow::tools::guarded([&] { return cvtflow::tools::execute(argc, argv); }));
 }

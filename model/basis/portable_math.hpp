@@ -11,7 +11,7 @@ namespace cvtflow::model {
 [[nodiscard]] double portable_cos(double x) noexcept;
 /// |x| ≤ 1.
 [[nodiscard]] double portable_asin(double x) noexcept;
-/// x > 0; 0 for x = 0 and y > 0. Within one unit of the last place for |y log x| ≤ 50.
+/// x > 0; 0 for x = 0 and y > 0. Within one unit of the last place for |y log x| ≤ 500.
 [[nodiscard]] double portable_pow(double x, double y) noexcept;
 /// √(x² + y²) of numbers whose squares neither overflow nor vanish: lengths, speeds.
 [[nodiscard]] inline double portable_hypot(double x, double y) noexcept { return std::sqrt(x * x + y * y); }

@@ -30,9 +30,10 @@ TEST(PortableMath, IsRoundedCorrectlyButForAFewCases) {
             EXPECT_TRUE(sine_vanishes || ulps(portable_sin(x), std::sin(static_cast<long double>(x))) < least) << x;
             EXPECT_TRUE(cosine_vanishes || ulps(portable_cos(x), std::cos(static_cast<long double>(x))) < least) << x;
         }
+        // |y log x| ≤ 45, which extended precision has to within 45 · 2⁻⁶³: 0.044 units of the result's last place beyond the half
         const double s = sine(random), x = std::exp(log(random)), y = exponent(random);
         EXPECT_LT(ulps(portable_asin(s), std::asin(static_cast<long double>(s))), nearly_half) << s;
-        EXPECT_LT(ulps(portable_pow(x, y), std::pow(static_cast<long double>(x), static_cast<long double>(y))), 0.51) << x << "^" << y;
+        EXPECT_LT(ulps(portable_pow(x, y), std::pow(static_cast<long double>(x), static_cast<long double>(y))), 0.55) << x << "^" << y;
         EXPECT_LT(ulps(ten_ninths(x), std::pow(static_cast<long double>(x), 10.0L / 9.0L)), 2.0) << x;
     }
 }
