@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 
 #include "tasks/scene/scene.hpp"
@@ -38,7 +39,12 @@ std::vector<fs::path> scene_folders() {
     // bin/ or lib/ or lib/ARCHITECTURE/ beside share/
     fs::path folder = own_folder();
     for (int level = 0; level < 2 && folder.has_relative_path(); ++level) folders.push_back((folder = folder.parent_path()) / "share/cvtflow/scenes");
-    folders.emplace_back(CVTFLOW_SCENES_DIR);
+    // a build folder, up to three levels above
+    folder = own_folder();
+    for (int level = 0; level < 4 && folder.has_relative_path(); ++level, folder = folder.parent_path()) {
+        std::ifstream note(folder / "cvtflow-scenes.path");
+        if (std::string line; std::getline(note, line)) folders.emplace_back(line);
+    }
     return folders;
 }
 
