@@ -14,6 +14,7 @@ constexpr double far_beyond = 1e6;     ///< a time that no step reaches [s]
 [[nodiscard]] Scene with_method(Scene scene, std::string_view method) {
     scene.run.method = method;
     scene.run.step_control = StepControl::fixed;
+    scene.run.step = scene.run.output_interval;   // any that is not automatic; hold() says which is taken
     scene.run.schedule = "serial";
     return scene;
 }
@@ -25,6 +26,7 @@ void hold(IntegrationState& state, double h) {
     state.begin = state.time;
     state.output_interval = state.step = h;
     state.grid_number = state.outputs = 0;
+    state.grid_steps = 1;
     std::fill(state.changed.begin(), state.changed.end(), state.time);
 }
 
