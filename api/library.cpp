@@ -1,6 +1,7 @@
 #include <cvtflow/simulation.hpp>
 #include <cvtflow/version.hpp>
 
+#include "api/floating_defaults.hpp"
 #include "engine/executor/worker_threads.hpp"
 
 namespace cvtflow {
@@ -8,7 +9,10 @@ inline namespace v0 {
 
 std::string library_version() { return CVTFLOW_VERSION_TEXT; }
 
-bool shutdown() noexcept { return engine::end_worker_threads(); }
+bool shutdown() noexcept {
+    const api::FloatingDefaults defaults;
+    return engine::end_worker_threads();
+}
 
 }  // namespace v0
 }  // namespace cvtflow

@@ -25,19 +25,19 @@ namespace {
 Scene::Scene(std::shared_ptr<const Data> data) noexcept : data_(std::move(data)) {}
 
 Scene Scene::read(const std::string& path) {
-    return api::translated(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(path)})); });
+    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(path)})); });
 }
 
 Scene Scene::parse(const std::string& text, const std::string& name) {
-    return api::translated(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::parse_scene(text, name)})); });
+    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::parse_scene(text, name)})); });
 }
 
 Scene Scene::ready(const std::string& name) {
-    return api::translated(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(tasks::find_scene(name))})); });
+    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(tasks::find_scene(name))})); });
 }
 
 Scene Scene::with(std::span<const std::string> settings) const {
-    return api::translated(ErrorCode::scene, [&] {
+    return api::entered(ErrorCode::scene, [&] {
         Data changed = *data_;
         tasks::set_values(changed.scene, settings);
         return Scene(std::make_shared<const Data>(std::move(changed)));
@@ -47,7 +47,7 @@ Scene Scene::with(std::span<const std::string> settings) const {
 Scene Scene::with(const std::string& setting) const { return with(std::span(&setting, 1)); }
 
 Scene Scene::with_detail(const std::string& preset) const {
-    return api::translated(ErrorCode::scene, [&] {
+    return api::entered(ErrorCode::scene, [&] {
         Data changed = *data_;
         tasks::apply_detail(changed.scene, preset);
         if (resolution(changed.scene) != resolution(data_->scene)) changed.scene.state_file.clear();
@@ -57,12 +57,16 @@ Scene Scene::with_detail(const std::string& preset) const {
 
 const std::string& Scene::name() const noexcept { return data_->scene.name; }
 const std::string& Scene::description() const noexcept { return data_->scene.description; }
-std::string Scene::text() const { return tasks::write_scene(data_->scene); }
+std::string Scene::text() const {
+    return api::entered(ErrorCode::internal, [&] { return tasks::write_scene(data_->scene); });
+}
 
 std::string Scene::value(const std::string& key) const {
-    const tasks::Parameter* parameter = tasks::find_parameter(key);
-    if (parameter == nullptr) throw Error(ErrorCode::argument, "no key '" + key + "'" + tasks::did_you_mean(tasks::nearest_key(key)));
-    return tasks::value_text(*parameter, data_->scene);
+    return api::entered(ErrorCode::internal, [&] {
+        const tasks::Parameter* parameter = tasks::find_parameter(key);
+        if (parameter == nullptr) throw Error(ErrorCode::argument, "no key '" + key + "'" + tasks::did_you_mean(tasks::nearest_key(key)));
+        return tasks::value_text(*parameter, data_->scene);
+    });
 }
 
 }  // namespace v0

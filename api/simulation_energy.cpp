@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "api/simulation_impl.hpp"
+#include "engine/executor/worker_threads.hpp"
 
 namespace cvtflow {
 inline namespace v0 {
@@ -15,6 +16,8 @@ std::vector<std::string> Simulation::Impl::notices() const {
                       energy().suspicion);
         lines.emplace_back(text);
     }
+    const engine::ThreadShortage threads = engine::thread_shortage();
+    if (threads.wanted > 0) lines.push_back("threads: the system gave " + std::to_string(threads.had) + " of " + std::to_string(threads.wanted));
     return lines;
 }
 

@@ -121,17 +121,20 @@ void Simulation::Impl::transition(const tasks::TransitionRecord& record) {
     transitions_.push_back({record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)});
 }
 
-/// Calls back what has come due. The host's callbacks may replace themselves, so copies are called.
-void Simulation::Impl::deliver(Simulation& self) {
+/// Calls back what has come due, in the host's floating-point environment. The host's callbacks may replace themselves, so copies are called.
+void Simulation::Impl::deliver(Simulation& self, api::FloatingDefaults& defaults) {
     const std::vector<Transition> happened = std::exchange(transitions_, {});
     for (const Transition& transition : happened) {
         const auto callback = transition_callback_;
-        if (callback) callback(self, transition);
+        if (!callback) continue;
+        const api::FloatingDefaults::Outside outside(defaults);
+        callback(self, transition);
     }
     const double now = simulation_.time() + 1e-9 * data().run.output_interval;
     if (!output_callback_ || now < static_cast<double>(outputs_) * output_interval_) return;
     outputs_ = static_cast<long>(std::floor(now / output_interval_)) + 1;
     const auto callback = output_callback_;
+    const api::FloatingDefaults::Outside outside(defaults);
     callback(self);
 }
 
@@ -139,7 +142,6 @@ void Simulation::Impl::deliver(Simulation& self) {
 std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
     using tasks::FaultKind;
     if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave) return "";
-    const api::FloatingDefaults defaults;
     const std::string& method = data().run.method;
     const double stable = tasks::largest_stable_step(simulation_.variator(), method, simulation_.time(), simulation_.state(), simulation_.phases());
     if (!(stable > 0.0 && std::isfinite(stable))) return "";
@@ -150,19 +152,16 @@ std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
 
 void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
+    api::FloatingDefaults defaults;
     const Stay stay(*this, Stay::As::stepper);
     require_own_process();
     const double enough = until - 1e-9 * data().run.output_interval;
     while (simulation_.time() < enough) {
         if (cancel_.withdraw()) throw Error(ErrorCode::cancelled, "cancelled");
-        tasks::Fault fault;
         const long steps_before = simulation_.integration_state().counters.steps;
-        {
-            const api::FloatingDefaults defaults;
-            observation_ = nullptr;
-            fault = api::translated(ErrorCode::internal, [&] { return simulation_.advance(next_stop(until), steps, *this, cancel_); });
-        }
-        deliver(self);
+        observation_ = nullptr;
+        const tasks::Fault fault = api::translated(ErrorCode::internal, [&] { return simulation_.advance(next_stop(until), steps, *this, cancel_); });
+        deliver(self, defaults);
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
         if (steps > 0 && (simulation_.integration_state().counters.steps != steps_before || !fault)) return;
         if (fault) throw Error(api::code_of(fault.kind), fault.message() + advice(fault.kind));
@@ -225,7 +224,6 @@ void Simulation::Impl::rhs(double t, std::span<const double> x, std::span<double
         throw Error(ErrorCode::argument, "rhs: spans of " + std::to_string(x.size()) + " and " + std::to_string(out.size()) + " numbers for " + std::to_string(size) + " unknowns");
     }
     const Stay stay(*this, Stay::As::visitor);
-    const api::FloatingDefaults defaults;
     slope_(t, x.data(), out.data());
 }
 
@@ -245,7 +243,6 @@ std::size_t Simulation::Impl::find_channel(const std::string& name) const {
 
 std::span<const double> Simulation::Impl::channel(std::size_t index) {
     const Stay stay(*this, Stay::As::visitor);
-    const api::FloatingDefaults defaults;
     const tasks::Channel& row = channel_row(index);
     if (observation_ == nullptr) observation_ = &observer_.observe(simulation_.time(), simulation_.state(), simulation_.phases().data());
     const tasks::Instant now{*observation_, simulation_.workspace(), simulation_.integration_state().counters, data().run.followed_pin};
@@ -268,7 +265,6 @@ tasks::FrozenStart Simulation::Impl::present() const {
 
 double Simulation::Impl::largest_stable_step() {
     const Stay stay(*this, Stay::As::visitor);
-    const api::FloatingDefaults defaults;
     return tasks::predicted_step_limit(simulation_.variator(), data().parameters, data().run.method, present()).step;
 }
 

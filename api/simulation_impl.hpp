@@ -70,7 +70,7 @@ private:
     [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
     void require_own_process();
     [[nodiscard]] double next_stop(double until) const;
-    void deliver(Simulation& self);
+    void deliver(Simulation& self, api::FloatingDefaults& defaults);
     [[nodiscard]] std::string advice(tasks::FaultKind kind) const;
     void hold(const model::HeldInputs& held);
 

@@ -5,6 +5,7 @@
 #include <exception>
 #include <new>
 
+#include "api/floating_defaults.hpp"
 #include "tasks/fault.hpp"
 
 namespace cvtflow::api {
@@ -23,6 +24,14 @@ auto translated(ErrorCode otherwise, Action&& action) -> decltype(action()) {
     } catch (...) {
         rethrow(otherwise);
     }
+}
+
+/// Every entry point of the interface: what `action` returns in the default floating-point environment; what it throws, translated.
+/// Reading a number rounds as the environment says, so scenes count as much as steps.
+template <class Action>
+auto entered(ErrorCode otherwise, Action&& action) -> decltype(action()) {
+    const FloatingDefaults defaults;
+    return translated(otherwise, action);
 }
 
 }  // namespace cvtflow::api

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <utility>
 
+#include "model/basis/portable_math.hpp"
+
 namespace cvtflow::model {
 
 namespace {
@@ -11,8 +13,8 @@ constexpr double pi = std::numbers::pi;
 }
 
 double belt_length(const BeltRadii& radii, double centre_distance) noexcept {
-    const double lean = std::asin((radii.driven - radii.driving) / centre_distance);
-    return 2.0 * centre_distance * std::cos(lean) + pi * (radii.driving + radii.driven) + 2.0 * lean * (radii.driven - radii.driving);
+    const double lean = portable_asin((radii.driven - radii.driving) / centre_distance);
+    return 2.0 * centre_distance * portable_cos(lean) + pi * (radii.driving + radii.driven) + 2.0 * lean * (radii.driven - radii.driving);
 }
 
 std::optional<BeltRadii> belt_radii(double length, double ratio, double centre_distance) noexcept {
@@ -28,8 +30,8 @@ std::optional<BeltRadii> belt_radii(double length, double ratio, double centre_d
 }
 
 PitchPath::PitchPath(const BeltRadii& radii, double centre_distance) noexcept
-    : ring_(false), radii_(radii), centre_distance_(centre_distance), lean_(std::asin((radii.driven - radii.driving) / centre_distance)),
-      strand_(centre_distance * std::cos(lean_)), driven_arc_(radii.driven * (pi + 2.0 * lean_)), driving_arc_(radii.driving * (pi - 2.0 * lean_)),
+    : ring_(false), radii_(radii), centre_distance_(centre_distance), lean_(portable_asin((radii.driven - radii.driving) / centre_distance)),
+      strand_(centre_distance * portable_cos(lean_)), driven_arc_(radii.driven * (pi + 2.0 * lean_)), driving_arc_(radii.driving * (pi - 2.0 * lean_)),
       length_(2.0 * strand_ + driven_arc_ + driving_arc_) {}
 
 PitchPath::PitchPath(double radius) noexcept
@@ -37,19 +39,19 @@ PitchPath::PitchPath(double radius) noexcept
 
 Point PitchPath::at(double s) const noexcept {
     s -= length_ * std::floor(s / length_);
-    if (ring_) return {radii_.driving * std::cos(s / radii_.driving), radii_.driving * std::sin(s / radii_.driving)};
-    const double sine = std::sin(lean_);
-    const double cosine = std::cos(lean_);
+    if (ring_) return {radii_.driving * portable_cos(s / radii_.driving), radii_.driving * portable_sin(s / radii_.driving)};
+    const double sine = portable_sin(lean_);
+    const double cosine = portable_cos(lean_);
     if (s < strand_) return {-radii_.driving * sine + s * cosine, -radii_.driving * cosine - s * sine};
     s -= strand_;
     if (s < driven_arc_) {
         const double angle = -0.5 * pi - lean_ + s / radii_.driven;
-        return {centre_distance_ + radii_.driven * std::cos(angle), radii_.driven * std::sin(angle)};
+        return {centre_distance_ + radii_.driven * portable_cos(angle), radii_.driven * portable_sin(angle)};
     }
     s -= driven_arc_;
     if (s < strand_) return {centre_distance_ - radii_.driven * sine - s * cosine, radii_.driven * cosine - s * sine};
     const double angle = 0.5 * pi + lean_ + (s - strand_) / radii_.driving;
-    return {radii_.driving * std::cos(angle), radii_.driving * std::sin(angle)};
+    return {radii_.driving * portable_cos(angle), radii_.driving * portable_sin(angle)};
 }
 
 double PitchPath::side_at(double s) const noexcept {
@@ -68,7 +70,7 @@ double PitchPath::advance(double s, double chord) const noexcept {
     double to = s + chord, before = s;
     for (int iteration = 1; iteration <= most; ++iteration) {   // the chord grows almost as fast as the arc: a contraction
         const Point reached = at(to);
-        const double error = chord - std::hypot(reached.x - from.x, reached.y - from.y);
+        const double error = chord - portable_hypot(reached.x - from.x, reached.y - from.y);
         const double next = to + error;
         if (std::abs(error) < 1e-17 || next == to) return next;
         if (next == before) return (most - iteration) % 2 == 0 ? next : to;   // to and fro between two neighbouring numbers until the last iteration

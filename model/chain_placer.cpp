@@ -4,11 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "model/basis/portable_math.hpp"
+
 namespace cvtflow::model {
 
 namespace {
 
-[[nodiscard]] double norm(Point a) { return std::hypot(a.x, a.y); }
+[[nodiscard]] double norm(Point a) { return portable_hypot(a.x, a.y); }
 [[nodiscard]] Point unit(Point a) { return (1.0 / norm(a)) * a; }
 
 /// How much further than once round the chords lead.
@@ -85,7 +87,7 @@ double ChainPlacer::relax(const std::vector<Point>& pins, double rise, std::vect
         const Point link = chain.front[(i + 1) % n] - chain.rear[i];
         const Point turned = unit(link);
         const double climb = rise * (chain.along[(i + 1) % n] - chain.along[i]);
-        const double error = std::hypot(norm(link), climb) - length_[i];
+        const double error = portable_hypot(norm(link), climb) - length_[i];
         worst = std::max({worst, std::abs(error), norm(turned - direction[i]) * length_[i]});
         chord[i] -= error;
         direction[i] = turned;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/basis/legendre.hpp"
+#include "model/basis/portable_math.hpp"
 
 namespace cvtflow::model {
 
@@ -98,8 +99,8 @@ TipCoefficients tip_coefficients(const Parameters& p) {
     const auto& t = p.tip;
     const double root = std::sqrt(t.reference_depth);
     const double critical = 2.0 * std::sqrt(1.5 * t.hertz * root * p.half.mass);
-    const double sine = std::sin(t.angle);
-    const double cosine = std::cos(t.angle);
+    const double sine = portable_sin(t.angle);
+    const double cosine = portable_cos(t.angle);
     return {sine, cosine, t.radius, p.pulley.arc_radius + t.radius, p.pulley.arc_position + t.radius * sine, t.hertz, p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
             FrictionCurve(t.friction, p.detail)};
 }

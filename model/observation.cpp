@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/basis/portable_math.hpp"
+
 namespace cvtflow::model {
 
 Observer::Observer(const Variator& variator) : variator_(variator), scratch_(variator.layout()), slope_(static_cast<std::size_t>(variator.layout().size())) {
@@ -46,7 +48,7 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
         variator_.chain().contact(link, block, scratch_.sheaves, phases + tips_per_link * link, contact);
         o.tension[static_cast<std::size_t>(link)] = contact.tension;
         const double* v = block + at.link_size();
-        speed += std::hypot(v[at.x(End::rear, 0)], v[at.y(End::rear, 0)]);
+        speed += portable_hypot(v[at.x(End::rear, 0)], v[at.y(End::rear, 0)]);
         TipProbe probe{};
         if (at.pulley_size != 0) variator_.chain().probe(block, scratch_.sheaves, false, probe);
         for (int tip = 0; tip < tips_per_link; ++tip) {
@@ -98,7 +100,7 @@ void Observer::observe_radii(const double* state, const Phase* phases) noexcept 
         const double y = middle(rear, front, at.y(End::rear, 0), at.y(End::front, 0));
         const double vx = middle(rear, front, at.link_size() + at.x(End::rear, 0), at.link_size() + at.x(End::front, 0));
         const double vy = middle(rear, front, at.link_size() + at.y(End::rear, 0), at.link_size() + at.y(End::front, 0));
-        radius[shaft] += std::hypot(x, y);
+        radius[shaft] += portable_hypot(x, y);
         turning[shaft] += (x * vy - y * vx) / (x * x + y * y);
         ++count[shaft];
     }

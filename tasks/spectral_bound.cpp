@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "model/basis/portable_math.hpp"
 #include "tasks/method_memory.hpp"
 
 namespace cvtflow::tasks {
@@ -14,7 +15,7 @@ constexpr int cold_iterations = 150, warm_iterations = 15;
 constexpr double converged = 3e-4;   ///< relative change of the estimate
 
 /// A direction with something of every mode; the same everywhere.
-double seed(int index) { return std::sin(1.0 + 2.399963 * index) + 0.3 * ((index % 2 == 0) ? 1.0 : -1.0); }
+double seed(int index) { return model::portable_sin(1.0 + 2.399963 * index) + 0.3 * ((index % 2 == 0) ? 1.0 : -1.0); }
 
 }  // namespace
 

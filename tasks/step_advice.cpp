@@ -7,6 +7,7 @@
 
 #include "engine/method/catalogue.hpp"
 #include "engine/method/stability.hpp"
+#include "model/basis/portable_math.hpp"
 #include "tasks/eigenvalues.hpp"
 #include "tasks/method_choice.hpp"
 #include "tasks/step_limit.hpp"
@@ -55,7 +56,7 @@ private:
 /// A start that has a share of every eigenvector, the same every time.
 [[nodiscard]] Eigen::VectorXd mixed(Eigen::Index size) {
     Eigen::VectorXd start(size);
-    for (Eigen::Index k = 0; k < size; ++k) start[k] = std::sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
+    for (Eigen::Index k = 0; k < size; ++k) start[k] = model::portable_sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
     return start.normalized();
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/basis/portable_math.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -24,13 +26,13 @@ double ErrorScale::norm(const double* errors, int size) const noexcept {
 bool StepSizeControl::judge(double error, double step) noexcept {
     const double exponent = 1.0 / power_;
     if (!(error <= 1.0)) {
-        const double cut = std::isfinite(error) ? safety * std::pow(error, -exponent) : least_cut;
+        const double cut = std::isfinite(error) ? safety * model::portable_pow(error, -exponent) : least_cut;
         proposal_ = step * std::clamp(cut, least_cut, safety);
         rejected_ = true;
         return false;
     }
     error = std::max(error, smallest_error);
-    double growth = safety * std::pow(error, -proportional * exponent) * std::pow(previous_, integral * exponent);
+    double growth = safety * model::portable_pow(error, -proportional * exponent) * model::portable_pow(previous_, integral * exponent);
     growth = std::clamp(growth, least_growth, rejected_ ? 1.0 : most_growth);
     // A step shortened to end at an output says nothing against the longer one.
     proposal_ = std::min(longest_, growth >= 1.0 ? std::max(proposal_, step * growth) : step * growth);

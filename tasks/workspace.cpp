@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "model/basis/portable_math.hpp"
 #include "tasks/step_method.hpp"
 
 namespace cvtflow::tasks {
@@ -108,7 +109,7 @@ double Workspace::pin_period() const noexcept {
     double speed = 0.0;
     for (int link = 0; link < layout().links; ++link) {
         const double* v = states[0] + layout().link_begin(link) + layout().link_size();
-        speed += std::hypot(v[layout().x(model::End::rear, 0)], v[layout().y(model::End::rear, 0)]);
+        speed += model::portable_hypot(v[layout().x(model::End::rear, 0)], v[layout().y(model::End::rear, 0)]);
     }
     return speed > 0.0 ? model::chain_length(parameters.chain) / speed : 0.0;   // mean pitch over mean speed
 }

@@ -25,7 +25,7 @@ class BatchDisplay {
 public:
     explicit BatchDisplay(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
     ~BatchDisplay() {
-        if (drawn_) fmt::print(stderr, "\r\x1b[K");
+        if (drawn_) to_stderr("\r\x1b[K");
     }
     BatchDisplay(const BatchDisplay&) = delete;
     BatchDisplay& operator=(const BatchDisplay&) = delete;
@@ -38,7 +38,7 @@ public:
         const double left = static_cast<double>(p.cases - p.before - p.done) / rate;
         const std::string line = fmt::format("{} of {} cases, {:.3g} a second, {} left{}", p.before + p.done, p.cases, rate, clock_text(left),
                                              p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
-        fmt::print(stderr, "{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n");
+        to_stderr(fmt::format("{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n"));
         drawn_ = terminal_;
     }
 
@@ -65,6 +65,13 @@ std::string sweep_of(const std::string& folder) {
         if (entry.path().filename() == "cases.h5") return engine::CaseReader(entry.path().string()).head().attribute("sweep_path");
     }
     throw tasks::SimulationError(folder + ": no sweep has written into it");
+}
+
+void require_statuses(const std::string& option, const std::vector<std::string>& given) {
+    const auto names = tasks::status_names();
+    for (const std::string& name : given) {
+        if (std::find(names.begin(), names.end(), name) == names.end()) throw UsageError(fmt::format("{} {}: not one of {}", option, name, fmt::join(names, ", ")));
+    }
 }
 
 std::string statuses_text(const std::map<std::string, long>& statuses) {
@@ -96,7 +103,10 @@ ExitStatus run_part(const tasks::Sweep& sweep, tasks::BatchOptions options, bool
         report = tasks::run_batch(sweep, options);
     }
     if (options.part.only >= 0 && !interrupted.requested()) return ExitStatus::finished;
-    if (!quiet) print_end(sweep, report, options.folder);
+    if (!quiet) {
+        print_end(sweep, report, options.folder);
+        print_notices();
+    }
     if (!report.finished) return ExitStatus::cancelled;
     return report.statuses.size() == 1 && report.statuses.contains("ok") ? ExitStatus::finished : ExitStatus::incomplete;
 }

@@ -2,6 +2,7 @@
 /// What the commands for sweeps have in common.
 
 #include <string>
+#include <vector>
 
 #include "tasks/batch/batch.hpp"
 #include "tools/exit_status.hpp"
@@ -16,6 +17,9 @@ namespace cvtflow::tools {
 
 /// Runs or goes on with a sweep, shows progress and the end.
 ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet);
+
+/// @throws UsageError for a status that no case can have
+void require_statuses(const std::string& option, const std::vector<std::string>& given);
 
 /// "38 ok, 2 diverged"
 [[nodiscard]] std::string statuses_text(const std::map<std::string, long>& statuses);

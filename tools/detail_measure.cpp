@@ -12,6 +12,7 @@
 #include "model/observation.hpp"
 #include "tasks/simulation.hpp"
 #include "tools/detail_state.hpp"
+#include "tools/guard.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/scene_arguments.hpp"
 
@@ -123,7 +124,7 @@ void require_free_dials(const std::vector<std::string>& settings) {
     for (const std::string& setting : settings) {
         const std::string key = setting.substr(0, setting.find('='));
         for (const char* dial : {"detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"}) {
-            if (key == dial) throw tasks::SceneError(fmt::format("--set {}: {} is one of the dials that are compared", setting, key));
+            if (key == dial) throw UsageError(fmt::format("--set {}: {} is one of the dials that are compared", setting, key));
         }
     }
 }

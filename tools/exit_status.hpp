@@ -15,7 +15,7 @@ enum class ExitStatus {
     budget = 4,      ///< run.max_steps or run.max_wall used up
     incomplete = 5,  ///< a sweep whose cases, or a comparison whose variants, did not all end well; shards or cases that are missing
     unreliable = 6,  ///< a run that finished and whose energy balance says that its results are wrong
-    cancelled = 130  ///< interrupted by SIGINT or SIGTERM; as shells report it
+    cancelled = 130  ///< interrupted by SIGINT, SIGTERM, SIGHUP, SIGXCPU or SIGPIPE; as shells report the first
 };
 
 [[nodiscard]] ExitStatus exit_status(tasks::FaultKind kind) noexcept;

@@ -2,6 +2,9 @@
 
 #include <csignal>
 #include <ctime>
+#include <vector>
+
+#include "engine/executor/child_process.hpp"
 
 namespace cvtflow::tools {
 
@@ -21,7 +24,8 @@ extern "C" void on_interrupt(int signal) {
         asked = now;
         return interrupted.request();
     }
-    if (now < asked + insisting) return;
+    const bool repeats = signal == SIGXCPU || signal == SIGPIPE;   // every second, or with every line: nobody insists
+    if (repeats || now < asked + insisting) return;
     std::signal(signal, SIG_DFL);
     std::raise(signal);  // delivered when the handler returns
 }
@@ -32,9 +36,10 @@ const engine::Cancellation& catch_interrupts() {
     struct sigaction action {};
     action.sa_handler = on_interrupt;
     sigemptyset(&action.sa_mask);
-    for (const int signal : {SIGINT, SIGTERM}) sigaddset(&action.sa_mask, signal);
+    const std::vector<int> signals = engine::ending_signals();
+    for (const int signal : signals) sigaddset(&action.sa_mask, signal);
     action.sa_flags = SA_RESTART;
-    for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+    for (const int signal : signals) sigaction(signal, &action, nullptr);
     return interrupted;
 }
 

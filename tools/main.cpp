@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/base/provenance.hpp"
+#include "engine/record/hdf5_exit.hpp"
 #include "engine/record/schema.hpp"
 #include "model/kernels/isa.hpp"
 #include "tasks/scene/spelling.hpp"
@@ -79,7 +80,11 @@ int execute(int argc, char** argv) {
         return report_parse_error(app, error);
     }
     for (std::size_t i = 0; i < actions.size(); ++i) {
-        if (app.got_subcommand(std::string(commands()[i].name))) return static_cast<int>(actions[i]());
+        const std::string name(commands()[i].name);
+        if (!app.got_subcommand(name)) continue;
+        const ExitStatus status = actions[i]();
+        if (const CLI::Option* quiet = app.get_subcommand(name)->get_option_no_throw("--quiet"); quiet == nullptr || quiet->count() == 0) print_notices();
+        return static_cast<int>(status);
     }
     return static_cast<int>(ExitStatus::usage);
 }
@@ -88,7 +93,8 @@ int execute(int argc, char** argv) {
 }  // namespace cvtflow::tools
 
 int main(int argc, char** argv) {
-    cvtflow::engine::leave_library_at_exit();
+    cvtflow::tools::take_standard_descriptors();
+    cvtflow::engine::leave_hdf5_alone_at_exit();
     cvtflow::engine::try_files_first();
-    return cvtflow::tools::guarded([&] { return cvtflow::tools::execute(argc, argv); });
+    return cvtflow::tools::finish_output(cvtflow::tools::guarded([&] { return cvtflow::tools::execute(argc, argv); }));
 }

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "tools/guard.hpp"
 #include "tools/text.hpp"
 
 namespace cvtflow::tools {
@@ -103,7 +104,7 @@ void ProgressDisplay::draw(const ProgressNumbers& now) {
     using namespace std::chrono_literals;
     const auto here = Clock::now();
     if (drawn_ && here - shown_ < 100ms) return;
-    fmt::print(stderr, "\r{}\x1b[K", bar_text(now, terminal_columns()));
+    to_stderr(fmt::format("\r{}\x1b[K", bar_text(now, terminal_columns())));
     std::fflush(stderr);
     shown_ = here;
     drawn_ = true;
@@ -115,14 +116,14 @@ void ProgressDisplay::print(const ProgressNumbers& now) {
     const int tenths = static_cast<int>(10.0 * now.share + 1e-6);
     if (shown_ == Clock::time_point{}) shown_ = here;
     if (tenths <= tenths_ && here - shown_ < 10s) return;
-    fmt::print(stderr, "{}\n", line_text(now));
+    to_stderr(fmt::format("{}\n", line_text(now)));
     tenths_ = tenths;
     shown_ = here;
 }
 
 void ProgressDisplay::clear() {
     if (!drawn_) return;
-    fmt::print(stderr, "\r\x1b[K");
+    to_stderr("\r\x1b[K");
     std::fflush(stderr);
     drawn_ = false;
 }

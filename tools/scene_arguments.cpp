@@ -10,6 +10,7 @@
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tasks/scene/units.hpp"
+#include "tools/guard.hpp"
 #include "tools/ready_scenes.hpp"
 
 namespace cvtflow::tools {
@@ -70,7 +71,7 @@ void apply_settings(tasks::Scene& scene, const SceneArguments& arguments) {
     try {
         tasks::set_values(scene, settings);
     } catch (const tasks::SceneError& error) {
-        throw tasks::SceneError(in_words_given(error.what(), arguments));
+        throw UsageError(in_words_given(error.what(), arguments));
     }
 }
 
@@ -78,7 +79,7 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
     try {
         tasks::apply_detail(scene, preset);
     } catch (const tasks::SceneError& error) {
-        throw tasks::SceneError(fmt::format("--{}", error.what()));
+        throw UsageError(fmt::format("--{}", error.what()));
     }
 }
 
@@ -86,8 +87,21 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
 
 void require_method(const std::string& method) {
     if (tasks::plan_for(method)) return;
-    throw tasks::SceneError(tasks::no_method(method));
+    throw UsageError(tasks::no_method(method));
 }
+
+namespace {
+
+/// What a family of methods does not have is known when the method is made.
+void require_member(const tasks::Scene& scene, const std::string& own_method, const SceneArguments& arguments) {
+    const std::string& method = scene.run.method;
+    if (tasks::plan_for(method)) return;
+    const std::string problem = "run.method: " + tasks::no_method(method);
+    if (method == own_method) throw tasks::SceneError(fmt::format("{}: {}", scene.path.string(), problem));
+    throw UsageError(in_words_given(fmt::format("--set run.method={}: {}", method, problem), arguments));
+}
+
+}  // namespace
 
 void declare_scene(CLI::App& app, SceneArguments& arguments) {
     app.add_option("SCENE", arguments.scene, "Scene file, or name of a ready scene (cvtflow list scenes)")->required()->type_name("");
@@ -119,7 +133,7 @@ double seconds_of(const std::string& option, const std::string& text) {
     const auto parsed = tasks::parse_quantity(text);
     const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
     const bool time = quantity != nullptr && quantity->has_unit && quantity->dimension == tasks::dimension_of("s");
-    if (!time || !(quantity->value > 0.0)) throw tasks::SceneError(fmt::format("{} {}: expected a time such as \"30 s\" or \"10 min\"", option, text));
+    if (!time || !(quantity->value > 0.0)) throw UsageError(fmt::format("{} {}: expected a time such as \"30 s\" or \"10 min\"", option, text));
     return quantity->value;
 }
 
@@ -127,7 +141,7 @@ LoadedScene load_scene(const SceneArguments& arguments) {
     const auto start = arguments.settle ? tasks::StartState::ignored : tasks::StartState::required;
     LoadedScene loaded{tasks::read_scene(find_scene(arguments.scene), start), {}};
     tasks::Scene& scene = loaded.scene;
-    const std::string own_state = scene.state_file;
+    const std::string own_state = scene.state_file, own_method = scene.run.method;
     const std::vector<std::string> before = state_values(scene);
     if (!arguments.detail.empty()) apply_preset(scene, arguments.detail);
     apply_settings(scene, arguments);
@@ -136,7 +150,7 @@ LoadedScene load_scene(const SceneArguments& arguments) {
         tasks::set_value(scene, "start.state=");
         loaded.notice = fmt::format("{}: the state in {} does not fit any more, the run settles anew", changed, own_state);
     }
-    require_method(scene.run.method);   // a family's member
+    require_member(scene, own_method, arguments);
     return loaded;
 }
 

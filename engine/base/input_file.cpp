@@ -1,24 +1,86 @@
 #include "engine/base/input_file.hpp"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 namespace cvtflow::engine {
 
-InputFile::InputFile(const std::string& path) : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
-    if (descriptor_ < 0) throw InputError(std::strerror(errno));
-    struct stat file {};
-    const char* wrong = fstat(descriptor_, &file) != 0 ? std::strerror(errno) : S_ISDIR(file.st_mode) ? "a folder, not a file" : S_ISREG(file.st_mode) ? nullptr : "not a regular file";
-    if (wrong != nullptr) {
-        close(descriptor_);
-        throw InputError(wrong);
+namespace {
+
+constexpr long system_of_pipes = 0x50495045;   ///< where Linux keeps them (PIPEFS_MAGIC)
+
+[[noreturn]] void fail(int reason) { throw InputError(std::strerror(reason)); }
+
+/// A descriptor that is open for reading; never waits.
+struct Opened {
+    explicit Opened(const std::string& path) : descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY)) {
+        if (descriptor < 0) fail(errno);
+        if (fstat(descriptor, &about) != 0) {
+            close(descriptor);
+            fail(errno);
+        }
     }
-    size_ = static_cast<std::uint64_t>(file.st_size);
+    ~Opened() {
+        if (descriptor >= 0) close(descriptor);
+    }
+    Opened(const Opened&) = delete;
+    Opened& operator=(const Opened&) = delete;
+
+    /// A pipe without a name has a writer, or had one: pipe(2) made both ends.
+    [[nodiscard]] bool nameless_pipe() const {
+        struct statfs system {};
+        return S_ISFIFO(about.st_mode) && fstatfs(descriptor, &system) == 0 && system.f_type == system_of_pipes;
+    }
+    void require_regular() const {
+        if (S_ISDIR(about.st_mode)) throw InputError("a folder, not a file");
+        if (!S_ISREG(about.st_mode)) throw InputError("not a regular file");
+    }
+
+    int descriptor;
+    struct stat about {};
+};
+
+/// Up to `count` bytes; fewer only at the file's end.
+std::size_t read_at(int descriptor, std::uint64_t offset, std::byte* bytes, std::size_t count) {
+    std::size_t done = 0;
+    while (done < count) {
+        const ssize_t some = pread(descriptor, bytes + done, count - done, static_cast<off_t>(offset + done));
+        if (some < 0 && errno == EINTR) continue;
+        if (some < 0) fail(errno);
+        if (some == 0) break;
+        done += static_cast<std::size_t>(some);
+    }
+    return done;
+}
+
+/// Some bytes of a pipe; none only at its end.
+std::size_t read_pipe(int descriptor, std::byte* bytes, std::size_t count, double patience) {
+    for (;;) {
+        pollfd wish{descriptor, POLLIN, 0};
+        const int ready = poll(&wish, 1, static_cast<int>(1e3 * patience));
+        if (ready == 0) throw InputError("nothing came for " + std::to_string(static_cast<long>(patience)) + " s");
+        if (ready < 0 && errno != EINTR) fail(errno);
+        const ssize_t some = ready < 0 ? -1 : ::read(descriptor, bytes, count);
+        if (some >= 0) return static_cast<std::size_t>(some);
+        if (errno != EINTR && errno != EAGAIN) fail(errno);
+    }
+}
+
+}  // namespace
+
+InputFile::InputFile(const std::string& path) {
+    Opened file(path);
+    file.require_regular();
+    size_ = static_cast<std::uint64_t>(file.about.st_size);
+    descriptor_ = std::exchange(file.descriptor, -1);
 }
 
 InputFile::~InputFile() { close(descriptor_); }
@@ -28,27 +90,21 @@ bool InputFile::same_as(int descriptor) const noexcept {
     return fstat(descriptor_, &here) == 0 && fstat(descriptor, &there) == 0 && here.st_dev == there.st_dev && here.st_ino == there.st_ino;
 }
 
-std::size_t InputFile::read(std::uint64_t offset, std::byte* bytes, std::size_t count) const {
-    std::size_t done = 0;
-    while (done < count) {
-        const ssize_t some = pread(descriptor_, bytes + done, count - done, static_cast<off_t>(offset + done));
-        if (some < 0 && errno == EINTR) continue;
-        if (some < 0) throw InputError(std::strerror(errno));
-        if (some == 0) break;
-        done += static_cast<std::size_t>(some);
-    }
-    return done;
-}
+std::size_t InputFile::read(std::uint64_t offset, std::byte* bytes, std::size_t count) const { return read_at(descriptor_, offset, bytes, count); }
 
-std::string read_text_input(const std::string& path, std::uint64_t most) {
-    const InputFile file(path);
-    if (file.size() > most) throw InputError(std::to_string(file.size()) + " bytes, more than the " + std::to_string(most) + " that such a file may have");
+std::string read_text_input(const std::string& path, std::uint64_t most, double patience) {
+    const Opened file(path);
+    const bool pipe = file.nameless_pipe();
+    if (!pipe) file.require_regular();
+    const std::string limit = std::to_string(most), size = std::to_string(file.about.st_size);
+    if (static_cast<std::uint64_t>(file.about.st_size) > most) throw InputError(size + " bytes, more than the " + limit + " that such a file may have");
     std::string text;
-    std::byte block[16384];
+    std::byte block[65536];
+    const auto next = [&] { return pipe ? read_pipe(file.descriptor, block, sizeof block, patience) : read_at(file.descriptor, text.size(), block, sizeof block); };
     // Not by its size: files of /proc have none, and others may grow.
-    for (std::size_t some = 0; (some = file.read(text.size(), block, sizeof block)) > 0;) {
+    for (std::size_t some = 0; (some = next()) > 0;) {
         text.append(reinterpret_cast<const char*>(block), some);
-        if (text.size() > most) throw InputError("more than the " + std::to_string(most) + " bytes that such a file may have");
+        if (text.size() > most) throw InputError("more than the " + limit + " bytes that such a file may have");
     }
     if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
     return text;

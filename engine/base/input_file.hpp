@@ -1,5 +1,5 @@
 #pragma once
-/// Files that are read: regular ones, of a size that can be meant. A pipe would be waited for, a device would never end.
+/// Files that are read: regular ones, of a size that can be meant. A pipe that lies in a folder would be waited for, a device would never end.
 
 #include <cstddef>
 #include <cstdint>
@@ -36,10 +36,11 @@ private:
     std::uint64_t size_ = 0;
 };
 
-/// Most bytes of a text that a person has written, or a program for another one [byte].
-inline constexpr std::uint64_t longest_text = std::uint64_t{64} << 20U;
-
-/// All of a text, without a byte order mark at its beginning. @throws InputError
-[[nodiscard]] std::string read_text_input(const std::string& path, std::uint64_t most = longest_text);
+/// All of a text, without a byte order mark at its beginning. It may also come through a pipe without a name (`… | cvtflow check /dev/stdin`,
+/// `<(…)`), for which its writer is waited.
+/// @param most longest text [byte]
+/// @param patience time after which such a pipe is given up if nothing comes [s]
+/// @throws InputError
+[[nodiscard]] std::string read_text_input(const std::string& path, std::uint64_t most, double patience = 10.0);
 
 }  // namespace cvtflow::engine

@@ -12,6 +12,12 @@ struct Crossing {
     int evaluations;  ///< of the gap function
 };
 
+/// Smallest n with 2^n ≥ x ≥ 1, without a logarithm, which near a power of two is not the same on every processor.
+[[nodiscard]] inline int doublings(double x) noexcept {
+    int exponent = 0;
+    return std::frexp(x, &exponent) > 0.5 ? exponent : exponent - 1;
+}
+
 /// Finds a sign change of gap(theta) in [lo, hi]: the first point of the final bracket on which the NEW sign (that of gap_hi) holds, so
 /// that an event is never left pending by rounding. Zero and NaN do not count as the new sign. Several crossings: one of them.
 /// At most ceil(log2((hi - lo) / tolerance)) + 2 evaluations, whatever the function does; near a simple root under ten.
@@ -29,7 +35,7 @@ template <class Gap>
     const double width = hi - lo;
     const double target = std::max(tolerance, finest);
     // Half of the bracket that plain bisection with one spare evaluation would have; ITP never falls behind it.
-    double allowed = 0.5 * target * std::exp2(std::ceil(std::log2(std::max(width / target, 1.0))) + 1.0);
+    double allowed = 0.5 * target * std::ldexp(1.0, doublings(std::max(width / target, 1.0)) + 1);
     int evaluations = 0;
     while (hi - lo > target) {
         const double middle = lo + 0.5 * (hi - lo);

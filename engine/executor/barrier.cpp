@@ -8,6 +8,7 @@
 
 #include "engine/executor/patience.hpp"
 #include "engine/executor/pinning.hpp"
+#include "engine/executor/worker_grant.hpp"
 
 namespace cvtflow::engine {
 
@@ -35,6 +36,7 @@ public:
             // The system has no more threads for us: those that began suffice.
         }
         members_ = static_cast<int>(threads_.size()) + 1;
+        if (members_ < options.threads) note_shortage(options.threads, members_);
     }
     ~Team() {
         level_ = {};

@@ -6,16 +6,29 @@
 #include <atomic>
 #include <chrono>
 #include <ctime>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
+#include "engine/executor/worker_grant.hpp"
+
 namespace cvtflow::engine {
+
+namespace {
+
+[[noreturn]] void too_few_threads(int wanted) {
+    throw std::runtime_error("a measurement wants " + std::to_string(wanted) + " threads, and the system does not give them");
+}
+
+}  // namespace
 
 struct BusyNeighbours::Threads {
     std::vector<std::jthread> all;
 };
 
 BusyNeighbours::BusyNeighbours(int count) : threads_(std::make_unique<Threads>()) {
+    if (startable_threads(count) < count) too_few_threads(count);
     for (int i = 0; i < count; ++i) {
         threads_->all.emplace_back([](const std::stop_token& stop) {
             while (!stop.stop_requested()) {}
@@ -50,6 +63,7 @@ struct alignas(128) Counter {
 
 double bare_barrier_cycle(int threads, double seconds) {
     using Clock = std::chrono::steady_clock;
+    if (startable_threads(threads - 1) < threads - 1) too_few_threads(threads);   // those that begin would wait for the others
     Counter opened;  // number of the open cycle; negative: leave
     std::vector<Counter> answered(static_cast<std::size_t>(std::max(0, threads - 1)));
     std::vector<std::jthread> others;

@@ -36,6 +36,15 @@ std::vector<long> SharedSlots::taken() const {
     return numbers;
 }
 
+std::vector<int> ending_signals() {
+    std::vector<int> signals{SIGINT, SIGTERM};
+    for (const int other : {SIGHUP, SIGXCPU, SIGPIPE}) {
+        struct sigaction now {};
+        if (sigaction(other, nullptr, &now) == 0 && now.sa_handler != SIG_IGN) signals.push_back(other);
+    }
+    return signals;
+}
+
 namespace {
 
 volatile std::sig_atomic_t child_at_work = 0, wished = 0;   // a signal handler can reach nothing but globals
@@ -49,15 +58,15 @@ void hand_on(int signal, siginfo_t* from, void* /*context*/) {
 class Forwarding {
 public:
     Forwarding() {
-        sigset_t both;
-        sigemptyset(&both);
-        for (const int signal : signals) sigaddset(&both, signal);
-        sigprocmask(SIG_BLOCK, &both, &mask_);
+        sigset_t all;
+        sigemptyset(&all);
+        for (const int signal : signals_) sigaddset(&all, signal);
+        sigprocmask(SIG_BLOCK, &all, &mask_);
         struct sigaction action {};
         action.sa_sigaction = hand_on;
         action.sa_flags = SA_SIGINFO | SA_RESTART;
         sigemptyset(&action.sa_mask);
-        for (std::size_t i = 0; i < 2; ++i) sigaction(signals[i], &action, &before_[i]);
+        for (std::size_t i = 0; i < signals_.size(); ++i) sigaction(signals_[i], &action, &before_[i]);
     }
     ~Forwarding() { undo(); }
     Forwarding(const Forwarding&) = delete;
@@ -66,13 +75,13 @@ public:
     /// What was kept back comes now.
     void release() noexcept { sigprocmask(SIG_SETMASK, &mask_, nullptr); }
     void undo() noexcept {
-        for (std::size_t i = 0; i < 2; ++i) sigaction(signals[i], &before_[i], nullptr);
+        for (std::size_t i = 0; i < signals_.size(); ++i) sigaction(signals_[i], &before_[i], nullptr);
         release();
     }
 
 private:
-    static constexpr int signals[2] = {SIGINT, SIGTERM};
-    struct sigaction before_[2];
+    std::vector<int> signals_ = ending_signals();
+    std::vector<struct sigaction> before_{signals_.size()};
     sigset_t mask_;
 };
 

@@ -3,9 +3,11 @@
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
+#include <system_error>
 
 #include "engine/executor/floating_mode.hpp"
 #include "engine/executor/tbb_section.hpp"
+#include "engine/executor/worker_grant.hpp"
 
 namespace cvtflow::engine {
 
@@ -44,7 +46,13 @@ void JobPool::run(const std::function<long(int)>& next, const std::function<void
 }
 
 WriterThread::WriterThread(std::size_t slots, std::size_t row_bytes, std::function<void(std::span<const std::byte>)> write)
-    : ring_(slots, std::vector<std::byte>(row_bytes)), current_(row_bytes), write_(std::move(write)), thread_([this] { work(); }) {}
+    : ring_(slots, std::vector<std::byte>(row_bytes)), current_(row_bytes), write_(std::move(write)) {
+    try {
+        thread_ = std::thread([this] { work(); });
+    } catch (const std::system_error&) {
+        note_shortage(2, 1);   // whoever posts a row writes it
+    }
+}
 
 WriterThread::~WriterThread() { stop(); }
 
@@ -74,9 +82,20 @@ void WriterThread::post(std::span<const std::byte> row) {
     std::unique_lock hold(mutex_);
     changed_.wait(hold, [&] { return count_ < ring_.size() || error_; });
     if (error_) std::rethrow_exception(error_);
+    if (!thread_.joinable()) return write_here(row);
     std::copy(row.begin(), row.end(), ring_[(first_ + count_) % ring_.size()].begin());
     ++count_;
     changed_.notify_all();
+}
+
+/// Under the lock: one row at a time, in the order in which they come.
+void WriterThread::write_here(std::span<const std::byte> row) {
+    try {
+        write_(row);
+    } catch (...) {
+        error_ = std::current_exception();
+        throw;
+    }
 }
 
 void WriterThread::stop() noexcept {

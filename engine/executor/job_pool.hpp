@@ -45,7 +45,7 @@ private:
 };
 
 /// One thread that takes rows of bytes, in the order in which they come. At most `slots` wait; post() then blocks. Nothing is allocated after
-/// construction.
+/// construction. Where the system has no thread for it, post() writes.
 class WriterThread {
 public:
     /// @param write called on the writer's thread; what it throws comes out of the next post() or of finish(), and ends the writing
@@ -61,6 +61,7 @@ public:
 
 private:
     void work();
+    void write_here(std::span<const std::byte> row);
     void stop() noexcept;
 
     std::vector<std::vector<std::byte>> ring_;

@@ -7,6 +7,7 @@
 
 #include "engine/executor/floating_mode.hpp"
 #include "engine/executor/pinning.hpp"
+#include "engine/executor/worker_grant.hpp"
 
 namespace cvtflow::engine {
 
@@ -54,11 +55,12 @@ void run_level(const Run& run, std::span<const int> tasks, int threads, const Fl
 }  // namespace
 
 void OmpFork::execute(Run& run, int first) {
-    const TeamPins pins(options().pin, options().threads);
+    const int threads = team_grant(options().threads);
+    const TeamPins pins(options().pin, threads);
     const FloatingMode mode;
     for (int cycle = first; cycle != Controller::stop; cycle = run.decide(0)) {
         for (int level = 0; level < run.graph().levels(cycle); ++level) {
-            run_level(run, run.graph().level(cycle, level), options().threads, mode);
+            run_level(run, run.graph().level(cycle, level), threads, mode);
         }
     }
 }

@@ -4,6 +4,7 @@
 
 #include "engine/executor/floating_mode.hpp"
 #include "engine/executor/pinning.hpp"
+#include "engine/executor/worker_grant.hpp"
 
 namespace cvtflow::engine {
 
@@ -23,8 +24,9 @@ void run_level(const Run& run, std::span<const int> tasks, int thread, int team)
 void OmpRegion::execute(Run& run, int first) {
     const Processors processors;
     const FloatingMode mode;
+    const int threads = team_grant(options().threads);
     int cycle = first;
-#pragma omp parallel num_threads(options().threads)
+#pragma omp parallel num_threads(threads)
     {
         const int thread = omp_get_thread_num(), team = omp_get_num_threads();
         const Pin pin(options().pin, processors, thread);

@@ -1,8 +1,10 @@
 #include "engine/executor/tbb_section.hpp"
 
+#include <oneapi/tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <exception>
 
 namespace cvtflow::engine {
 
@@ -38,6 +40,24 @@ void ArenaPins::on_scheduler_exit(bool /*worker*/) {
     if (slot < 0 || slot >= slots_) return;
     Guest& guest = guests_[static_cast<std::size_t>(slot)];
     if (guest.thread.exchange(0) == gettid()) sched_setaffinity(0, sizeof guest.before, &guest.before);
+}
+
+TbbSection::TbbSection(int threads, bool pin, bool present) : grant_(std::min(threads, std::max(1, most_threads()))) {
+    if (!present || grant_.threads() < std::min(threads, most_threads())) arena_.emplace(grant_.threads(), 1);
+    if (grant_.fresh()) try_workers();
+    if (pin) pins_ = std::make_unique<ArenaPins>(*arena_, threads);
+}
+
+void TbbSection::try_workers() {
+    try {
+        execute([&](oneapi::tbb::task_group_context& context) {
+            oneapi::tbb::parallel_for(0, grant_.threads(), [](int) {}, oneapi::tbb::simple_partitioner(), context);
+        });
+    } catch (const std::exception&) {
+        grant_.refused();
+        context_.reset();
+        arena_.emplace(1, 1);
+    }
 }
 
 }  // namespace cvtflow::engine

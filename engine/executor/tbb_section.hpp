@@ -12,6 +12,7 @@
 
 #include "engine/executor/executor_options.hpp"
 #include "engine/executor/pinning.hpp"
+#include "engine/executor/worker_grant.hpp"
 
 namespace cvtflow::engine {
 
@@ -40,15 +41,13 @@ private:
 /// in which it is built.
 ///
 /// Or the arena in which the caller already is, isolated: the caller takes none of the host's tasks while it waits.
+///
+/// Where the system has fewer threads than wanted, the arena is an own one with those that there are, down to the caller alone.
 class TbbSection {
 public:
     /// @param pin whether threads are pinned by their slot
-    TbbSection(int threads, bool pin) : arena_(std::in_place, std::min(threads, most_threads()), 1) {
-        if (pin) pins_ = std::make_unique<ArenaPins>(*arena_, threads);
-    }
-    explicit TbbSection(const ExecutorOptions& options) : TbbSection(options.threads, false) {
-        if (options.present_arena) arena_.reset();
-    }
+    TbbSection(int threads, bool pin) : TbbSection(threads, pin, false) {}
+    explicit TbbSection(const ExecutorOptions& options) : TbbSection(options.threads, false, options.present_arena) {}
 
     /// Calls action(context) in the arena; the calling thread has the slot reserved for it.
     template <class Action>
@@ -61,11 +60,17 @@ public:
     }
 
 private:
+    TbbSection(int threads, bool pin, bool present);
+
+    /// Has oneTBB start its workers while a refusal is an exception and no more.
+    void try_workers();
+
     /// More never come, and oneTBB would complain on the host's standard error.
     [[nodiscard]] static int most_threads() {
         return static_cast<int>(oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism));
     }
 
+    WorkerGrant grant_;
     std::optional<oneapi::tbb::task_arena> arena_;   // none: the caller's
     oneapi::tbb::task_group_context context_{oneapi::tbb::task_group_context::isolated, oneapi::tbb::task_group_context::default_traits |
                                                                                             oneapi::tbb::task_group_context::fp_settings};

@@ -2,12 +2,17 @@
 
 #include <oneapi/tbb/global_control.h>
 
+#include "engine/executor/worker_grant.hpp"
+
 namespace cvtflow::engine {
 
 bool end_worker_threads() noexcept {
+    if (workers_were_refused()) return false;
     try {
         oneapi::tbb::task_scheduler_handle handle{oneapi::tbb::attach{}};
-        return oneapi::tbb::finalize(handle, std::nothrow);
+        if (!oneapi::tbb::finalize(handle, std::nothrow)) return false;
+        forget_workers();
+        return true;
     } catch (...) {
         return false;
     }

@@ -38,7 +38,7 @@ double real_bound(const FitRequest& request, double z) { return z < -knee ? requ
 void add_real_axis(std::vector<Point>& points, const FitRequest& request) {
     const int count = 40 + 8 * static_cast<int>(std::ceil(std::sqrt(request.real)));
     for (int i = 0; i <= count; ++i) {
-        const double z = 0.51 * request.real * (std::cos(std::numbers::pi * i / count) - 1.0);
+        const double z = 0.51 * request.real * (static_cast<double>(std::cos(std::numbers::pi_v<long double> * i / count)) - 1.0);
         if (z < -inner) points.push_back({z, real_bound(request, z)});
     }
     points.push_back({-knee * 1.0001, request.ripple});
@@ -48,7 +48,7 @@ void add_real_axis(std::vector<Point>& points, const FitRequest& request) {
 void add_sector(std::vector<Point>& points, const FitRequest& request) {
     constexpr int rays = 20;
     const int radii = 12 + 4 * static_cast<int>(std::ceil(request.imaginary));
-    const double widest = std::acos(request.damping_ratio);
+    const double widest = static_cast<double>(std::acos(static_cast<long double>(request.damping_ratio)));   // that of doubles differs between processors
     for (int ray = 0; ray < rays; ++ray) {
         const double angle = widest * (1.0 - static_cast<double>(ray * ray) / (rays * rays));
         for (int i = 1; i <= radii; ++i) {
@@ -147,7 +147,7 @@ private:
     [[nodiscard]] Residuals measure() const {
         const Eigen::VectorXd parts = rows_ * alpha_;
         Residuals residuals{Eigen::VectorXd(weights_.size()), 0.0};
-        for (Eigen::Index i = 0; i < weights_.size(); ++i) residuals.values(i) = std::hypot(parts(2 * i), parts(2 * i + 1));
+        for (Eigen::Index i = 0; i < weights_.size(); ++i) residuals.values(i) = std::sqrt(parts(2 * i) * parts(2 * i) + parts(2 * i + 1) * parts(2 * i + 1));
         residuals.largest = residuals.values.maxCoeff();
         return residuals;
     }

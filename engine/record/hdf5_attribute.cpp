@@ -118,7 +118,8 @@ std::vector<Attribute> read_attributes(hid_t object) {
     const auto collect = [](hid_t, const char* name, const H5A_info_t*, void* client) -> herr_t {
         return note_name(name, client);
     };
-    check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names), "cannot list attributes");
+    check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), "cannot list attributes");
+    std::sort(names.begin(), names.end());   // as links are (hdf5_series.cpp)
     std::vector<Attribute> attributes;
     for (const std::string& name : names) {
         if (auto attribute = read(object, name)) {

@@ -1,5 +1,6 @@
 #include "engine/record/hdf5_series.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -44,7 +45,9 @@ void collect_datasets(hid_t file, const std::string& group, const std::string& p
     };
     {
         const Handle handle(H5Gopen2(file, group.c_str(), H5P_DEFAULT), H5Gclose, what);
-        check(H5Literate(handle.id(), H5_INDEX_NAME, H5_ITER_INC, nullptr, collect, &names), what);
+        // In HDF5's own order: for any other it makes a table of the links, and where a read fails in that it frees what it has not filled.
+        check(H5Literate(handle.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), what);
+        std::sort(names.begin(), names.end());
     }
     if ((found.objects += names.size()) > most_objects) {
         throw Failure(what + ": too many objects");

@@ -24,18 +24,22 @@ std::string folder_of(const std::string& path) {
     return folder.empty() ? "." : folder;
 }
 
+/// What is under a name and must not be replaced; empty: nothing, or a plain file. A rename would put a file in the place of a device, and of
+/// a link instead of what it points to; a file that is opened through a link is somebody else's.
+std::string other_than_file(const std::string& path) {
+    struct stat file {};
+    if (lstat(path.c_str(), &file) != 0 || S_ISREG(file.st_mode)) return "";
+    if (S_ISLNK(file.st_mode)) return "a symbolic link; name what it points to";
+    return S_ISDIR(file.st_mode) ? "a folder, not a file" : "a device, pipe or socket, not a file";
+}
+
+void require_plain(const std::string& path) {
+    if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot create: " + other);
+}
+
 void require_place(const std::string& final_path, const std::string& part_path, bool replace) {
     std::error_code ignored;
-    if (final_path.empty()) {
-        throw RecordError("cannot create a file without a name");
-    }
-    if (fs::is_directory(final_path, ignored) || final_path.back() == '/') {
-        throw RecordError(final_path + ": cannot create: a folder, not a file");
-    }
-    const std::string folder = folder_of(final_path);
-    if (!fs::exists(folder, ignored)) {
-        throw RecordError(final_path + ": cannot create: the folder '" + folder + "' does not exist");
-    }
+    require_replaceable(final_path);
     if (!replace && fs::exists(final_path, ignored)) {
         throw RecordError(final_path + ": cannot create: the file exists");
     }
@@ -52,6 +56,19 @@ bool still_named(int descriptor, const std::string& path) {
            open_file.st_dev == named_file.st_dev;
 }
 
+/// A new file, or the plain one that a killed run left: never through a link, and none that has a second name elsewhere. @return -1 and errno
+int open_part(const std::string& path) {
+    constexpr int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC;
+    const int fresh = open(path.c_str(), flags | O_CREAT | O_EXCL, 0666);
+    if (fresh >= 0 || errno != EEXIST) return fresh;
+    const int left = open(path.c_str(), flags);
+    struct stat file {};
+    if (left < 0 || (fstat(left, &file) == 0 && S_ISREG(file.st_mode) && file.st_nlink <= 1)) return left;
+    ::close(left);
+    errno = EEXIST;
+    return -1;
+}
+
 /// An open-file-description lock: gone with the process, however it ends, and unseen by HDF5, which asks for flock locks.
 bool lock(int descriptor) {
     struct flock whole {};
@@ -62,9 +79,19 @@ bool lock(int descriptor) {
 
 }  // namespace
 
+void require_replaceable(const std::string& path) {
+    if (path.empty()) throw RecordError("cannot create a file without a name");
+    if (path.back() == '/') throw RecordError(path + ": cannot create: a folder, not a file");
+    for (const char* suffix : {"", ".part"}) require_plain(path + suffix);
+    std::error_code ignored;
+    const std::string folder = folder_of(path);
+    if (!fs::is_directory(folder, ignored)) throw RecordError(path + ": cannot create: the folder '" + folder + "' does not exist");
+    if (access(folder.c_str(), W_OK) != 0) throw RecordError(path + ": cannot create: " + std::strerror(errno));
+}
+
 PartFile::PartFile(std::string final_path, bool replace) : final_path_(std::move(final_path)), part_path_(final_path_ + ".part") {
     require_place(final_path_, part_path_, replace);
-    descriptor_ = open(part_path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    descriptor_ = open_part(part_path_);
     if (descriptor_ < 0) {
         throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
     }
@@ -153,7 +180,8 @@ std::string set_aside(const std::string& path) {
     const std::string before = path + ".before";
     std::error_code ignored;
     for (const std::string& left : {before, path + ".part", path}) {
-        if (!fs::exists(left, ignored)) continue;
+        if (!fs::exists(fs::symlink_status(left, ignored))) continue;
+        if (const std::string other = other_than_file(left); !other.empty()) throw RecordError(left + ": cannot go on with it: " + other);
         const int descriptor = open(left.c_str(), O_RDWR | O_CLOEXEC);
         const bool free = descriptor < 0 || lock(descriptor);
         if (descriptor >= 0) ::close(descriptor);

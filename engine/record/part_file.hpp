@@ -11,7 +11,7 @@ namespace cvtflow::engine {
 class PartFile {
 public:
     /// Creates or empties `<final_path>.part`.
-    /// Errors: missing folder, no permission, a folder of that name, another process writing the same file.
+    /// Errors: as require_replaceable; another process writing the same file.
     /// @param replace  whether a finished file of the final name, or a .part that a killed run left, may be overwritten
     PartFile(std::string final_path, bool replace);
     ~PartFile();
@@ -43,6 +43,10 @@ private:
     int descriptor_ = -1;
     std::size_t reserved_ = 0;
 };
+
+/// Whether a file may be created at `path`, or a plain file there replaced, with a .part beside it; asked before work whose result goes there.
+/// Errors (RecordError): a folder, a device, pipe or socket, a symbolic link; a missing folder; no permission.
+void require_replaceable(const std::string& path);
 
 /// Takes what a run left under a name out of the way of a new one, to read it: `<path>.before` from now on, or already since an attempt that
 /// was killed. Takes the .part file if there is one, else the finished file.

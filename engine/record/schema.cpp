@@ -4,8 +4,6 @@
 
 namespace cvtflow::engine {
 
-void leave_library_at_exit() noexcept { H5dont_atexit(); }
-
 std::vector<Attribute> attributes_of(const Provenance& provenance) {
     unsigned major = 0;
     unsigned minor = 0;

@@ -50,10 +50,6 @@ struct Attribute {
     bool operator==(const Attribute&) const = default;
 };
 
-/// Keeps HDF5 from closing itself when the program ends: every file is closed by then, and after a damaged one it may find no end ("HDF5:
-/// infinite loop closing library"). For programs of our own, before their first file; a host may have files that HDF5 is to close.
-void leave_library_at_exit() noexcept;
-
 /// From now on every file is first looked at by a child process while this one has a single thread, so that a forged file that makes HDF5 crash
 /// is an error like others. For programs of our own: hosts may be in the way of a fork. (hdf5_trial.cpp)
 void try_files_first() noexcept;

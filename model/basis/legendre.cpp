@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "model/basis/portable_math.hpp"
+
 namespace cvtflow::model {
 
 double legendre(int m, double x) noexcept {
@@ -28,7 +30,7 @@ double legendre_derivative(int m, double x) noexcept {
 Quadrature gauss_legendre(int points) {
     Quadrature rule;
     for (int g = 0; g < points; ++g) {
-        double x = -std::cos(std::numbers::pi * (g + 0.75) / (points + 0.5));
+        double x = -portable_cos(std::numbers::pi * (g + 0.75) / (points + 0.5));
         for (int iteration = 0; iteration < 100; ++iteration) {
             const double step = legendre(points, x) / legendre_derivative(points, x);
             x -= step;

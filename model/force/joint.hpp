@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "model/account.hpp"
+#include "model/basis/ten_ninths.hpp"
 #include "model/force/difference.hpp"
 #include "model/friction/friction.hpp"
 
@@ -100,7 +101,7 @@ template <int W>
         return {elastic, 0.5 * elastic * pressed};
     }
     Lanes<W> grown;
-    for (int lane = 0; lane < W; ++lane) grown.set(lane, std::pow(pressed[lane] / j.reference_depth, 10.0 / 9.0));
+    for (int lane = 0; lane < W; ++lane) grown.set(lane, ten_ninths(pressed[lane] / j.reference_depth));
     const Lanes<W> elastic = j.stiffness * j.reference_depth * weight * grown;
     return {elastic, (9.0 / 19.0) * elastic * pressed};
 }

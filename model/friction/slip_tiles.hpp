@@ -110,7 +110,11 @@ inline void permute(const float* from, const std::int32_t* number, [[maybe_unuse
     Numbers numbers;
     __builtin_memcpy(&row, from, sizeof row);
     __builtin_memcpy(&numbers, number, sizeof numbers);
+#if defined(__clang__)   // which has no shuffle by numbers that are known at run time only
+    row = __builtin_ia32_permvarsf512(row, numbers);
+#else
     row = __builtin_shuffle(row, numbers);
+#endif
     __builtin_memcpy(to, &row, sizeof row);
 #else
     for (int lane = 0; lane < count; ++lane) to[lane] = from[number[lane]];

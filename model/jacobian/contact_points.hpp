@@ -76,7 +76,7 @@ template <class T>
 inline void add_press(const JointCoefficients& j, double weight, const JointPoint<T>& p, const JointContact<T>& m, JointEffect<T>& out) noexcept {
     const T closing = -(m.nx * m.vx + m.ny * m.vy);
     const T pressed = positive_part(m.depth);
-    const T elastic = j.palmgren ? j.stiffness * j.reference_depth * weight * power(pressed * (1.0 / j.reference_depth), 10.0 / 9.0) : j.stiffness * weight * pressed;
+    const T elastic = j.palmgren ? j.stiffness * j.reference_depth * weight * ten_ninths(pressed * (1.0 / j.reference_depth)) : j.stiffness * weight * pressed;
     const T normal = positive_part(elastic * (1.0 + j.damping * closing));
     const T grip = j.friction.coefficient * (normal * slip_factor_of_square(j.friction, m.slip * m.slip + p.az * p.az));
     const T tangential = -(grip * m.slip);

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "model/basis/ten_ninths.hpp"
+
 namespace cvtflow::model {
 
 template <int N>
@@ -60,10 +62,10 @@ struct Dual {
     }
     /// 0 with derivative 0 where a ≤ 0.
     friend Dual positive_part(const Dual& a) noexcept { return a.value > 0.0 ? a : Dual(); }
-    friend Dual power(const Dual& a, double exponent) noexcept {
+    friend Dual ten_ninths(const Dual& a) noexcept {
         if (!(a.value > 0.0)) return {};
-        const double result = std::pow(a.value, exponent);
-        return scaled(a, result, exponent * result / a.value);
+        const double result = model::ten_ninths(a.value);
+        return scaled(a, result, 10.0 / 9.0 * result / a.value);
     }
 
 private:

@@ -6,6 +6,7 @@
 #include <random>
 #include <type_traits>
 
+#include "model/basis/portable_math.hpp"
 #include "tasks/scene/units.hpp"
 #include "tasks/scene/value_reader.hpp"
 
@@ -91,7 +92,7 @@ std::vector<double> spaced(double from, double to, std::size_t count, bool logar
     std::vector<double> values;
     for (std::size_t i = 0; i < count; ++i) {
         const double share = count == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(count - 1);
-        const double between = logarithmic ? from * std::pow(to / from, share) : from + share * (to - from);
+        const double between = logarithmic ? from * model::portable_pow(to / from, share) : from + share * (to - from);
         values.push_back(i == 0 ? from : i + 1 == count ? to : between);   // ends exactly
     }
     return values;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "model/basis/portable_math.hpp"
 #include "tasks/batch/table_view.hpp"
 #include "tasks/scene/spelling.hpp"
 
@@ -126,7 +127,7 @@ private:
         for (const Interval& ends : box) axis.keys.push_back(ends.parameter);
         for (std::size_t i = 0; i < where.size(); ++i) {
             const Interval& ends = box[i % box.size()];
-            axis.values.emplace_back(ends.logarithmic ? ends.from * std::pow(ends.to / ends.from, where[i]) : ends.from + where[i] * (ends.to - ends.from));
+            axis.values.emplace_back(ends.logarithmic ? ends.from * model::portable_pow(ends.to / ends.from, where[i]) : ends.from + where[i] * (ends.to - ends.from));
         }
         return axis;
     }

@@ -21,9 +21,12 @@
 
 namespace cvtflow::tasks {
 
+constexpr int most_shards = 100000;
+
 /// Share i of n, counted from 1.
 struct Shard {
     int number = 1, of = 1;
+    [[nodiscard]] bool valid() const noexcept { return number >= 1 && number <= of && of <= most_shards; }
     bool operator==(const Shard&) const = default;
 };
 

@@ -23,6 +23,7 @@ constexpr double required_gain = 1.1;
 
 }  // namespace
 
+std::span<const std::string_view> status_names() noexcept { return statuses; }
 std::string_view status_name(CaseStatus status) noexcept { return statuses[static_cast<int>(status)]; }
 
 double BatchControl::grace_left() {

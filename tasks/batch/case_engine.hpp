@@ -15,6 +15,8 @@ namespace cvtflow::tasks {
 
 /// How a case ended; the column `status` has these names.
 enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped };
+/// All that a row may say.
+[[nodiscard]] std::span<const std::string_view> status_names() noexcept;
 [[nodiscard]] std::string_view status_name(CaseStatus status) noexcept;
 
 struct CaseResult {

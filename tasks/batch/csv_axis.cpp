@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <sstream>
 
 #include "engine/base/input_file.hpp"
@@ -9,6 +11,8 @@
 namespace cvtflow::tasks {
 
 namespace {
+
+constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;   // a million rows of six numbers [byte]
 
 std::string trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
@@ -85,13 +89,13 @@ private:
 
 Axis read_csv_axis(const std::filesystem::path& file, Position position, std::vector<Problem>& problems) {
     CsvReader reader(file.filename().string(), position, problems);
-    std::error_code missing;
-    if (!std::filesystem::exists(file, missing)) {
+    std::error_code unknown;
+    if (!std::filesystem::exists(file, unknown)) {
         problems.push_back({position, fmt::format("axes.csv: there is no file {}", toml_text(file.string()))});
         return {};
     }
     try {
-        std::istringstream text(engine::read_text_input(file.string()));
+        std::istringstream text(engine::read_text_input(file.string(), longest_csv));
         for (std::string line; std::getline(text, line);) reader.line(line);
     } catch (const engine::InputError& error) {
         problems.push_back({position, fmt::format("axes.csv: {} cannot be read: {}", toml_text(file.string()), error.what())});

@@ -20,7 +20,7 @@ int shard_count(const std::string& folder) {
     std::error_code unreadable;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
         int number = 0, of = 0;
-        if (std::sscanf(entry.path().filename().c_str(), "shard-%d-of-%d", &number, &of) == 2) counts.insert(of);
+        if (std::sscanf(entry.path().filename().c_str(), "shard-%9d-of-%9d", &number, &of) == 2 && Shard{number, of}.valid()) counts.insert(of);
     }
     if (counts.empty()) throw SimulationError(folder + ": there are no shards to merge");
     if (counts.size() > 1) throw SimulationError(fmt::format("{}: shards of several cuts ({}): remove those that do not belong", folder, fmt::join(counts, ", ")));

@@ -1,9 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <string>
 
-#include "engine/base/input_file.hpp"
 #include "tasks/method_choice.hpp"
 #include "tasks/batch/axis_reader.hpp"
 #include "tasks/batch/sweep.hpp"
@@ -171,13 +169,7 @@ private:
 }  // namespace
 
 Sweep read_sweep(const std::filesystem::path& path, const FindScene& find_scene) {
-    std::string text;
-    try {
-        text = engine::read_text_input(path.string());
-    } catch (const engine::InputError& error) {
-        throw SceneError(fmt::format("{}: cannot be read: {}", path.string(), error.what()));
-    }
-    return SweepReader(path, std::move(text), find_scene).read();
+    return SweepReader(path, read_toml_text(path), find_scene).read();
 }
 
 }  // namespace cvtflow::tasks

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "model/basis/portable_math.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -108,7 +110,7 @@ int FrictionSolve::accept() noexcept {
 
 /// From a solution with higher saturation speeds towards those that are asked for.
 int FrictionSolve::narrow() noexcept {
-    if (solved_ > 0.0 && tries_ <= few_tries) stride_ = std::min(std::pow(stride_, longer), widening_step);
+    if (solved_ > 0.0 && tries_ <= few_tries) stride_ = std::min(model::portable_pow(stride_, longer), widening_step);
     solved_ = widening_;
     widening_ = std::max(widening_ / stride_, 1.0);
     keeps_ = true;

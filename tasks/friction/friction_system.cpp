@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/basis/portable_math.hpp"
 #include "tasks/assembly/segment_tasks.hpp"
 #include "tasks/friction/index.hpp"
 #include "tasks/method_memory.hpp"
@@ -23,7 +24,7 @@ FrictionSystem::FrictionSystem(const Workspace& w) : friction_(w.variator.chain(
 void FrictionSystem::restart() noexcept {
     const model::ChainLayout& layout = friction_.chain().layout();
     for (int row = 0; row < layout.link_size(); ++row) {   // a mode without symmetry, to begin with
-        for (int link = 0; link < layout.links; ++link) *mode_.at(row, link + 1) = std::sin(1.0 + 0.7 * row + 2.399 * link);
+        for (int link = 0; link < layout.links; ++link) *mode_.at(row, link + 1) = model::portable_sin(1.0 + 0.7 * row + 2.399 * link);
     }
 }
 

@@ -188,7 +188,7 @@ void ImplicitLeapfrog::react(int number) noexcept {
             if (w_.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
             const int row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
             const double first = impulses.at(2 * corner)[lane], second = impulses.at(2 * corner + 1)[lane];
-            const auto along = [&](int axis) { return g.tips.at(row + axis)[lane] * first + g.tips.at(row + 3 + axis)[lane] * second; };
+            const auto along = [&, k = lane](int axis) { return g.tips.at(row + axis)[k] * first + g.tips.at(row + 3 + axis)[k] * second; };   // clang 14 captures no binding
             load.add(corner % 2, along(0), along(1), along(2), p.x[corner], p.y[corner], p.z[corner]);   // on the sheave
         }
     }

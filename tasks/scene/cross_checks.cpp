@@ -6,9 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "tasks/method_choice.hpp"
-#include "tasks/scene/units.hpp"
+#include "engine/executor/catalogue.hpp"
 #include "model/belt.hpp"
+#include "tasks/method_choice.hpp"
+#include "tasks/scene/spelling.hpp"
+#include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -143,6 +145,14 @@ Violation method_exists(const Scene& scene) {
     return "run.method: " + no_method(scene.run.method);
 }
 
+Violation executor_exists(const Scene& scene) {
+    const std::string& name = scene.run.schedule;
+    if (name == "auto" || engine::find_executor(name) != nullptr) return {};
+    std::vector<std::string> names{"auto"};
+    for (const engine::ExecutorRow& row : engine::executors()) names.emplace_back(row.name);
+    return fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", name, did_you_mean(closest(name, names)));
+}
+
 }  // namespace
 
 std::span<const CrossCheck> cross_checks() {
@@ -165,6 +175,7 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
+        {{"run.schedule"}, executor_exists},
     };
     return checks;
 }

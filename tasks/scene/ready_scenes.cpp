@@ -1,10 +1,13 @@
 #include "tasks/scene/ready_scenes.hpp"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cinttypes>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <sstream>
 
 #include "tasks/scene/scene.hpp"
@@ -16,13 +19,20 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Folder of the program or shared library that this code is part of; empty if unknown. A program is known to dladdr by argv[0] only.
+/// Folder of the program or shared library that this code is part of, by the list of what is mapped where; empty if unknown. (dladdr knows a program
+/// by argv[0] only, and a library by the name under which it was found, which may be relative.)
 fs::path own_folder() {
-    Dl_info info{};
-    const bool known = dladdr(reinterpret_cast<const void*>(&own_folder), &info) != 0 && info.dli_fname != nullptr && info.dli_fname[0] == '/';
-    std::error_code unknown;
-    const fs::path path = fs::canonical(known ? info.dli_fname : "/proc/self/exe", unknown);
-    return unknown ? fs::path{} : path.parent_path();
+    const auto here = reinterpret_cast<std::uintptr_t>(&own_folder);
+    std::ifstream maps("/proc/self/maps");
+    for (std::string line; std::getline(maps, line);) {
+        std::uintptr_t begin = 0, end = 0;
+        int name = 0;   // where it begins
+        if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR " %*s %*s %*s %*s %n", &begin, &end, &name) != 2 || here < begin || here >= end) continue;
+        std::error_code unknown;
+        const fs::path path = fs::canonical(line.substr(static_cast<std::size_t>(name)), unknown);
+        return unknown ? fs::path{} : path.parent_path();
+    }
+    return {};
 }
 
 }  // namespace
@@ -38,7 +48,12 @@ std::vector<fs::path> scene_folders() {
     // bin/ or lib/ or lib/ARCHITECTURE/ beside share/
     fs::path folder = own_folder();
     for (int level = 0; level < 2 && folder.has_relative_path(); ++level) folders.push_back((folder = folder.parent_path()) / "share/cvtflow/scenes");
-    folders.emplace_back(CVTFLOW_SCENES_DIR);
+    // a build folder, up to three levels above
+    folder = own_folder();
+    for (int level = 0; level < 4 && folder.has_relative_path(); ++level, folder = folder.parent_path()) {
+        std::ifstream note(folder / "cvtflow-scenes.path");
+        if (std::string line; std::getline(note, line)) folders.emplace_back(line);
+    }
     return folders;
 }
 

@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/input_file.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/spelling.hpp"
@@ -19,17 +18,23 @@
 namespace cvtflow::tasks {
 namespace {
 
+constexpr std::size_t most_problems = 100;   ///< that are told, each a line
+
+/// A key in a message: as it was written, unless that is no use to anybody.
+std::string shown(const std::string& key) { return key.size() <= 100 ? key : key.substr(0, 60) + "…"; }
+
 /// A scene while it is read: keys given, keys that are wrong, problems so far.
 class Reading {
 public:
     /// Relative start.state paths count from `folder`.
-    Reading(Scene scene, std::filesystem::path folder, StartState start = StartState::required)
-        : scene_(std::move(scene)), folder_(std::move(folder)), start_(start) {}
+    /// @param nowhere  position of a violation of which no key was given
+    Reading(Scene scene, std::filesystem::path folder, StartState start = StartState::required, Position nowhere = {})
+        : scene_(std::move(scene)), folder_(std::move(folder)), start_(start), nowhere_(nowhere) {}
 
     void document(const Node::Table& sections);
     void value(const Parameter& parameter, const Node& node);
     void unknown_key(const std::string& key, Position position) {
-        problem(position, fmt::format("{}: unknown key{}", key, did_you_mean(nearest_key(key))));
+        problem(position, fmt::format("{}: unknown key{}", shown(key), problems_.size() < most_problems ? did_you_mean(nearest_key(key)) : ""));
     }
     void problem(Position position, std::string message) { problems_.push_back({position, std::move(message)}); }
 
@@ -46,6 +51,7 @@ private:
     Scene scene_;
     std::filesystem::path folder_;
     StartState start_;
+    Position nowhere_;
     std::map<std::string_view, Position> given_;
     std::set<std::string_view> wrong_;
     std::vector<Problem> problems_;
@@ -59,8 +65,8 @@ void Reading::section(const Entry& entry) {
     const auto names = section_names();
     const auto* table = std::get_if<Node::Table>(&entry.node.value);
     if (std::find(names.begin(), names.end(), entry.key) == names.end()) {
-        if (table) return problem(entry.position, fmt::format("{}: unknown section{}", entry.key, did_you_mean(closest(entry.key, names))));
-        return problem(entry.position, fmt::format("{}: this key is in no section{}", entry.key, did_you_mean(nearest_key(entry.key))));
+        if (table) return problem(entry.position, fmt::format("{}: unknown section{}", shown(entry.key), did_you_mean(closest(entry.key, names))));
+        return problem(entry.position, fmt::format("{}: this key is in no section{}", shown(entry.key), did_you_mean(nearest_key(entry.key))));
     }
     if (!table) return problem(entry.position, fmt::format("{0}: not a section; write [{0}]", entry.key));
     for (const Entry& row : *table) {
@@ -96,7 +102,7 @@ void Reading::check(const CrossCheck& cross_check) {
     if (!violation) return;
     const auto& keys = cross_check.keys;
     const auto first = std::find_if(keys.begin(), keys.end(), [&](std::string_view key) { return given_.contains(key); });
-    problem(first == keys.end() ? Position{} : given_[*first], std::move(*violation));
+    problem(first == keys.end() ? nowhere_ : given_[*first], std::move(*violation));
 }
 
 Scene Reading::finish(const std::function<std::string(Position)>& place) {
@@ -104,7 +110,8 @@ Scene Reading::finish(const std::function<std::string(Position)>& place) {
     if (problems_.empty()) return std::move(scene_);
     std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) { return a.position < b.position; });
     std::vector<std::string> lines;
-    for (const Problem& problem : problems_) lines.push_back(fmt::format("{}: {}", place(problem.position), problem.message));
+    for (std::size_t i = 0; i < std::min(problems_.size(), most_problems); ++i) lines.push_back(fmt::format("{}: {}", place(problems_[i].position), problems_[i].message));
+    if (problems_.size() > most_problems) lines.push_back(fmt::format("… and {} more problems", problems_.size() - most_problems));
     throw SceneError(fmt::format("{}", fmt::join(lines, "\n")));
 }
 
@@ -146,11 +153,7 @@ void read_setting(Reading& reading, const std::string& setting, Position positio
 }  // namespace
 
 Scene read_scene(const std::filesystem::path& path, StartState start) {
-    try {
-        return parse_scene(engine::read_text_input(path.string()), path, start);
-    } catch (const engine::InputError& error) {
-        throw SceneError(fmt::format("{}: cannot be read: {}", path.string(), error.what()));
-    }
+    return parse_scene(read_toml_text(path), path, start);
 }
 
 Scene parse_scene(std::string text, std::filesystem::path name, StartState start) {
@@ -167,10 +170,13 @@ Scene parse_scene(std::string text, std::filesystem::path name, StartState start
 }
 
 void set_values(Scene& scene, std::span<const std::string> settings) {
-    Reading reading(scene, {});
+    constexpr Position nowhere{-1, 0};
+    Reading reading(scene, {}, StartState::required, nowhere);
     int number = 0;
     for (const std::string& setting : settings) read_setting(reading, setting, {number++, 0});
-    scene = reading.finish([&](Position position) { return fmt::format("--set {}", settings[static_cast<std::size_t>(position.line)]); });
+    scene = reading.finish([&](Position position) {
+        return position == nowhere ? fmt::format("{}, as it is now", scene.name) : fmt::format("--set {}", settings[static_cast<std::size_t>(position.line)]);
+    });
 }
 
 void set_value(Scene& scene, std::string_view setting) {

@@ -1,5 +1,7 @@
 #include "tasks/scene/toml_tree.hpp"
 
+#include "tasks/scene/toml_limits.hpp"
+
 #include <stdexcept>
 #include <utility>
 
@@ -57,6 +59,7 @@ Node converted(const toml::node& source) {
 }  // namespace
 
 std::variant<Node, Problem> parse_toml(const std::string& text) {
+    if (auto beyond = beyond_limits(text)) return std::move(*beyond);
     try {
         return converted(static_cast<const toml::node&>(toml::parse(text)));
     } catch (const toml::parse_error& error) {

@@ -2,7 +2,9 @@
 /// TOML as a plain tree with source positions. The one place that knows the TOML library.
 
 #include <compare>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <variant>
 #include <vector>
@@ -40,7 +42,14 @@ struct Entry {
     Node node;
 };
 
-/// @return the document's table, or the first violation of the TOML grammar (duplicate keys included)
+/// Longest text of a document: four bytes of it may become hundreds in memory [byte].
+inline constexpr std::size_t longest_toml = std::size_t{4} << 20U;
+
+/// The text of a TOML file. @throws SceneError "path: cannot be read: why"
+[[nodiscard]] std::string read_toml_text(const std::filesystem::path& path);
+
+/// @return the document's table, or the first violation of the TOML grammar (duplicate keys included) or of what this program takes: texts up
+/// to longest_toml, keys of up to 256 characters and 32 parts, values nested up to 32 deep
 [[nodiscard]] std::variant<Node, Problem> parse_toml(const std::string& text);
 
 /// `"text"` with TOML's escapes.

@@ -1,5 +1,6 @@
 #include "tasks/scene/units.hpp"
 
+#include "model/basis/portable_math.hpp"
 #include "tasks/scene/spelling.hpp"
 
 #include <algorithm>
@@ -113,8 +114,8 @@ void multiply(Product& product, const Unit& unit, int halves) {
     product.dimension.angle += unit.dimension.angle * halves / 2;
     product.decimal_halves += unit.decimal * halves;
     const double power = 0.5 * std::abs(halves);
-    const double up = power == 1.0 ? unit.numerator : std::pow(unit.numerator, power);
-    const double down = power == 1.0 ? unit.denominator : std::pow(unit.denominator, power);
+    const double up = power == 1.0 ? unit.numerator : model::portable_pow(unit.numerator, power);
+    const double down = power == 1.0 ? unit.denominator : model::portable_pow(unit.denominator, power);
     product.numerator *= halves > 0 ? up : down;
     product.denominator *= halves > 0 ? down : up;
 }
@@ -208,7 +209,7 @@ std::variant<Quantity, std::string> parse_quantity(std::string_view text) {
     quantity.dimension = factor.dimension;
     const int whole = factor.decimal_halves / 2;
     quantity.value = shifted(digits, whole) * factor.numerator / factor.denominator;
-    if (const int odd = factor.decimal_halves - 2 * whole; odd != 0) quantity.value *= std::pow(10.0, 0.5 * odd);
+    if (const int odd = factor.decimal_halves - 2 * whole; odd != 0) quantity.value *= model::portable_pow(10.0, 0.5 * odd);
     if (!std::isfinite(quantity.value)) return std::string("is not a finite number");
     return quantity;
 }

@@ -14,6 +14,7 @@ constexpr double far_beyond = 1e6;     ///< a time that no step reaches [s]
 [[nodiscard]] Scene with_method(Scene scene, std::string_view method) {
     scene.run.method = method;
     scene.run.step_control = StepControl::fixed;
+    scene.run.step = scene.run.output_interval;   // any that is not automatic; hold() says which is taken
     scene.run.schedule = "serial";
     return scene;
 }

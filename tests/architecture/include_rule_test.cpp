@@ -35,7 +35,7 @@ const std::map<std::string, Names> friends{
 
 const Names thread_headers{"atomic", "barrier",   "condition_variable", "future",     "latch",
                            "mutex",  "semaphore", "shared_mutex",       "stop_token", "thread", "pthread.h"};
-const Names posix_headers{"dlfcn.h", "fcntl.h", "pthread.h", "sched.h", "unistd.h"};
+const Names posix_headers{"dlfcn.h", "fcntl.h", "poll.h", "pthread.h", "sched.h", "unistd.h"};
 
 /// Third party behind a header in angle brackets; empty for the standard library and POSIX.
 std::string third_party(const std::string& name) {

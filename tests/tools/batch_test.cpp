@@ -212,19 +212,6 @@ TEST_F(Batch, TellsATableThatIsNoSweepsFromOneThatIs) {
     EXPECT_EQ(run({"table", "other.h5"}).status, 1);
 }
 
-TEST_F(Batch, MergeNamesWhatIsMissing) {
-    write_sweep();
-    for (const char* shard : {"1/3", "3/3"}) ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", shard}).status, 0);
-    const Outcome refused = run({"merge", "cut"});
-    EXPECT_EQ(refused.status, 5);
-    EXPECT_EQ(refused.err, "cvtflow: cut/shard-0002-of-0003: this shard has no results\ncvtflow: 4 of 12 cases are missing: 1, 4, 7, 10\n"
-                           "cvtflow: nothing was written; run the missing shards, or --partial joins what is there\n");
-    EXPECT_FALSE(exists("cut/cases.h5"));
-    EXPECT_EQ(run({"merge", "cut", "--partial"}).status, 5);
-    EXPECT_EQ(column("hash", "cut").size(), 8u);
-    EXPECT_EQ(table("cut").attribute("missing_cases"), "1 4 7 10");
-}
-
 /// The differences that the table tells are those to a sweep without continuation.
 class ContinuedBatch : public Batch {
 protected:
@@ -265,15 +252,6 @@ TEST_F(Batch, RecordsCasesIfAsked) {
     ASSERT_EQ(batch().status, 0);
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "out/records"), {}), 4);
     EXPECT_THAT(run({"info", "out/records/case-000002.h5"}).out, HasSubstr("\n  status              finished\n"));
-}
-
-TEST_F(Batch, MergeNamesTheFirstMissingShardsAndCountsTheOthers) {
-    write_sweep();
-    ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", "4/12"}).status, 0);
-    const Outcome refused = run({"merge", "cut"});
-    EXPECT_EQ(refused.status, 5);
-    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 5 + 1 + 1 + 1) << refused.err;   // five shards, how many more, cases, what to do
-    EXPECT_THAT(refused.err, HasSubstr("cut/shard-0006-of-0012: this shard has no results\ncvtflow: … and 6 more; 11 shards have no results\n"));
 }
 
 /// 12 um are reached 1.6 us after the settling: a case of 0.2 us knows nothing of that.

@@ -207,7 +207,7 @@ TEST_F(Commands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {
     EXPECT_EQ(other.status, 1);
     EXPECT_THAT(other.err, AllOf(StartsWith("cvtflow: baseline: variants start from a settled state of full detail: start.state: "), HasSubstr("\n  detail.order = 3, settled with 1\n")));
     const Outcome held = run({"detail", "baseline", "--set", "detail.order=1"});
-    EXPECT_EQ(held.status, 1);
+    EXPECT_EQ(held.status, 2);
     EXPECT_EQ(held.err, "cvtflow: --set detail.order=1: detail.order is one of the dials that are compared\n");
 }
 

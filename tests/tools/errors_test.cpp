@@ -26,6 +26,9 @@ protected:
         write("broken.toml", "[chain]\npich = 3\npins = \"x\"\n");
         write("syntax.toml", "[chain\n");
         write("method.toml", "[run]\nmethod = \"rk45\"\nstepp = \"50 ns\"\n");
+        write("no_method.toml", "[run]\nmethod = \"rk5\"\n");
+        write("no_member.toml", "[run]\nmethod = \"rkc-s1\"\n");
+        write("no_executor.toml", "[run]\n\nschedule = \"flwo\"\n");
         write("no_state.toml", "[start]\nstate = \"gone.h5\"\n");
         std::filesystem::create_directory(folder_ / "folder");
         write("large.toml", "");
@@ -70,6 +73,29 @@ TEST_F(Errors, OnTheCommandLineExitWithTwo) {
     for (const Mistake& mistake : mistakes) expect(mistake);
 }
 
+TEST_F(Errors, InValuesOfOptionsExitWithTwo) {
+    write("sweep.toml", "[sweep]\nscene = \"tiny\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n[outputs]\nscalars = [\"slip mean\"]\n");
+    const std::vector<Mistake> mistakes{
+        {{"run", "tiny", "--checkpoint-every", ""}, 2, "--checkpoint-every : expected a time such as \"30 s\" or \"10 min\""},
+        {{"run", "tiny", "--checkpoint-every", "7"}, 2, "--checkpoint-every 7: expected a time such as \"30 s\" or \"10 min\""},
+        {{"batch", "sweep.toml", "--checkpoint-every", ""}, 2, "--checkpoint-every : expected a time such as \"30 s\" or \"10 min\""},
+        {{"batch", "sweep.toml", "--grace", "soon"}, 2, "--grace soon: expected a time such as \"30 s\" or \"10 min\""},
+        {{"batch", "sweep.toml", "--shard", ""}, 2, "--shard : expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
+        {{"batch", "sweep.toml", "--shard", "0/3"}, 2, "--shard 0/3: expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
+        {{"batch", "sweep.toml", "--shard", "1/100000000"}, 2, "--shard 1/100000000: expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
+        {{"batch", "sweep.toml", "--shard", "1/99999999999999999999"}, 2, "--shard 1/99999999999999999999: expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
+        {{"batch", "sweep.toml", "--threads", "-1"}, 2, "--threads: Value -1 not in range 1 to 1024 (cvtflow batch --help)"},
+        {{"batch", "sweep.toml", "--bench", "0"}, 2, "--bench: Value 0 not in range 1 to 10000 (cvtflow batch --help)"},
+    };
+    for (const Mistake& mistake : mistakes) expect(mistake);
+    for (const Words& words : {Words{"batch", "sweep.toml", "--retry", "nonsense"}, Words{"batch", "sweep.toml", "--retry", ""}}) {
+        const Outcome outcome = run(words);
+        EXPECT_EQ(outcome.status, 2);
+        EXPECT_THAT(outcome.err, testing::StartsWith("cvtflow: --retry " + words.back() + ": not one of ok, unreliable, diverged, budget, "));
+    }
+    EXPECT_FALSE(exists("results/sweep"));
+}
+
 TEST_F(Errors, InScenesSayWhereAndWhat) {
     const std::vector<Mistake> mistakes{
         {{"run", "basline"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
@@ -85,6 +111,9 @@ TEST_F(Errors, InScenesSayWhereAndWhat) {
          "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
          "integer"},
         {{"check", "method.toml"}, 1, "method.toml:2:10: run.method: no method 'rk45' (did you mean 'rk4'?)\ncvtflow: method.toml:3:1: run.stepp: unknown key (did you mean \"run.step\"?)"},
+        {{"run", "no_method.toml"}, 1, "no_method.toml:2:10: run.method: no method 'rk5' (did you mean 'rk4'?)"},
+        {{"check", "no_member.toml"}, 1, "no_member.toml: run.method: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
+        {{"check", "no_executor.toml"}, 1, "no_executor.toml:3:12: run.schedule: there is no executor 'flwo' (did you mean \"flow\"?) (cvtflow list executors; or auto)"},
         {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: there is no file \"gone.h5\""},
         {{"settle", "free_ring"}, 1, "free_ring: nothing to settle, start.layout and start.settling_time say so"},
         {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
@@ -108,36 +137,36 @@ TEST_F(Errors, InScenesSayWhereAndWhat) {
 
 TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
     const std::vector<Mistake> mistakes{
-        {{"run", "tiny", "--method", "rk5"}, 1, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
-        {{"run", "tiny", "--method", "zzzzzz"}, 1, "--method zzzzzz: no method 'zzzzzz' (cvtflow list methods)"},
-        {{"run", "tiny", "--method", "rkc-s1"}, 1, "no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
-        {{"run", "tiny", "--detail", "fein"}, 1, "--detail fein: not one of coarse, medium, fine, full (did you mean \"fine\"?)"},
-        {{"run", "tiny", "--set", "chain.pich=3"}, 1, "--set chain.pich=3: chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
-        {{"run", "tiny", "--set", "chain.pins=abc"}, 1, "--set chain.pins=abc: chain.pins: \"abc\" is not an integer"},
-        {{"run", "tiny", "--set", "nonsense"}, 1, "--set nonsense: not of the form key=value"},
-        {{"run", "tiny", "--until", "5 mm"}, 1, "--until 5 mm: 5 mm is a length, expected a time (s)"},
-        {{"run", "tiny", "--until=-1"}, 1, "--until -1: -1 s is outside [1e-9, 1e4] s"},
-        {{"run", "tiny", "--until", ""}, 1, "--until : \"\" does not begin with a number"},
-        {{"run", "tiny", "--step", "1"}, 1, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
-        {{"run", "tiny", "--threads=-1"}, 1, "--threads -1: -1 is outside [0, 1024]"},
-        {{"run", "tiny", "--segments", "30"}, 1, "--segments 30: 30 segments for chain.pins = 24"},
-        {{"settle", "tiny", "--method", "rk5"}, 1, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
-        {{"settle", "tiny", "--step", "1"}, 1, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
-        {{"settle", "tiny", "--threads=-1"}, 1, "--threads -1: -1 is outside [0, 1024]"},
-        {{"settle", "tiny", "--time", "3ms"}, 1, "--time 3ms: start.ramp_time: 5e-3 s is longer than start.settling_time = 3e-3 s"},
-        {{"spectrum", "tiny", "--state", "gone.h5"}, 1, "--state gone.h5: there is no file \"gone.h5\""},
-        {{"spectrum", "tiny", "--method", "rk5"}, 1, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
-        {{"dot", "tiny", "--cycle", "x"}, 1, "--cycle x: a step of rk4 has evaluate, detect, locate, truncate"},
-        {{"dot", "tiny", "--method", "leapfrog-rkc", "--cycle", "x"}, 1, "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, push, friction, finish"},
-        {{"stability", "dumka3"}, 1, "dumka3 chooses among tables of stages: ask for one of them (cvtflow list methods)"},
-        {{"stability", "rk5"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
-        {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 1, "no method 'heum' (did you mean 'heun'?)"},
-        {{"pin-entry", "tiny", "rk4"}, 1, "rk4: a method and its step are wanted, such as rk4@50ns"},
-        {{"pin-entry", "tiny", "rk4@50mm"}, 1, "rk4@50mm: '50mm' is not a time above 0, such as 40ns"},
-        {{"pin-entry", "tiny", "rk5@50ns"}, 1, "no method 'rk5' (did you mean 'rk4'?)"},
-        {{"pin-entry", "tiny", "rk4@50ns", "--time", "0s"}, 1, "--time: '0s' is not a time above 0, such as 40ns"},
-        {{"pin-entry", "tiny", "rk4@50ns", "--settle", "--pin", "24", "-q"}, 1, "--pin 24: the chain has pins 0 to 23"},
-        {{"local-error", "tiny", "--settle", "--steps", "3mm"}, 1, "--steps 3mm: '3mm' is not a time above 0, such as 40ns"},
+        {{"run", "tiny", "--method", "rk5"}, 2, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
+        {{"run", "tiny", "--method", "zzzzzz"}, 2, "--method zzzzzz: no method 'zzzzzz' (cvtflow list methods)"},
+        {{"run", "tiny", "--method", "rkc-s1"}, 2, "--method rkc-s1: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
+        {{"run", "tiny", "--detail", "fein"}, 2, "--detail fein: not one of coarse, medium, fine, full (did you mean \"fine\"?)"},
+        {{"run", "tiny", "--set", "chain.pich=3"}, 2, "--set chain.pich=3: chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
+        {{"run", "tiny", "--set", "chain.pins=abc"}, 2, "--set chain.pins=abc: chain.pins: \"abc\" is not an integer"},
+        {{"run", "tiny", "--set", "nonsense"}, 2, "--set nonsense: not of the form key=value"},
+        {{"run", "tiny", "--until", "5 mm"}, 2, "--until 5 mm: 5 mm is a length, expected a time (s)"},
+        {{"run", "tiny", "--until=-1"}, 2, "--until -1: -1 s is outside [1e-9, 1e4] s"},
+        {{"run", "tiny", "--until", ""}, 2, "--until : \"\" does not begin with a number"},
+        {{"run", "tiny", "--step", "1"}, 2, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
+        {{"run", "tiny", "--threads=-1"}, 2, "--threads -1: -1 is outside [0, 1024]"},
+        {{"run", "tiny", "--segments", "30"}, 2, "--segments 30: 30 segments for chain.pins = 24"},
+        {{"settle", "tiny", "--method", "rk5"}, 2, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
+        {{"settle", "tiny", "--step", "1"}, 2, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
+        {{"settle", "tiny", "--threads=-1"}, 2, "--threads -1: -1 is outside [0, 1024]"},
+        {{"settle", "tiny", "--time", "3ms"}, 2, "--time 3ms: start.ramp_time: 5e-3 s is longer than start.settling_time = 3e-3 s"},
+        {{"spectrum", "tiny", "--state", "gone.h5"}, 2, "--state gone.h5: there is no file \"gone.h5\""},
+        {{"spectrum", "tiny", "--method", "rk5"}, 2, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
+        {{"dot", "tiny", "--cycle", "x"}, 2, "--cycle x: a step of rk4 has evaluate, detect, locate, truncate"},
+        {{"dot", "tiny", "--method", "leapfrog-rkc", "--cycle", "x"}, 2, "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, push, friction, finish"},
+        {{"stability", "dumka3"}, 2, "dumka3 chooses among tables of stages: ask for one of them (cvtflow list methods)"},
+        {{"stability", "rk5"}, 2, "no method 'rk5' (did you mean 'rk4'?)"},
+        {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 2, "no method 'heum' (did you mean 'heun'?)"},
+        {{"pin-entry", "tiny", "rk4"}, 2, "rk4: a method and its step are wanted, such as rk4@50ns"},
+        {{"pin-entry", "tiny", "rk4@50mm"}, 2, "rk4@50mm: '50mm' is not a time above 0, such as 40ns"},
+        {{"pin-entry", "tiny", "rk5@50ns"}, 2, "no method 'rk5' (did you mean 'rk4'?)"},
+        {{"pin-entry", "tiny", "rk4@50ns", "--time", "0s"}, 2, "--time: '0s' is not a time above 0, such as 40ns"},
+        {{"pin-entry", "tiny", "rk4@50ns", "--settle", "--pin", "24", "-q"}, 2, "--pin 24: the chain has pins 0 to 23"},
+        {{"local-error", "tiny", "--settle", "--steps", "3mm"}, 2, "--steps 3mm: '3mm' is not a time above 0, such as 40ns"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
 }
@@ -156,11 +185,11 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
         {{"check", "./pipe"}, 1, "./pipe: cannot be read: not a regular file"},
         {{"check", "/dev/zero"}, 1, "/dev/zero: cannot be read: not a regular file"},
         {{"batch", "/dev/zero", "-o", "sweep"}, 1, "/dev/zero: cannot be read: not a regular file"},
-        {{"check", "large.toml"}, 1, "large.toml: cannot be read: 70000000 bytes, more than the 67108864 that such a file may have"},
+        {{"check", "large.toml"}, 1, "large.toml: cannot be read: 70000000 bytes, more than the 4194304 that such a file may have"},
         {{"info", "other.h5"}, 1, "other.h5: an HDF5 file, but neither a record nor a state of cvtflow"},
         {{"info", "cut_record.h5"}, 1, "cut_record.h5: truncated HDF5 file: 2000 bytes of " + record},
         {{"info", "cut_state.h5"}, 1, "cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
-        {{"run", "tiny", "--set", "start.state=gone.h5"}, 1, "--set start.state=gone.h5: start.state: there is no file \"gone.h5\""},
+        {{"run", "tiny", "--set", "start.state=gone.h5"}, 2, "--set start.state=gone.h5: start.state: there is no file \"gone.h5\""},
         {{"run", "tiny", "--set", "start.state=text.h5"}, 1, "FOLDER/text.h5: not an HDF5 file"},
         {{"run", "tiny", "--set", "start.state=cut_state.h5"}, 1, "FOLDER/cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
         {{"run", "tiny", "--set", "start.state=record.h5"},

@@ -70,10 +70,10 @@ const std::vector<Row> rows{
     {"spectrum", "", [](const std::string& m) { return Words{"spectrum", "tiny", "--extremal", "-q", "--method", m} + state; },
      [](const std::string& m) { return done(is_program(m) ? m + " is no table of stages: it has no stability function to predict it with" : " predicted (by "); }},
     {"stability", "", [](const std::string& m) { return Words{"stability", m, "-q"}; },
-     [](const std::string& m) { return chooses_tables(m) ? Expected{1, m + " chooses among tables of stages: ask for one of them"} : done("  " + m + " "); }},
+     [](const std::string& m) { return chooses_tables(m) ? Expected{2, m + " chooses among tables of stages: ask for one of them"} : done("  " + m + " "); }},
     {"stability", "over a scene", [](const std::string& m) { return Words{"stability", m, "--scene", "tiny", "-q"} + state; },
      [](const std::string& m) {
-         if (chooses_tables(m)) return Expected{1, m + " chooses among tables of stages: ask for one of them"};
+         if (chooses_tables(m)) return Expected{2, m + " chooses among tables of stages: ask for one of them"};
          return is_program(m) ? Expected{1, m + " is no table of stages: eigenvalues of a scene do not say how far it is stable there"} : done(" predicted (by ");
      }},
     {"method", "", [](const std::string& m) { return Words{"method", m}; }, [](const std::string& m) { return done(m); }},

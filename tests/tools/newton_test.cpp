@@ -27,7 +27,7 @@ TEST_F(NewtonCommand, SaysWhatItDoesNotKnow) {
     std::vector<std::string> words{"newton", "tiny", "--methods", "trapezium"};
     words.insert(words.end(), brief.begin(), brief.end());
     const Outcome outcome = run(words);
-    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.status, 2);
     EXPECT_THAT(outcome.err, HasSubstr("no method 'trapezium' (cvtflow list methods)"));
     EXPECT_THAT(run({"newton", "tiny", "--duration", "3mm"}).err, HasSubstr("--duration 3mm: not a time above 0, such as 2us"));
 }

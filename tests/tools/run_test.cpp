@@ -128,7 +128,7 @@ TEST_F(Run, ReplacesTheRecordOfADefaultNameAndSaysSo) {
 }
 
 TEST_F(Run, LosesNoCheckpointOfAnUnfinishedRun) {
-    const std::vector<std::string> ending{"-q", "--checkpoint-every", "1 h", "--set", "run.max_steps=300"};
+    const std::vector<std::string> ending{"-q", "--checkpoint-every", "1 h", "--set", "run.max_steps=50"};
     ASSERT_EQ(run_briefly(ending).status, 4);
     ASSERT_TRUE(exists("results/tiny.checkpoint.h5"));
     const Outcome refused = run_briefly(ending);

@@ -1,13 +1,16 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "tasks/batch/bench.hpp"
 #include "tasks/schedule.hpp"
 #include "tools/batch_text.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text.hpp"
 
@@ -18,18 +21,22 @@ namespace {
 constexpr long shown_cases = 20;
 
 struct BatchArguments {
-    std::string sweep, folder, shard, grace, every;
+    std::string sweep, folder;
+    std::optional<std::string> shard, grace, every;   ///< an empty one was given, and is wrong
     std::vector<std::string> retry;
     int threads = 0, bench = 0;
     bool dry = false, pin = false, quiet = false;
 };
 
 tasks::Shard shard_of(const std::string& text) {
+    const std::size_t slash = text.find('/');
     tasks::Shard shard;
-    char rest = 0;
-    if (text.empty()) return shard;
-    if (std::sscanf(text.c_str(), "%d/%d%c", &shard.number, &shard.of, &rest) == 2 && shard.number >= 1 && shard.number <= shard.of) return shard;
-    throw tasks::SceneError(fmt::format("--shard {}: expected I/N with 1 <= I <= N, e.g. 3/8", text));
+    const auto number = [&](std::size_t first, std::size_t last, int& to) {
+        const auto [end, error] = std::from_chars(text.data() + first, text.data() + last, to);
+        return error == std::errc{} && end == text.data() + last;
+    };
+    if (slash != std::string::npos && number(0, slash, shard.number) && number(slash + 1, text.size(), shard.of) && shard.valid()) return shard;
+    throw UsageError(fmt::format("--shard {}: expected I/N with 1 <= I <= N <= {}, e.g. 3/8", text, tasks::most_shards));
 }
 
 std::string cases_text(const tasks::Sweep& sweep, const std::vector<long>& cases) {
@@ -89,10 +96,11 @@ ExitStatus batch(const BatchArguments& arguments) {
     options.folder = arguments.folder.empty() ? "results/" + sweep.path.stem().string() : arguments.folder;
     options.threads = arguments.threads > 0 ? arguments.threads : tasks::usable_threads();
     options.pin = arguments.pin;
-    options.shard = shard_of(arguments.shard);
+    if (arguments.shard) options.shard = shard_of(*arguments.shard);
     options.retry = arguments.retry;
-    if (!arguments.grace.empty()) options.grace = seconds_of("--grace", arguments.grace);
-    if (!arguments.every.empty()) options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every);
+    require_statuses("--retry", arguments.retry);
+    if (arguments.grace) options.grace = seconds_of("--grace", *arguments.grace);
+    if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
     if (arguments.bench > 0) return bench(sweep, arguments.folder.empty() ? "results/bench_batch" : options.folder, options.threads, arguments.bench);
     if (arguments.dry) return dry_run(sweep, options.shard, options.threads);
     if (arguments.folder.empty()) {
@@ -109,8 +117,8 @@ Action declare_batch(CLI::App& app) {
     app.add_option("SWEEP", arguments->sweep, "Sweep file (SWEEP.toml), or name of a ready sweep in scenes/sweeps")->required()->type_name("");
     app.add_option("-o,--output", arguments->folder, "Folder for the results (default: results/SWEEP); if it holds some of this sweep, it goes on")->type_name("DIR");
     app.add_flag("--dry-run", arguments->dry, "Print the cases and an estimate of the time, run nothing");
-    app.add_option("--bench", arguments->bench, "Measure instead: so many rounds of the bare step loop, one thread, all threads, in DIR/bench")->type_name("ROUNDS");
-    app.add_option("--threads", arguments->threads, "Cases side by side (default: as many as this process may use)")->type_name("N");
+    app.add_option("--bench", arguments->bench, "Measure instead: so many rounds of the bare step loop, one thread, all threads, in DIR/bench")->type_name("ROUNDS")->check(CLI::Range(1, 10000));
+    app.add_option("--threads", arguments->threads, "Cases side by side (default: as many as this process may use)")->type_name("N")->check(CLI::Range(1, 1024));
     app.add_flag("--pin", arguments->pin, "Keep every worker on a processor of its own");
     app.add_option("--shard", arguments->shard, "Run only share I of N; join them with cvtflow merge")->type_name("I/N");
     app.add_option("--grace", arguments->grace, "After SIGTERM, cases that end within this time do, others leave a checkpoint (default: 30 s)")->type_name("TIME");

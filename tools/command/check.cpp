@@ -8,6 +8,7 @@
 #include "tasks/simulation.hpp"
 #include "tasks/stability/largest_step.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/scene_text.hpp"
 #include "tools/text.hpp"
@@ -67,7 +68,7 @@ ExitStatus check(const SceneArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments);
     const tasks::Scene& scene = loaded.scene;
     const tasks::Simulation simulation(scene);
-    if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    if (!loaded.notice.empty()) print_error(loaded.notice);
     std::string text = fmt::format("{}: {}\n", scene.name, scene.description.empty() ? "no description" : scene.description);
     text += field("file", scene.path.string());
     text += field("detail", detail_text(scene));

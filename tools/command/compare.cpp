@@ -6,6 +6,7 @@
 
 #include "tasks/tradeoff/error_measure.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/method_choice_text.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/scene_arguments.hpp"
@@ -52,7 +53,7 @@ ExitStatus compare(const CompareArguments& arguments) {
         const tasks::Trajectory run = measure.run(choices[i]);
         if (!first) first = run;
         add_row(table, arguments.choices[i], run, measure.errors(run).overall, *first);
-        if (run.fault) fmt::print(stderr, "cvtflow: {}: {}\n", arguments.choices[i], run.fault.message());
+        if (run.fault) print_error(fmt::format("{}: {}", arguments.choices[i], run.fault.message()));
     }
     fmt::print("{}", table.text(2));
     return cancel.requested() ? ExitStatus::cancelled : ExitStatus::finished;

@@ -9,6 +9,7 @@
 #include "tasks/method_choice.hpp"
 #include "tasks/step_graph.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/scene_arguments.hpp"
 
 namespace cvtflow::tools {
@@ -41,7 +42,7 @@ int cycle_named(const engine::TaskGraph& graph, const std::string& name, const s
         if (known == name) return cycle;
         names.push_back(known);
     }
-    throw tasks::SceneError(fmt::format("--cycle {}: a step of {} has {}", name, method, fmt::join(names, ", ")));
+    throw UsageError(fmt::format("--cycle {}: a step of {} has {}", name, method, fmt::join(names, ", ")));
 }
 
 ExitStatus dot(const DotArguments& arguments) {

@@ -5,6 +5,7 @@
 
 #include "tasks/extremes/judge.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/ready_scenes.hpp"
 
 namespace cvtflow::tools {
@@ -37,7 +38,7 @@ ExitStatus extremes(const ExtremesArguments& arguments) {
         std::fflush(stdout);
     }
     fmt::print("{} rows, {} not as stated\n", rows, failed);
-    if (rows == 0) throw tasks::SceneError(fmt::format("no group '{}' of extremes", arguments.group));
+    if (rows == 0) throw UsageError(fmt::format("no group '{}' of extremes", arguments.group));
     return failed == 0 ? ExitStatus::finished : ExitStatus::fault;
 }
 

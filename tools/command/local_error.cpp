@@ -9,6 +9,7 @@
 #include "tasks/method_run.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/local_error_report.hpp"
 #include "tools/output_folder.hpp"
 #include "tools/scene_arguments.hpp"
@@ -35,7 +36,7 @@ std::vector<double> read_steps(const std::string& list) {
         const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
         const bool time = quantity != nullptr && (!quantity->has_unit || quantity->dimension == tasks::dimension_of("s"));
         if (!time || !(quantity->value > 0.0))
-            throw tasks::SceneError(fmt::format("--steps {}: '{}' is not a time above 0, such as 40ns", list, word));
+            throw UsageError(fmt::format("--steps {}: '{}' is not a time above 0, such as 40ns", list, word));
         steps.push_back(quantity->value);
     }
     std::sort(steps.rbegin(), steps.rend());
@@ -76,7 +77,7 @@ ExitStatus local_error(const LocalErrorArguments& arguments) {
     const std::vector<double> steps = read_steps(arguments.steps);
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
-    if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    if (!loaded.notice.empty()) print_error(loaded.notice);
     std::vector<std::string> methods = arguments.methods;
     for (const std::string& method : methods) require_method(method);
     if (methods.empty()) methods.push_back(scene.run.method);

@@ -6,7 +6,7 @@
 
 #include "tasks/extremes/lottery.hpp"
 #include "tools/command.hpp"
-#include "tools/exit_status.hpp"
+#include "tools/guard.hpp"
 
 namespace cvtflow::tools {
 
@@ -54,7 +54,7 @@ ExitStatus lottery(const LotteryArguments& arguments) {
     }
     std::string counts;
     for (const auto& [status, count] : statuses) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
-    fmt::print(stderr, "{} machines: {}; {} called finished and off by more than {:g} %\n", tickets.size(), counts, broken, 100.0 * arguments.rules.tolerance);
+    to_stderr(fmt::format("{} machines: {}; {} called finished and off by more than {:g} %\n", tickets.size(), counts, broken, 100.0 * arguments.rules.tolerance));
     return broken == 0 ? ExitStatus::finished : ExitStatus::fault;
 }
 

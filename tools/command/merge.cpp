@@ -5,6 +5,7 @@
 
 #include "tools/batch_text.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/text.hpp"
 
 namespace cvtflow::tools {
@@ -27,9 +28,9 @@ std::string missing_text(const tasks::MergeReport& report) {
 ExitStatus merge(const std::string& folder, bool partial) {
     const tasks::MergeReport report = tasks::merge(folder, partial);
     const bool whole = report.missing_cases.empty() && report.missing_shards.empty();
-    if (!whole) fmt::print(stderr, "{}", missing_text(report));
+    if (!whole) to_stderr(missing_text(report));
     if (!whole && !partial) {
-        fmt::print(stderr, "cvtflow: nothing was written; run the missing shards, or --partial joins what is there\n");
+        print_error("nothing was written; run the missing shards, or --partial joins what is there");
         return ExitStatus::incomplete;
     }
     fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, field("statuses", statuses_text(report.statuses)), field("results hash", report.results_hash));

@@ -8,6 +8,7 @@
 #include "tasks/scene/scene.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/method_text.hpp"
 #include "tools/program_stability_report.hpp"
 #include "tools/text.hpp"
@@ -38,7 +39,7 @@ ExitStatus method(const MethodArguments& arguments) {
         return ExitStatus::finished;
     }
     const auto plan = engine::make_method(arguments.name);
-    if (!plan) throw tasks::SceneError(tasks::no_method(arguments.name));
+    if (!plan) throw UsageError(tasks::no_method(arguments.name));
     fmt::print("{}: {}\n{}", plan->name, plan->description, method_figures(*plan, arguments.length));
     if (arguments.table || plan->stages.size() <= short_table) {
         fmt::print("\n{}", method_table(*plan));

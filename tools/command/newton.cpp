@@ -9,6 +9,7 @@
 #include "tasks/run.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text.hpp"
@@ -29,7 +30,7 @@ double time_of(const std::string& option, const std::string& word) {
     const auto parsed = tasks::parse_quantity(word);
     const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
     const bool time = quantity != nullptr && (!quantity->has_unit || quantity->dimension == tasks::dimension_of("s"));
-    if (!time || !(quantity->value > 0.0)) throw tasks::SceneError(fmt::format("{} {}: not a time above 0, such as 2us", option, word));
+    if (!time || !(quantity->value > 0.0)) throw UsageError(fmt::format("{} {}: not a time above 0, such as 2us", option, word));
     return quantity->value;
 }
 
@@ -44,7 +45,7 @@ std::vector<std::string> all_methods() {
 tasks::FrozenStart start_of(const tasks::Scene& scene) {
     tasks::Simulation simulation(scene);
     if (simulation.needs_settling()) {
-        fmt::print(stderr, "cvtflow: settling {} first\n", time_text(scene.parameters.start.settling_time));
+        print_error(fmt::format("settling {} first", time_text(scene.parameters.start.settling_time)));
         tasks::SilentObserver nobody;
         if (const tasks::Fault fault = simulation.settle(nobody, catch_interrupts())) throw tasks::SettlingFault(fault);
     }
@@ -78,7 +79,7 @@ ExitStatus newton(const NewtonArguments& arguments) {
     const std::vector<std::string> methods = arguments.methods.empty() ? all_methods() : arguments.methods;
     for (const std::string& method : methods) require_method(method);
     const LoadedScene loaded = load_scene(arguments.scene);
-    if (!loaded.notice.empty()) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    if (!loaded.notice.empty()) print_error(loaded.notice);
     const model::Parameters& parameters = loaded.scene.parameters;
     const tasks::FrozenStart start = start_of(loaded.scene);
     const tasks::TrialEnd reference = tasks::try_method(parameters, start, "rk4", tight, duration);
@@ -92,7 +93,7 @@ ExitStatus newton(const NewtonArguments& arguments) {
         for (const double step : steps) {
             const tasks::TrialEnd end = tasks::try_method(parameters, start, method, step, duration);
             table.add(cells_of(method, end, reference, duration));
-            if (end.fault) fmt::print(stderr, "cvtflow: {} with {}: {}\n", method, time_text(step), end.fault.message());
+            if (end.fault) print_error(fmt::format("{} with {}: {}", method, time_text(step), end.fault.message()));
         }
     }
     fmt::print("{}", table.text(2));

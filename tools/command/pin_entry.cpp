@@ -5,6 +5,7 @@
 
 #include "tools/command.hpp"
 #include "tools/comparison_report.hpp"
+#include "tools/guard.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/method_choice_text.hpp"
 #include "tools/output_folder.hpp"
@@ -28,7 +29,7 @@ struct PinEntryArguments {
 /// "rk4@50ns".
 tasks::Candidate read_candidate(const std::string& text) {
     const std::size_t at = text.find('@');
-    if (at == std::string::npos) throw tasks::SceneError(fmt::format("{}: a method and its step are wanted, such as rk4@50ns", text));
+    if (at == std::string::npos) throw UsageError(fmt::format("{}: a method and its step are wanted, such as rk4@50ns", text));
     const tasks::Candidate candidate{text.substr(0, at), read_time(text, text.substr(at + 1))};
     require_method(candidate.method);
     return candidate;
@@ -54,9 +55,9 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
     options.pin = arguments.pin;
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
-    if (options.pin >= scene.parameters.chain.pins) throw tasks::SceneError(fmt::format("--pin {}: the chain has pins 0 to {}", options.pin, scene.parameters.chain.pins - 1));
+    if (options.pin >= scene.parameters.chain.pins) throw UsageError(fmt::format("--pin {}: the chain has pins 0 to {}", options.pin, scene.parameters.chain.pins - 1));
     if (!arguments.quiet) {
-        options.progress = [](const std::string& what) { fmt::print(stderr, "cvtflow: {}\n", what); };
+        options.progress = [](const std::string& what) { print_error(what); };
         if (!loaded.notice.empty()) options.progress(loaded.notice);
     }
     const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "a comparison");

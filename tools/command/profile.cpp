@@ -12,6 +12,8 @@
 #include "engine/executor/runtimes.hpp"
 #include "tasks/profile/report.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
+#include "tools/output_place.hpp"
 #include "tools/profile_text.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text.hpp"
@@ -100,14 +102,15 @@ void write_files(const ProfileArguments& arguments, const tasks::Scene& scene, c
 
 ExitStatus profile(const ProfileArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
-    if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     const tasks::Scene& scene = loaded.scene;
+    for (const std::string& file : {arguments.csv, arguments.json, arguments.trace, arguments.stages, arguments.curves}) require_no_input(file, {scene.path, scene.state_file});
     const tasks::MeasureOptions options = options_of(arguments);
     tasks::ScheduleChoice choice = arguments.choice;
     choice.wait = waits.at(arguments.wait);
     const auto schedules = tasks::chosen_schedules(scene, choice);
     const auto progress = [&](const std::string& line) {
-        if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", line);
+        if (!arguments.quiet) print_error(line);
     };
     const tasks::Profile result = tasks::profile_schedules(scene, schedules, options, progress);
     fmt::print("{}: {}, alternating, medians of {}\n{}", scene.name, plural(static_cast<long>(schedules.size()), "schedule"), plural(options.rounds, "round"), machine_text(result));
@@ -120,7 +123,7 @@ ExitStatus profile(const ProfileArguments& arguments) {
         fmt::print("\n{}", policies_text(policies));
     }
     write_files(arguments, scene, options, result, policies);
-    for (const std::string& line : result.differences) fmt::print(stderr, "cvtflow: states differ: {}\n", line);
+    for (const std::string& line : result.differences) print_error(fmt::format("states differ: {}", line));
     return result.differences.empty() ? ExitStatus::finished : ExitStatus::error;
 }
 

@@ -3,12 +3,15 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "tasks/checkpoint/checkpoint.hpp"
 #include "tasks/run.hpp"
 #include "tools/batch_text.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/output_place.hpp"
 #include "tools/progress.hpp"
 #include "tools/ready_scenes.hpp"
 #include "tools/scene_arguments.hpp"
@@ -23,7 +26,7 @@ struct ResumeArguments {
     std::string scene;
     std::string until;
     std::string output;
-    std::string every;
+    std::optional<std::string> every;
     std::vector<std::string> settings;
     bool quiet = false;
 };
@@ -41,12 +44,12 @@ ExitStatus go_on_sweep(const ResumeArguments& arguments) {
     tasks::BatchOptions options;
     options.folder = arguments.what;
     while (options.folder.size() > 1 && options.folder.back() == '/') options.folder.pop_back();
-    if (!arguments.every.empty()) options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every);
-    int number = 1, of = 1;
+    if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
+    tasks::Shard shard;
     const std::filesystem::path folder(options.folder);
-    if (std::sscanf(folder.filename().c_str(), "shard-%d-of-%d", &number, &of) == 2) {
+    if (std::sscanf(folder.filename().c_str(), "shard-%9d-of-%9d", &shard.number, &shard.of) == 2 && shard.valid()) {
         options.folder = folder.parent_path().string();
-        options.shard = {number, of};
+        options.shard = shard;
     }
     return run_sweep(load_sweep(sweep_of(arguments.what)), options, arguments.quiet);
 }
@@ -58,17 +61,18 @@ ExitStatus go_on(const ResumeArguments& arguments) {
     ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
     tasks::RunOptions options;
     options.file = arguments.output.empty() ? checkpoint.record : arguments.output == "none" ? "" : arguments.output;
+    require_output(options.file, {arguments.what, scene.path, scene.state_file});
     options.cancel = &catch_interrupts();
     options.checkpoint = arguments.what;
-    options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.empty() ? "60 s" : arguments.every);
+    options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.value_or("60 s"));
     options.from = &checkpoint;
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
-    if (!arguments.quiet) fmt::print(stderr, "cvtflow: {} goes on from t = {}\n", scene.name, time_text(checkpoint.integration.time));
+    if (!arguments.quiet) print_error(fmt::format("{} goes on from t = {}", scene.name, time_text(checkpoint.integration.time)));
     const tasks::RunReport report = tasks::run_scene(scene, options);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}", scene.name, tasks::summary(report), field("record", options.file.empty() ? "none" : options.file));
     } else if (report.fault) {
-        fmt::print(stderr, "cvtflow: {}\n", report.fault.message());
+        print_error(report.fault.message());
     }
     return exit_status(report);
 }

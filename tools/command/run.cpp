@@ -3,11 +3,14 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "engine/base/provenance.hpp"
 #include "tasks/run.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/output_place.hpp"
 #include "tools/progress.hpp"
 #include "tools/replacing.hpp"
 #include "tools/scene_arguments.hpp"
@@ -20,7 +23,8 @@ namespace {
 struct RunArguments {
     SceneArguments scene;
     std::string output;
-    std::string checkpoint, checkpoint_every;
+    std::string checkpoint;
+    std::optional<std::string> checkpoint_every;
     bool force = false, quiet = false;
 };
 
@@ -38,6 +42,17 @@ std::string checkpoint_path(const RunArguments& arguments, const tasks::Scene& s
     if (!arguments.checkpoint.empty()) return arguments.checkpoint;
     std::filesystem::path path = record.empty() ? scene.path.stem() : std::filesystem::path(record);
     return path.replace_extension(".checkpoint.h5").string();
+}
+
+/// Complaints about the command line, and about places that must not be written to, before the work.
+void require_places(const RunArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+    const std::vector<std::filesystem::path> inputs{scene.path, scene.state_file};
+    require_output(file, inputs);
+    if (!arguments.checkpoint_every) return;
+    static_cast<void>(seconds_of("--checkpoint-every", *arguments.checkpoint_every));
+    const std::string checkpoint = checkpoint_path(arguments, scene, file);
+    require_checkpoint_place(checkpoint, file, inputs);
+    keep_checkpoint(checkpoint, arguments.force);
 }
 
 std::string record_text(const std::string& path) {
@@ -59,29 +74,29 @@ tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& sce
     tasks::RunOptions options;
     options.file = file;
     options.cancel = &catch_interrupts();
-    if (!arguments.checkpoint_every.empty()) {
-        options.checkpoint_every = seconds_of("--checkpoint-every", arguments.checkpoint_every);
+    if (arguments.checkpoint_every) {
+        options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.checkpoint_every);
         options.checkpoint = checkpoint_path(arguments, scene, file);
     }
-    options.notice = [](const std::string& text) { fmt::print(stderr, "cvtflow: {}\n", text); };
+    options.notice = [](const std::string& text) { print_error(text); };
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
     return tasks::run_scene(scene, options);
 }
 
 ExitStatus run(const RunArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
-    if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     const std::string file = record_path(arguments, loaded.scene);
+    require_places(arguments, loaded.scene, file);
     const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
-    if (!replaced.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", replaced);
-    if (!arguments.checkpoint_every.empty()) keep_checkpoint(checkpoint_path(arguments, loaded.scene, file), arguments.force);
+    if (!replaced.empty() && !arguments.quiet) print_error(replaced);
     const tasks::RunReport report = simulate(arguments, loaded.scene, file);
     if (!arguments.quiet) {
         fmt::print("{}: {}{}{}", loaded.scene.name, tasks::summary(report), machine_text(), field("record", record_text(file)));
     } else if (report.fault) {
-        fmt::print(stderr, "cvtflow: {}\n", report.fault.message());
+        print_error(report.fault.message());
     } else if (!report.reliable()) {
-        fmt::print(stderr, "cvtflow: {}\n", tasks::unreliable_text(report));
+        print_error(tasks::unreliable_text(report));
     }
     return exit_status(report);
 }

@@ -1,16 +1,14 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 
-#include "engine/record/schema.hpp"
 #include "tasks/run.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/output_place.hpp"
 #include "tools/progress.hpp"
 #include "tools/replacing.hpp"
 #include "tools/scene_arguments.hpp"
@@ -25,18 +23,6 @@ struct SettleArguments {
     std::string output;
     bool force = false, quiet = false;
 };
-
-/// Notices before the settling what would fail after it.
-void require_place(const std::filesystem::path& file) {
-    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-    std::error_code unknown;
-    if (std::filesystem::is_directory(file, unknown)) throw engine::RecordError(file.string() + ": cannot create: a folder, not a file");
-    if (!std::filesystem::is_directory(folder, unknown)) {
-        throw engine::RecordError(fmt::format("{}: cannot create: the folder '{}' does not exist", file.string(), folder.string()));
-    }
-    if (access(folder.c_str(), W_OK) != 0)
-        throw engine::RecordError(fmt::format("{}: cannot create: {}", file.string(), std::strerror(errno)));
-}
 
 double simulate(const SettleArguments& arguments, const tasks::Scene& scene, const std::string& file) {
     ProgressDisplay display(progress_style(arguments.quiet), 0.0);
@@ -54,13 +40,15 @@ ExitStatus settle(SettleArguments& arguments) {
     if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) {
         throw tasks::SceneError(fmt::format("{}: nothing to settle, start.layout and start.settling_time say so", scene.name));
     }
-    require_place(file);
+    require_output(file, {scene.path});   // before the settling what would fail after it
     const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
-    if (!replaced.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", replaced);
+    if (!replaced.empty() && !arguments.quiet) print_error(replaced);
     const double suspicion = simulate(arguments, scene, file);
     const ExitStatus status = suspicion <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
-    if (status == ExitStatus::unreliable)
-        fmt::print(stderr, "cvtflow: {}: unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; runs from this state are called unreliable\n", scene.name, suspicion);
+    if (status == ExitStatus::unreliable) {
+        print_error(fmt::format("{}: unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; runs from this state are called unreliable",
+                                scene.name, suspicion));
+    }
     if (arguments.quiet) return status;
     fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
     fmt::print("{}", field("to use it", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}",

@@ -9,6 +9,7 @@
 #include "tasks/method_choice.hpp"
 #include "tasks/spectrum.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/output_folder.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/settled_start.hpp"
@@ -30,7 +31,7 @@ class Teller {
 public:
     explicit Teller(bool quiet) : quiet_(quiet) {}
     void operator()(const std::string& what) const {
-        if (!quiet_) fmt::print(stderr, "cvtflow: {}\n", what);
+        if (!quiet_) print_error(what);
     }
 
 private:

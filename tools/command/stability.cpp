@@ -8,6 +8,7 @@
 #include "tasks/method_choice.hpp"
 #include "tasks/spectrum.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/output_folder.hpp"
 #include "tools/program_stability_report.hpp"
 #include "tools/provenance_json.hpp"
@@ -42,7 +43,7 @@ Chosen chosen(const StabilityArguments& arguments) {
         if (program == nullptr) {
             all.plans.push_back(*tasks::plan_for(name));
         } else if (program->stability == nullptr) {
-            throw tasks::SceneError(fmt::format("{} chooses among tables of stages: ask for one of them (cvtflow list methods)", name));
+            throw UsageError(fmt::format("{} chooses among tables of stages: ask for one of them (cvtflow list methods)", name));
         } else {
             all.programs.push_back(*program);
         }
@@ -61,12 +62,12 @@ struct Ground {
 
 Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
     const LoadedScene loaded = load_scene(arguments.scene);
-    if (!loaded.notice.empty() && !arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", loaded.notice);
+    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     Ground ground{loaded.scene.name, loaded.scene, settled_start(loaded.scene, arguments.scene.settle, "its eigenvalues"), {}, {}};
     ground.variator.emplace(loaded.scene.parameters);
     if (!with_eigenvalues) return ground;
     const int size = static_cast<int>(ground.start.state.size());
-    if (!arguments.quiet) fmt::print(stderr, "cvtflow: eigenvalues of {}\n", ground.scene);
+    if (!arguments.quiet) print_error(fmt::format("eigenvalues of {}", ground.scene));
     std::vector<double> matrix = tasks::jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
     ground.values = arguments.all ? tasks::eigenvalues(std::move(matrix), size) : tasks::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
     return ground;
@@ -92,7 +93,7 @@ void try_on(ProgramResult& result, const Ground& ground) {
 std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments, const std::optional<Ground>& ground, OutputFolder& folder) {
     std::vector<StabilityResult> results;
     for (const engine::StagePlan& plan : plans) {
-        if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", plan.name);
+        if (!arguments.quiet) print_error(plan.name);
         results.push_back(stability_of(plan));
         if (ground) try_on(results.back(), *ground);
         const double step = arguments.step > 0.0 ? arguments.step : ground ? results.back().limit->predicted.step : 1.0;
@@ -107,7 +108,7 @@ std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& prog
                                    OutputFolder& folder) {
     std::vector<ProgramResult> results;
     for (const tasks::MethodProgram& program : programs) {
-        if (!arguments.quiet) fmt::print(stderr, "cvtflow: {}\n", program.name);
+        if (!arguments.quiet) print_error(program.name);
         results.push_back(program_result(program));
         results.back().step = arguments.step;
         if (ground) try_on(results.back(), *ground);

@@ -9,6 +9,7 @@
 #include "tasks/batch/results.hpp"
 #include "tools/batch_text.hpp"
 #include "tools/command.hpp"
+#include "tools/guard.hpp"
 #include "tools/text.hpp"
 
 namespace cvtflow::tools {
@@ -35,7 +36,7 @@ std::vector<std::size_t> chosen_columns(const engine::RowLayout& layout, const s
     constexpr std::string_view quiet[] = {"start", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "threads", "hash"};
     std::vector<std::size_t> chosen;
     for (const std::string& name : names) {
-        if (!layout.has(name)) throw tasks::SceneError(fmt::format("--column {}: the table has no such column", name));
+        if (!layout.has(name)) throw UsageError(fmt::format("--column {}: the table has no such column", name));
         chosen.push_back(layout.column(name));
     }
     for (std::size_t i = 0; names.empty() && i < layout.columns().size(); ++i) {
@@ -69,6 +70,7 @@ ExitStatus show(const TableArguments& arguments) {
     engine::CaseTable table = tasks::read_results(file);
     tasks::sort_rows(table);
     const std::string hash = tasks::results_hash(table);
+    if (!arguments.status.empty()) require_statuses("--status", {arguments.status});
     if (!arguments.status.empty()) keep_status(table, arguments.status);
     if (arguments.csv) {
         fmt::print("{}", tasks::csv_text(table));

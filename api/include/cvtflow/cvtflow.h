@@ -111,8 +111,10 @@ typedef struct cvtflow_transition {
 /* An initialiser of a versioned struct: cvtflow_options options = CVTFLOW_INIT(cvtflow_options); */
 #ifdef __cplusplus
 #define CVTFLOW_INIT(type) ([] { type made{}; made.size = sizeof(type); return made; }())
-#else
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 199901L
 #define CVTFLOW_INIT(type) {.size = sizeof(type)}
+#else
+#define CVTFLOW_INIT(type) {sizeof(type)} /* C89 knows no names here; size is the first member of them all */
 #endif
 
 /* Other than 0 ends cvtflow_advance_to with CVTFLOW_CALLBACK. */

@@ -9,8 +9,8 @@
 /// its inputs, cancel it, use other simulations in every way, and throw (the exception leaves advance_to()). Stepping or replacing the
 /// state of the same simulation from its own callback is refused (busy).
 ///
-/// Floating-point environment. Steps are taken in the default environment (round to nearest, denormals kept, traps off), whatever the host
-/// has set, so results do not depend on it; the host's is put back before any callback and on return.
+/// Floating-point environment. Everything (scenes read, simulations made, steps, questions) runs in the default environment (round to nearest,
+/// denormals kept, traps off), whatever the host has set, so results do not depend on it; the host's is put back for callbacks and on return.
 
 #include <cstddef>
 #include <cstdint>
@@ -145,8 +145,9 @@ public:
 
     [[nodiscard]] Counters counters() const noexcept;
     [[nodiscard]] Energy energy() const noexcept;
-    /// What a user should know: differences between the scene and the one that its state file was settled with, one line each; an
-    /// energy balance that does not close.
+    /// What a user should know, one line each: differences between the scene and the one that its state file was settled with; an energy
+    /// balance that does not close; threads that were wanted and not to be had (simulations of this process then run on fewer, down to the
+    /// caller alone, with the same bits).
     [[nodiscard]] std::vector<std::string> notices() const;
     /// Longest step with which the scene's method is linearly stable here, chain, pulleys and control alike: some tenths of a second of work for
     /// leapfrogs and short tables, more for many stages. Infinite if linear stability sets no limit [s].

@@ -125,7 +125,7 @@ TEST_F(RunFileTest, SaysWhyAFileCannotBeCreated) {
     EXPECT_EQ(create(path("folder")), path("folder") + ": cannot create: a folder, not a file");
     EXPECT_EQ(create(""), "cannot create a file without a name");
     fs::create_directory(path("out.h5.part"));
-    EXPECT_EQ(create(path("out.h5")), path("out.h5.part") + ": cannot create: Is a directory");
+    EXPECT_EQ(create(path("out.h5")), path("out.h5.part") + ": cannot create: a folder, not a file");
     EXPECT_EQ(create("/proc/out.h5"), "/proc/out.h5.part: cannot create: No such file or directory");
     if (geteuid() != 0) {
         fs::permissions(path("folder"), fs::perms::owner_read | fs::perms::owner_exec);

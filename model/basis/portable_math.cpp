@@ -1,0 +1,83 @@
+#include "model/basis/portable_math.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+// Extended precision, where there is any, makes up for what the series round: its basic operations are exact to the bit on every processor.
+using Real = long double;
+
+constexpr Real half_pi = 1.570796326794896619231321691639751442L, log_2 = 0.693147180559945309417232121458176568L;
+constexpr Real half_pi_high = 0x1.921fb54p+0L, log_2_high = 0x1.62e42fep-1L;   ///< few digits: exact times any number that occurs
+constexpr Real half_pi_low = 9.9209357968054044163975144209e-10L, log_2_low = 1.8206359985041461839581765680e-9L;   ///< the rest
+
+/// Σ over k = first, first + 2, … ≤ 23 of ±r^k / k!
+Real alternating(Real r, int first) noexcept {
+    Real term = first == 0 ? 1.0L : r, sum = term;
+    for (int k = first + 2; k <= 23; k += 2) {
+        term *= -r * r / static_cast<Real>(k * (k - 1));
+        sum += term;
+    }
+    return sum;
+}
+
+/// sin(x + quarter π/2)
+Real wave(Real x, int quarter) noexcept {
+    const Real turns = std::rint(x / half_pi);
+    const Real r = (x - turns * half_pi_high) - turns * half_pi_low;
+    const int number = (static_cast<int>(static_cast<long>(turns) & 3) + quarter) & 3;
+    const Real value = alternating(r, number % 2 == 0 ? 1 : 0);
+    return number < 2 ? value : -value;
+}
+
+/// log(x), x > 0
+Real logarithm(Real x) noexcept {
+    int exponent = 0;
+    Real mantissa = std::frexp(x, &exponent);   // 0.5 … 1
+    if (mantissa < 0.70710678118654752440L) {
+        mantissa *= 2.0L;
+        --exponent;
+    }
+    const Real s = (mantissa - 1.0L) / (mantissa + 1.0L), square = s * s;
+    Real power = s, sum = 0.0L;
+    for (int k = 1; k <= 27; k += 2) {
+        sum += power / static_cast<Real>(k);
+        power *= square;
+    }
+    return static_cast<Real>(exponent) * log_2_high + (static_cast<Real>(exponent) * log_2_low + 2.0L * sum);
+}
+
+Real exponential(Real x) noexcept {
+    if (!(x > -12000.0L && x < 12000.0L)) return x > 0.0L ? HUGE_VALL : x < 0.0L ? 0.0L : x;
+    const Real twos = std::rint(x / log_2);
+    const Real r = (x - twos * log_2_high) - twos * log_2_low;
+    Real term = 1.0L, sum = 1.0L;
+    for (int k = 1; k <= 20; ++k) {
+        term *= r / static_cast<Real>(k);
+        sum += term;
+    }
+    return std::ldexp(sum, static_cast<int>(twos));
+}
+
+}  // namespace
+
+double portable_sin(double x) noexcept { return static_cast<double>(wave(x, 0)); }
+double portable_cos(double x) noexcept { return static_cast<double>(wave(x, 1)); }
+
+/// Half the angle by Newton's method on its tangent.
+double portable_asin(double x) noexcept {
+    const Real tangent = static_cast<Real>(x) / (1.0L + std::sqrt((1.0L - static_cast<Real>(x)) * (1.0L + static_cast<Real>(x))));
+    Real half = tangent;
+    for (int iteration = 0; iteration < 4; ++iteration) {   // an error e becomes e³/3, and the first is below 0.22
+        const Real sine = wave(half, 0), cosine = wave(half, 1);
+        half -= (sine - tangent * cosine) / (cosine + tangent * sine);
+    }
+    return static_cast<double>(2.0L * half);
+}
+
+double portable_pow(double x, double y) noexcept {
+    if (!(x > 0.0)) return x == 0.0 && y > 0.0 ? 0.0 : std::nan("");
+    return static_cast<double>(exponential(static_cast<Real>(y) * logarithm(x)));
+}
+
+}  // namespace cvtflow::model

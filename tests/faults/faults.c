@@ -1,0 +1,210 @@
+/* Makes a call of the system's library fail (LD_PRELOAD), to see what a program makes of it.
+ *
+ *     CVTFLOW_FAULT=write:3     the third call of write (or one of its relatives) fails
+ *     CVTFLOW_FAULT=write:3+    the third and all later ones
+ *     CVTFLOW_FAULT=threads:2   pthread_create fails while 2 threads that it made live, as under ulimit -u
+ *     CVTFLOW_FAULT_COUNTS=FILE at exit, "name calls failed" of every family is added to FILE, by every process that ends
+ *
+ * Families: open, read, write, fsync, rename, mmap, malloc, pthread_create, threads, truncate.
+ */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <pthread.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+enum Family { OPEN, READ, WRITE, FSYNC, RENAME, MMAP, MALLOC, CREATE, THREADS, TRUNCATE, FAMILIES };
+static const char* const names[FAMILIES] = {"open", "read", "write", "fsync", "rename", "mmap", "malloc", "pthread_create", "threads", "truncate"};
+static const int reasons[FAMILIES] = {EMFILE, EIO, ENOSPC, EIO, EIO, ENOMEM, ENOMEM, EAGAIN, EAGAIN, ENOSPC};
+
+static atomic_long calls[FAMILIES], failed[FAMILIES], living;
+static int family = -1, lasting, counting;
+static long nth;
+
+/* Before anything else of the program; allocates nothing. */
+__attribute__((constructor)) static void read_wish(void) {
+    const char* wish = getenv("CVTFLOW_FAULT");
+    const char* colon = wish != NULL ? strchr(wish, ':') : NULL;
+    for (int k = 0; colon != NULL && k < FAMILIES; ++k) {
+        if (strlen(names[k]) == (size_t)(colon - wish) && strncmp(names[k], wish, (size_t)(colon - wish)) == 0) family = k;
+    }
+    if (colon != NULL) nth = strtol(colon + 1, NULL, 10);
+    lasting = colon != NULL && strchr(colon, '+') != NULL;
+    counting = 1;
+}
+
+/* Whether this call shall fail; errno is set then. */
+static int fails(enum Family which) {
+    if (!counting) return 0;
+    const long number = atomic_fetch_add(&calls[which], 1) + 1;
+    if ((int)which != family || !(number == nth || (lasting && number > nth))) return 0;
+    atomic_fetch_add(&failed[which], 1);
+    errno = reasons[which];
+    return 1;
+}
+
+__attribute__((destructor)) static void write_counts(void) {
+    const char* path = getenv("CVTFLOW_FAULT_COUNTS");
+    if (path == NULL) return;
+    const int file = (int)syscall(SYS_openat, AT_FDCWD, path, O_WRONLY | O_CREAT | O_APPEND, 0600);
+    for (int k = 0; file >= 0 && k < FAMILIES; ++k) {
+        char line[96];
+        const int length = snprintf(line, sizeof line, "%s %ld %ld\n", names[k], atomic_load(&calls[k]), atomic_load(&failed[k]));
+        if (syscall(SYS_write, file, line, length) != length) break;
+    }
+    if (file >= 0) syscall(SYS_close, file);
+}
+
+/* The function that would have been called. */
+#define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+#define CACHED(name) \
+    static __typeof__(&name) real; \
+    if (real == NULL) real = REAL(name)
+
+#define OPENS(name) \
+    int name(const char* path, int flags, ...) { \
+        va_list rest; \
+        va_start(rest, flags); \
+        const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(rest, mode_t) : 0; \
+        va_end(rest); \
+        CACHED(name); \
+        return fails(OPEN) ? -1 : real(path, flags, mode); \
+    }
+OPENS(open)
+OPENS(open64)
+FILE* fopen(const char* path, const char* mode) {
+    CACHED(fopen);
+    return fails(OPEN) ? NULL : real(path, mode);
+}
+FILE* fopen64(const char* path, const char* mode) {
+    CACHED(fopen64);
+    return fails(OPEN) ? NULL : real(path, mode);
+}
+
+ssize_t read(int file, void* to, size_t size) {
+    CACHED(read);
+    return fails(READ) ? -1 : real(file, to, size);
+}
+ssize_t pread(int file, void* to, size_t size, off_t at) {
+    CACHED(pread);
+    return fails(READ) ? -1 : real(file, to, size, at);
+}
+ssize_t pread64(int file, void* to, size_t size, off64_t at) {
+    CACHED(pread64);
+    return fails(READ) ? -1 : real(file, to, size, at);
+}
+
+ssize_t write(int file, const void* from, size_t size) {
+    CACHED(write);
+    return fails(WRITE) ? -1 : real(file, from, size);
+}
+ssize_t writev(int file, const struct iovec* from, int count) {
+    CACHED(writev);
+    return fails(WRITE) ? -1 : real(file, from, count);
+}
+ssize_t pwrite(int file, const void* from, size_t size, off_t at) {
+    CACHED(pwrite);
+    return fails(WRITE) ? -1 : real(file, from, size, at);
+}
+ssize_t pwrite64(int file, const void* from, size_t size, off64_t at) {
+    CACHED(pwrite64);
+    return fails(WRITE) ? -1 : real(file, from, size, at);
+}
+size_t fwrite(const void* from, size_t size, size_t count, FILE* file) {
+    CACHED(fwrite);
+    return fails(WRITE) ? 0 : real(from, size, count, file);
+}
+int fflush(FILE* file) {
+    CACHED(fflush);
+    return fails(WRITE) ? EOF : real(file);
+}
+
+int fsync(int file) {
+    CACHED(fsync);
+    return fails(FSYNC) ? -1 : real(file);
+}
+int fdatasync(int file) {
+    CACHED(fdatasync);
+    return fails(FSYNC) ? -1 : real(file);
+}
+int rename(const char* from, const char* to) {
+    CACHED(rename);
+    return fails(RENAME) ? -1 : real(from, to);
+}
+int ftruncate(int file, off_t size) {
+    CACHED(ftruncate);
+    return fails(TRUNCATE) ? -1 : real(file, size);
+}
+int ftruncate64(int file, off64_t size) {
+    CACHED(ftruncate64);
+    return fails(TRUNCATE) ? -1 : real(file, size);
+}
+int fallocate(int file, int mode, off_t at, off_t size) {
+    CACHED(fallocate);
+    return fails(TRUNCATE) ? -1 : real(file, mode, at, size);
+}
+int fallocate64(int file, int mode, off64_t at, off64_t size) {
+    CACHED(fallocate64);
+    return fails(TRUNCATE) ? -1 : real(file, mode, at, size);
+}
+
+void* mmap(void* where, size_t size, int protection, int flags, int file, off_t at) {
+    CACHED(mmap);
+    return fails(MMAP) ? MAP_FAILED : real(where, size, protection, flags, file, at);
+}
+void* mmap64(void* where, size_t size, int protection, int flags, int file, off64_t at) {
+    CACHED(mmap64);
+    return fails(MMAP) ? MAP_FAILED : real(where, size, protection, flags, file, at);
+}
+
+/* glibc's own names: dlsym allocates. */
+void* __libc_malloc(size_t);
+void* __libc_calloc(size_t, size_t);
+void* __libc_realloc(void*, size_t);
+void* __libc_memalign(size_t, size_t);
+void* malloc(size_t size) { return fails(MALLOC) ? NULL : __libc_malloc(size); }
+void* calloc(size_t count, size_t size) { return fails(MALLOC) ? NULL : __libc_calloc(count, size); }
+void* realloc(void* old, size_t size) { return fails(MALLOC) ? NULL : __libc_realloc(old, size); }
+void* memalign(size_t alignment, size_t size) { return fails(MALLOC) ? NULL : __libc_memalign(alignment, size); }
+void* aligned_alloc(size_t alignment, size_t size) { return fails(MALLOC) ? NULL : __libc_memalign(alignment, size); }
+int posix_memalign(void** where, size_t alignment, size_t size) {
+    if (fails(MALLOC)) return ENOMEM;
+    *where = __libc_memalign(alignment, size);
+    return *where != NULL ? 0 : ENOMEM;
+}
+
+struct Start {
+    void* (*body)(void*);
+    void* argument;
+};
+static void* counted(void* start) {
+    const struct Start own = *(struct Start*)start;
+    free(start);
+    void* result = own.body(own.argument);
+    atomic_fetch_sub(&living, 1);
+    return result;
+}
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*body)(void*), void* argument) {
+    CACHED(pthread_create);
+    if (fails(CREATE)) return EAGAIN;
+    if (family == THREADS && atomic_load(&living) >= nth) {
+        atomic_fetch_add(&failed[THREADS], 1);
+        return EAGAIN;
+    }
+    struct Start* start = __libc_malloc(sizeof *start);
+    if (start == NULL) return EAGAIN;
+    *start = (struct Start){body, argument};
+    atomic_fetch_add(&living, 1);
+    const int result = real(thread, attributes, counted, start);
+    if (result != 0) atomic_fetch_sub(&living, 1);
+    return result;
+}
