@@ -17,7 +17,7 @@ inline constexpr double enough_pin_periods = 16.0;
 struct RunVerdict {
     double residual = 0.0;     ///< of the energy balance over the losses [1]
     double suspicion = 0.0;    ///< EnergyLedger::suspicion(), of what came before the run as well; above 1 the results are wrong
-    double loss = 0.0;         ///< dissipated [J]
+    double loss = 0.0;         ///< dissipated up to the last output [J]
     double pin_period = 0.0;   ///< at the end; 0: nothing passes a pulley [s]
     double duration = 0.0;     ///< between the first and the last output [s]
     SpanMeans means;           ///< over all outputs

@@ -95,7 +95,7 @@ std::vector<DetailOutcome> measure_all(const DetailArguments& arguments, const s
     std::vector<DetailOutcome> outcomes;
     for (const DetailVariant& variant : detail_variants(arguments.all)) {
         outcomes.push_back(measure.measure(variant, outcomes.empty() ? 0.0 : outcomes.front().ratio));
-        if (!outcomes.front().fault.empty()) throw tasks::SimulationError(fmt::format("{}: full detail, with which all is compared, ended{} {}", scene, outcomes.front().status == "unreliable" ? "" : ":", outcomes.front().fault));
+        if (!outcomes.front().fault.empty()) throw tasks::SimulationError(fmt::format("{}: full detail, with which all is compared, {} {}", scene, outcomes.front().status == "unreliable" ? "is" : "ended:", outcomes.front().fault));
         if (catch_interrupts().requested()) break;
     }
     return outcomes;
