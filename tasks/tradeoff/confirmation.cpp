@@ -51,9 +51,12 @@ Scene Confirmation::prepared(std::span<const std::string> settings) const {
     return scene;
 }
 
-LongRun Confirmation::run(std::span<const std::string> settings) const {
+LongRun Confirmation::run(std::span<const std::string> settings) const { return run(settings, nullptr, nullptr); }
+
+LongRun Confirmation::run(std::span<const std::string> settings, FrozenStart* begin, FrozenStart* end) const {
     Simulation simulation(prepared(settings));
     if (simulation.needs_settling()) throw SimulationError(fmt::format("{}: the start is not settled, nothing can be measured from there (cvtflow settle)", scene_.name));
+    if (begin != nullptr) *begin = frozen_start(simulation);
     LongObserver observer(simulation.variator());
     LongRun run;
     const auto started = LongClock::now();
@@ -61,6 +64,7 @@ LongRun Confirmation::run(std::span<const std::string> settings) const {
     run.wall = std::chrono::duration<double>(LongClock::now() - started).count() / settings_.duration;
     run.watch = observer.watch.verdict(simulation.energy(), simulation.suspicion());
     run.step = simulation.step();
+    if (end != nullptr && !run.fault) *end = frozen_start(simulation);
     return run;
 }
 
@@ -82,8 +86,9 @@ double Confirmation::stable_step(std::span<const std::string> settings) {
     const Scene scene = prepared(settings);
     const auto known = stable_.find(scene.run.method);
     if (known != stable_.end()) return known->second;
-    const Simulation start(scene, Schedule{});
-    return stable_[scene.run.method] = predicted_step_limit(start.variator(), scene.parameters, scene.run.method, frozen_start(start)).step;
+    double step = std::numeric_limits<double>::infinity();
+    for (const LinearChain& end : ends_) step = std::min(step, predicted_step_limit(end, scene.run.method).step);
+    return stable_[scene.run.method] = step;
 }
 
 bool Confirmation::beyond_stability(std::span<const std::string> settings) {
@@ -101,10 +106,15 @@ Confirmed Confirmation::check(std::span<const std::string> settings) {
 }
 
 void Confirmation::take_reference() {
-    reference_ = run(settings_.reference);
+    FrozenStart begin, end;
+    reference_ = run(settings_.reference, &begin, &end);
     reference_text_ = fmt::format("{} at {:.3g} s", prepared(settings_.reference).run.method, reference_.step);
     if (reference_.fault) throw SimulationError(fmt::format("{}: the reference of the confirmation did not get through: {}", scene_.name, reference_.fault.message()));
     if (!reference_.watch.reliable()) throw SimulationError(fmt::format("{}: the reference of the confirmation is unreliable: its energy balance does not close", scene_.name));
+    const Scene scene = prepared(settings_.reference);
+    ends_.clear();
+    variator_ = std::make_unique<model::Variator>(scene.parameters);
+    for (const FrozenStart& at : {begin, end}) ends_.emplace_back(*variator_, scene.parameters, at);
 }
 
 /// A quarter of the automatic step, and half of it: what both agree on by a quarter of the tolerance is taken; else shorter ones.

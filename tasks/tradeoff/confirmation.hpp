@@ -2,16 +2,18 @@
 /// Whether a choice that is exact over a short time is also right over one that slip and efficiency are read of: bursts are rare.
 ///
 /// Every choice runs from the scene's start over the same time. Its mean slip and its losses are compared with those of a reference, its energy
-/// balance with itself (EnergyLedger), its step with what its method is stable for at the start (predicted_step_limit()).
+/// balance with itself (EnergyLedger), its step with what its method is stable for at both ends of the reference (predicted_step_limit()).
 
+#include <deque>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "tasks/run_watch.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/step_controller.hpp"
+#include "tasks/stability/linear_chain.hpp"
 
 namespace cvtflow::tasks {
 
@@ -45,7 +47,7 @@ public:
     /// @throws SimulationError if the start is not settled, the reference did not get through, its energy balance does not close, or it does not agree with itself
     Confirmation(Scene scene, ConfirmSettings settings, const engine::Cancellation& cancel);
 
-    /// Up to which step the method is stable at the start [s]; infinite: linear stability sets no limit. Settings as ErrorMeasure takes them.
+    /// Up to which step the method is stable at both ends of the reference [s]; infinite: linear stability sets no limit. Settings as ErrorMeasure takes them.
     [[nodiscard]] double stable_step(std::span<const std::string> settings);
     /// Whether the step is longer. Automatic steps and steps by error see to it by themselves.
     [[nodiscard]] bool beyond_stability(std::span<const std::string> settings);
@@ -61,6 +63,7 @@ public:
 
 private:
     [[nodiscard]] Scene prepared(std::span<const std::string> settings) const;
+    [[nodiscard]] LongRun run(std::span<const std::string> settings, FrozenStart* begin, FrozenStart* end) const;
     void take_reference();
     void refine_reference();
 
@@ -69,6 +72,8 @@ private:
     const engine::Cancellation& cancel_;
     LongRun reference_;
     std::string reference_text_;
+    std::unique_ptr<model::Variator> variator_;
+    std::deque<LinearChain> ends_;           ///< linearised at both ends of the reference
     std::map<std::string, double> stable_;   ///< by method [s]
 };
 
