@@ -16,20 +16,33 @@ using testing::Not;
 class Tradeoff : public Program {
 protected:
     /// `control` is stable to 1.91 us: at 2 us the leapfrog is exact over 240 us and wrong over 20 ms.
+    /// Which of the others is recommended is a question of wall time.
     [[nodiscard]] nlohmann::json judged(const std::string& scene, const std::vector<std::string>& words) const {
         const Outcome outcome = run(std::vector<std::string>{"tradeoff", scene, "-q", "--json", "--csv", "-o", "out"} + words);
         EXPECT_EQ(outcome.status, 0) << outcome.err;
         EXPECT_THAT(outcome.out, ContainsRegex("\n  leapfrog-chebyshev@2us .* beyond stability\n"));
         EXPECT_THAT(outcome.out, Not(HasSubstr("use leapfrog-chebyshev@2us")));
-        EXPECT_THAT(outcome.out, HasSubstr("use leapfrog-chebyshev@auto ("));
         EXPECT_THAT(outcome.out, HasSubstr("What is recommended was confirmed over "));
-        return nlohmann::json::parse(read("out/tradeoff_" + scene + ".json"));
+        const auto json = nlohmann::json::parse(read("out/tradeoff_" + scene + ".json"));
+        EXPECT_FALSE(json["recommended"][0]["method"].is_null()) << "a hundredth is met";
+        for (const auto& best : json["recommended"]) {
+            if (!best["method"].is_null()) expect_confirmed(row(json, best["method"]));
+        }
+        for (const auto& choice : json["choices"]) EXPECT_TRUE(choice["front"] == false || choice["standing"] == "confirmed") << choice["method"];
+        return json;
     }
     static const nlohmann::json& row(const nlohmann::json& json, const std::string& method) {
         for (const auto& choice : json["choices"]) {
             if (choice["method"] == method) return choice;
         }
         throw std::out_of_range(method);
+    }
+    static void expect_confirmed(const nlohmann::json& choice) {
+        EXPECT_EQ(choice["standing"], "confirmed") << choice["method"];
+        EXPECT_LE(double(choice["long"]["slip_off"]), 0.01) << choice["method"];
+        EXPECT_LE(double(choice["long"]["losses_off"]), 0.01) << choice["method"];
+        EXPECT_EQ(choice["long"]["watch"]["status"], "finished") << choice["method"];
+        EXPECT_EQ(choice["long"]["watch"]["long_enough"], true) << choice["method"];
     }
 };
 class NightlyTradeoff : public Tradeoff {};
@@ -43,11 +56,6 @@ TEST_F(Tradeoff, NeverRecommendsAStepBeyondStabilityHoweverExactItIsOverAShortTi
     EXPECT_LT(double(beyond["stable_step"]), 2e-6);
     EXPECT_EQ(beyond["front"], false);
     EXPECT_EQ(beyond["standing"], "beyond stability");
-    const auto& automatic = row(json, "leapfrog-chebyshev@auto");
-    EXPECT_EQ(automatic["standing"], "confirmed");
-    EXPECT_LT(double(automatic["long"]["slip_off"]), 0.01);
-    EXPECT_EQ(automatic["long"]["watch"]["status"], "finished");
-    EXPECT_EQ(automatic["long"]["watch"]["long_enough"], true);
     EXPECT_THAT(read("out/tradeoff_control.csv"), HasSubstr("\nleapfrog-chebyshev@2us,"));
     EXPECT_THAT(read("out/tradeoff_control.csv"), HasSubstr(",beyond stability,,,"));
 }
@@ -73,17 +81,7 @@ TEST_F(Tradeoff, NamesAReferenceThatIsWrongItself) {
 }
 
 TEST_F(NightlyTradeoff, RecommendsNothingWrongOfAllItsChoices) {
-    for (const std::string scene : {"control", "shift"}) {
-        const auto json = judged(scene, {});
-        for (const auto& best : json["recommended"]) {
-            if (best["method"].is_null()) continue;
-            const auto& chosen = row(json, best["method"]);
-            EXPECT_EQ(chosen["standing"], "confirmed") << scene << " " << best["method"];
-            EXPECT_LE(double(chosen["long"]["slip_off"]), 0.01);
-            EXPECT_LE(double(chosen["long"]["losses_off"]), 0.01);
-        }
-        for (const auto& choice : json["choices"]) EXPECT_TRUE(choice["front"] == false || choice["standing"] == "confirmed") << choice["method"];
-    }
+    for (const std::string scene : {"control", "shift"}) EXPECT_EQ(row(judged(scene, {}), "leapfrog-chebyshev@2us")["front"], false);
 }
 
 }  // namespace

@@ -120,14 +120,14 @@ ExitStatus tradeoff(const TradeoffArguments& arguments) try {
     if (scene.run.schedule == "auto") tasks::set_value(scene, "run.schedule=serial");
     const tasks::ErrorMeasure measure(scene, settings, cancel);
     if (!measure.reference().watch.reliable()) throw tasks::SimulationError(fmt::format("{}: the reference {} is {}", scene.name, arguments.reference, unreliable_remark({}, measure.reference().watch)));
-    fmt::print("{}: errors against {} over {} from the settled start, {} transitions; {}; medians of {} rounds in turns\n", scene.name, arguments.reference,
-               time_text(settings.duration), measure.reference().counters.detected, measure.reference().schedule, arguments.rounds);
+    say(arguments, fmt::format("the reference of the confirmation, over {}", time_text(far.duration)));
+    tasks::Confirmation confirmation(scene, far, cancel);   // before the rest: it may fail
     std::vector<TradeoffEntry> entries = measure_all(arguments, measure, cancel);
     if (entries.empty()) return ExitStatus::cancelled;
-    say(arguments, fmt::format("the reference of the confirmation, over {}", time_text(far.duration)));
-    tasks::Confirmation confirmation(scene, far, cancel);
     confirm_all(arguments, confirmation, entries, cancel);
     if (cancel.requested()) return ExitStatus::cancelled;
+    fmt::print("{}: errors against {} over {} from the settled start, {} transitions; {}; medians of {} rounds in turns\n", scene.name, arguments.reference,
+               time_text(settings.duration), measure.reference().counters.detected, measure.reference().schedule, arguments.rounds);
     report(arguments, entries,
            {scene.name, arguments.reference, arguments.duration, arguments.interval, arguments.rounds, far.duration, confirmation.reference_text(), confirmation.reference().watch});
     return ExitStatus::finished;
