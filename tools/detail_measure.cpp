@@ -66,6 +66,7 @@ void settle_and_average(tasks::Simulation& simulation, double settle, Averager& 
     outcome.watch = seen.watch.verdict(simulation.energy(), before);
     outcome.status = outcome.watch.status(fault);
     outcome.fault = fault ? fault.message() : unreliable_remark(fault, outcome.watch);
+    if (outcome.status == "unreliable") outcome.fault += "; a shorter --step is needed";
 }
 
 /// Best of several: the machine may be busy.
