@@ -23,6 +23,7 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters&) override {
         const model::Observation& seen = observer_.observe(time, workspace.states[0], workspace.phases.data());
+        watch.add(seen, workspace);
         if (course.time.empty()) {
             const model::ChainLayout& at = workspace.layout();
             for (int link = 0; link < at.links; ++link) course.side.push_back(workspace.states[0][at.link_begin(link) + at.x(model::End::rear, 0)]);
@@ -34,6 +35,7 @@ public:
     void transition(const TransitionRecord& record) override { course.transitions.push_back(record); }
 
     Course course;
+    RunWatch watch;
 
 private:
     model::Observer observer_;
@@ -102,7 +104,7 @@ void time_candidates(const model::Parameters& parameters, const FrozenStart& sta
 
 Compared run_candidate(const model::Parameters& parameters, const FrozenStart& start, const Candidate& candidate, const ComparisonOptions& options,
                        const engine::Cancellation& cancel) {
-    if (options.progress) options.progress(fmt::format("{} at {:g} s", candidate.method, candidate.step));
+    if (options.progress) options.progress(candidate.step == 0.0 ? candidate.method + " at automatic steps" : fmt::format("{} at {:g} s", candidate.method, candidate.step));
     MethodRun run(parameters, candidate.method);
     CourseKeeper keeper(run.workspace().variator, start.time);
     Compared compared;
@@ -111,6 +113,7 @@ Compared run_candidate(const model::Parameters& parameters, const FrozenStart& s
     compared.step = run.step();
     compared.counters = run.counters();
     compared.course = std::move(keeper.course);
+    compared.watch = keeper.watch.verdict(run.workspace().energy, start.suspicion);
     return compared;
 }
 
@@ -132,6 +135,7 @@ Comparison compare(const model::Parameters& parameters, const FrozenStart& start
     if (reference.fault) throw SimulationError("the reference: " + reference.fault.message());
     comparison.reference = std::move(reference.course);
     comparison.reference_counters = reference.counters;
+    comparison.reference_watch = reference.watch;
     comparison.pin = options.pin;
     const TransitionRecord* entry = first_entry(comparison.reference, parameters.pulley.centre_distance);
     if (entry != nullptr && options.pin < 0) {

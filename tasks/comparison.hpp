@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "tasks/frozen_step.hpp"
+#include "tasks/run_watch.hpp"
 #include "tasks/step_controller.hpp"
 
 namespace cvtflow::tasks {
 
 struct Candidate {
     std::string method;
-    double step = 0.0;   ///< [s]
+    double step = 0.0;   ///< 0: automatic [s]
 };
 
 /// What a candidate computed, at every output time.
@@ -32,7 +33,8 @@ struct Course {
 struct Compared {
     Candidate candidate;
     Fault fault;                      ///< why it stopped early; errors are then NaN
-    double step = 0.0;                ///< in use: that asked for or a little less [s]
+    double step = 0.0;                ///< in use: that asked for or a little less; the last one of automatic steps [s]
+    RunVerdict watch;                 ///< whether its figures can be right
     Counters counters;
     double seconds = 0.0;             ///< median over the rounds of what the run took, without outputs [s]
     double error_axial = 0.0;         ///< ‖axial force of all tips - reference‖/‖reference‖, over all outputs
@@ -53,6 +55,7 @@ struct ComparisonOptions {
 struct Comparison {
     Course reference;
     Counters reference_counters;
+    RunVerdict reference_watch;
     int pin = -1;                     ///< looked at; -1: none enters
     double entry = 0.0;               ///< when it enters, since the start [s]
     std::vector<Compared> candidates;

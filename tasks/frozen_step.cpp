@@ -58,7 +58,7 @@ FrozenStart frozen_start(const Simulation& simulation) {
     SilentObserver nobody;
     const engine::Cancellation never;
     StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
-    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases};
+    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases, simulation.suspicion()};
 }
 
 FrozenStepper::FrozenStepper(const model::Variator& variator, const engine::StagePlan& plan, std::span<const model::Phase> phases)

@@ -16,6 +16,7 @@ struct FrozenStart {
     double time = 0.0;                 ///< [s]
     std::vector<double> state;         ///< [layout.size()]
     std::vector<model::Phase> phases;  ///< [4 links]
+    double suspicion = 0.0;            ///< of the integration that led here (Simulation::suspicion); above 1 the state is wrong
 };
 
 /// The simulation's present state, with the phases that a run would begin with.

@@ -28,7 +28,8 @@ engine::TaskGraph graph_of(Workspace& workspace, StepMethod& method, const Assem
 
 MethodRun::MethodRun(const model::Parameters& parameters, const std::string& method, const Schedule& schedule)
     : workspace_(std::make_unique<Workspace>(parameters, plan_of(method), Partition::equal(parameters.chain.pins, schedule.segments))),
-      method_(make_step_method(method, *workspace_)), graph_(graph_of(*workspace_, *method_, schedule.assembly)), executor_(make_executor(schedule)) {}
+      method_(make_step_method(method, *workspace_)), graph_(graph_of(*workspace_, *method_, schedule.assembly)), executor_(make_executor(schedule)),
+      name_(method) {}
 
 MethodRun::~MethodRun() = default;
 
@@ -37,7 +38,9 @@ Fault MethodRun::run(const FrozenStart& start, double duration, double step, dou
     workspace_->phases = start.phases;
     std::fill(workspace_->changed.begin(), workspace_->changed.end(), -1e300);   // never yet
     method_->restart();
-    const StepSettings settings{start.time, start.time + duration, step, output_interval, 0, 0.0};
+    if (step == 0.0 && choice_ == nullptr) choice_ = std::make_unique<AutoStep>(workspace_->variator, name_);
+    StepSettings settings{start.time, start.time + duration, step, output_interval, 0, 0.0};
+    if (step == 0.0) settings.choice = choice_.get();
     StepController controller(*workspace_, *method_, settings, observer, cancel);
     executor_->run(graph_, workspace_.get(), controller);
     counters_ = controller.counters();

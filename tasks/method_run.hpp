@@ -22,11 +22,12 @@ public:
     MethodRun& operator=(const MethodRun&) = delete;
 
     /// From `start` over `duration`, which should be a multiple of the output interval; that, of the step.
+    /// @param step 0: automatic (AutoStep) [s]
     [[nodiscard]] Fault run(const FrozenStart& start, double duration, double step, double output_interval, RunObserver& observer,
                             const engine::Cancellation& cancel);
     /// Of the last run.
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
-    /// Step in use in the last run [s].
+    /// Step in use at the end of the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }
     [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
 
@@ -37,6 +38,8 @@ private:
     std::unique_ptr<engine::Executor> executor_;
     Counters counters_;
     double step_ = 0.0;
+    std::unique_ptr<AutoStep> choice_;   ///< once an automatic step has been asked for
+    std::string name_;
 };
 
 /// As local_errors(), for any method. A table of stages takes its step with phases held. A program takes it as it does in a run, and so does the

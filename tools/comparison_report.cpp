@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/method_choice_text.hpp"
 #include "tools/provenance_json.hpp"
 #include "tools/text.hpp"
+#include "tools/watch_text.hpp"
 
 namespace cvtflow::tools {
 
@@ -31,16 +33,10 @@ std::string number(double value, const char* absent = "") { return std::isfinite
 
 }  // namespace
 
-std::string candidate_name(const tasks::Candidate& candidate) {
-    std::string step = time_text(candidate.step);
-    std::erase(step, ' ');
-    return candidate.method + "@" + step;
-}
-
 std::string comparison_table(const Comparison& comparison, const ComparisonOptions& options) {
     const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
     Table table({{"method"}, right("step"), right("steps"), right("evaluations"), right("eval./s"), right("fewer by"), right("s/simulated s"), right("faster by"),
-                 right("err axial"), right("err tension"), right("err pin"), {"remark"}});
+                 right("err axial"), right("err tension"), right("err pin"), right("residual"), {"remark"}});
     for (const Compared& compared : comparison.candidates) {
         const double rate = static_cast<double>(compared.counters.evaluations) / options.duration;
         const bool good = !compared.fault;
@@ -48,18 +44,20 @@ std::string comparison_table(const Comparison& comparison, const ComparisonOptio
                    good ? fmt::format("{:.3g}", rate) : "-", good ? fmt::format("{:.2f}", saving(comparison, compared)) : "-",
                    good && compared.seconds > 0.0 ? fmt::format("{:.4g}", compared.seconds / options.duration) : "-",
                    good && compared.seconds > 0.0 ? fmt::format("{:.2f}", speed_up(comparison, compared)) : "-", error_cell(compared.error_axial),
-                   error_cell(compared.error_tension), error_cell(compared.error_pin), compared.fault ? compared.fault.message() : ""});
+                   error_cell(compared.error_tension), error_cell(compared.error_pin), residual_cell(compared.fault, compared.watch),
+                   compared.fault ? compared.fault.message() : unreliable_remark(compared.fault, compared.watch)});
     }
     return table.text(2);
 }
 
 std::string comparison_csv(const Comparison& comparison, const ComparisonOptions& options) {
-    std::string text = "method,step,steps,evaluations,transitions,fewer_by,seconds_per_simulated_second,faster_by,error_axial,error_tension,error_pin,finished\n";
+    std::string text = "method,step,steps,evaluations,transitions,fewer_by,seconds_per_simulated_second,faster_by,error_axial,error_tension,error_pin,finished,";
+    text += watch_heading + std::string("\n");
     for (const Compared& compared : comparison.candidates) {
         const tasks::Counters& counted = compared.counters;
-        text += fmt::format("{},{:.17g},{},{},{},{},{},{},{},{},{},{}\n", compared.candidate.method, compared.step, counted.steps, counted.evaluations, counted.detected,
+        text += fmt::format("{},{:.17g},{},{},{},{},{},{},{},{},{},{},{}\n", compared.candidate.method, compared.step, counted.steps, counted.evaluations, counted.detected,
                             number(saving(comparison, compared)), compared.seconds > 0.0 ? number(compared.seconds / options.duration) : "", number(speed_up(comparison, compared)),
-                            number(compared.error_axial), number(compared.error_tension), number(compared.error_pin), compared.fault ? "no" : "yes");
+                            number(compared.error_axial), number(compared.error_tension), number(compared.error_pin), compared.fault ? "no" : "yes", watch_csv(compared.fault, compared.watch));
     }
     return text;
 }
@@ -76,7 +74,8 @@ std::string comparison_json(const std::string& scene, const Comparison& comparis
                         {"error_axial", compared.error_axial},
                         {"error_tension", compared.error_tension},
                         {"error_pin", compared.error_pin},
-                        {"fault", compared.fault ? compared.fault.message() : ""}});
+                        {"fault", compared.fault ? compared.fault.message() : ""},
+                        {"watch", watch_json(compared.fault, compared.watch)}});
     }
     const ordered_json json{{"scene", scene},
                             {"provenance", provenance_json()},
@@ -84,6 +83,7 @@ std::string comparison_json(const std::string& scene, const Comparison& comparis
                             {"output_interval", options.output_interval},
                             {"rounds", options.rounds},
                             {"reference", candidate_name(options.reference)},
+                            {"reference_watch", watch_json({}, comparison.reference_watch)},
                             {"pin", comparison.pin},
                             {"entry", comparison.entry},
                             {"candidates", rows}};

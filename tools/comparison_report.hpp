@@ -19,7 +19,4 @@ namespace cvtflow::tools {
 /// The numbers of pin_plot(): time, reference, a column per candidate [s, N].
 [[nodiscard]] std::string pin_csv(const tasks::Comparison& comparison);
 
-/// "rk4@50ns".
-[[nodiscard]] std::string candidate_name(const tasks::Candidate& candidate);
-
 }  // namespace cvtflow::tools

@@ -15,35 +15,60 @@
 #include "tools/guard.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/scene_arguments.hpp"
+#include "tools/watch_text.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
 
 /// Means over the outputs of one part of a run.
-struct Means final : tasks::RunObserver {
-    explicit Means(const model::Variator& variator) : observer(variator) {}
-    void output(double time, const tasks::Workspace& w, const tasks::Counters&) override {
-        const model::Observation& now = observer.observe(time, w.states[0], w.phases.data());
-        double tip = 0.0;
-        for (const double axial : now.tip_axial) tip = std::max(tip, std::abs(axial));
-        const double in = now.chain_torque[0] * now.speed[0], out = now.chain_torque[1] * now.speed[1];
-        const std::array values{now.tight, now.slack, tip, now.slip, in, out, now.ratio, now.clamping[0] / now.clamping[1]};
-        for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += values[k];
-        if (count == 0) first_ratio = now.ratio;
-        last_ratio = now.ratio;
-        if (count == 0) first_time = time;
-        last_time = time;
-        ++count;
-    }
-    void transition(const tasks::TransitionRecord&) override {}
-    [[nodiscard]] double mean(std::size_t k) const { return sum[k] / static_cast<double>(count); }
-
-    model::Observer observer;
-    std::array<double, 8> sum{};   ///< tight, slack, tip, slip, power in, power out, ratio, thrust ratio
+struct Means {
+    std::array<double, 6> sum{};   ///< tight, slack, tip, slip, ratio, thrust ratio
     double first_ratio = 0.0, last_ratio = 0.0, first_time = 0.0, last_time = 0.0;
     long count = 0;
+
+    void add(const model::Observation& now) {
+        double tip = 0.0;
+        for (const double axial : now.tip_axial) tip = std::max(tip, std::abs(axial));
+        const std::array values{now.tight, now.slack, tip, now.slip, now.ratio, now.clamping[0] / now.clamping[1]};
+        for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += values[k];
+        if (count == 0) first_ratio = now.ratio;
+        if (count == 0) first_time = now.time;
+        last_ratio = now.ratio;
+        last_time = now.time;
+        ++count;
+    }
+    [[nodiscard]] double mean(std::size_t k) const { return sum[k] / static_cast<double>(count); }
 };
+
+/// Averages over both halves of a run.
+struct Averager final : tasks::RunObserver {
+    Averager(const tasks::Simulation& simulation, double from, double until) : observer(simulation.variator()), middle(0.5 * (from + until)) {}
+    void output(double time, const tasks::Workspace& w, const tasks::Counters&) override {
+        const model::Observation& now = observer.observe(time, w.states[0], w.phases.data());
+        watch.add(now, w);
+        (time < middle ? first : second).add(now);
+    }
+    void transition(const tasks::TransitionRecord&) override {}
+
+    model::Observer observer;
+    double middle;
+    Means first, second;
+    tasks::RunWatch watch;
+};
+
+/// Two integrations, each with a balance of its own: the jolt with which the state is brought over belongs to the first one. What they came to: a
+/// fault, or what the watch says of the second, suspicions of both.
+void settle_and_average(tasks::Simulation& simulation, double settle, Averager& seen, double until, DetailOutcome& outcome) {
+    tasks::SilentObserver silent;
+    tasks::Fault fault = simulation.run(settle, silent, catch_interrupts());
+    const double before = simulation.suspicion();
+    if (!fault) fault = simulation.run(until, seen, catch_interrupts());
+    outcome.watch = seen.watch.verdict(simulation.energy(), before);
+    outcome.status = outcome.watch.status(fault);
+    outcome.fault = fault ? fault.message() : unreliable_remark(fault, outcome.watch);
+    if (outcome.status == "unreliable") outcome.fault += "; a shorter --step is needed";
+}
 
 /// Best of several: the machine may be busy.
 double cost_of(const tasks::Simulation& simulation) {
@@ -70,21 +95,16 @@ tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name,
 }
 
 /// Averages over both halves of the time after settling.
-void average(tasks::Simulation& simulation, double settle, double until, DetailOutcome& outcome) {
-    tasks::SilentObserver silent;
-    const double middle = 0.5 * (settle + until);
-    tasks::Fault fault = simulation.run(settle, silent, catch_interrupts());
-    Means first(simulation.variator()), second(simulation.variator());
-    if (!fault) fault = simulation.run(middle, first, catch_interrupts());
-    if (!fault) fault = simulation.run(until, second, catch_interrupts());
-    if (fault) {
-        outcome.fault = fault.message();
-        return;
-    }
+void average(tasks::Simulation& simulation, double settle, double length, DetailOutcome& outcome) {
+    const double settled = simulation.time() + settle, until = settled + length;
+    Averager seen(simulation, settled, until);
+    settle_and_average(simulation, settled, seen, until, outcome);
+    if (!outcome.fault.empty()) return;
+    const Means &first = seen.first, &second = seen.second;
     const auto both = [&](std::size_t k) { return 0.5 * (first.mean(k) + second.mean(k)); };
     outcome.tight = both(0), outcome.slack = both(1), outcome.tip = both(2), outcome.slip = both(3);
-    outcome.ratio = both(6);
-    outcome.efficiency = std::abs(both(5) / both(4));   // of mean powers: torques oscillate through zero
+    outcome.ratio = both(4);
+    outcome.efficiency = outcome.watch.means.efficiency;
     outcome.shift = (second.last_ratio / first.first_ratio - 1.0) / (second.last_time - first.first_time);
     outcome.drift = second.mean(0) / first.mean(0) - 1.0;
     outcome.cost = cost_of(simulation);
@@ -138,7 +158,8 @@ DetailMeasure::DetailMeasure(DetailArguments arguments, std::string scene) : arg
     settled_ = engine::read_state(reference.state_file);
     reference_ = reference.parameters;
     try {
-        static_cast<void>(tasks::Simulation(reference));   // refuses a state that does not fit, and names the differences
+        const tasks::Simulation start(reference);   // refuses a state that does not fit, and names the differences
+        if (start.suspicion() > 1.0) throw tasks::SimulationError(reference.state_file + " is unreliable: the energy balance of its settling did not close");
     } catch (const tasks::SimulationError& error) {
         throw tasks::SceneError(fmt::format("{}: variants start from a settled state of full detail: {}", scene_, error.what()));
     }
@@ -148,12 +169,12 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted
     DetailOutcome outcome;
     outcome.variant = variant;
     tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.settle);
-    const double settle = scene.run.until, until = settle + scene_of(arguments_, scene_, variant, arguments_.average).run.until;
+    const double settle = scene.run.until, length = scene_of(arguments_, scene_, variant, arguments_.average).run.until;
     const StateFile start(brought_over(settled_, reference_, scene.parameters));
     scene.state_file = start.path();
     tasks::Simulation simulation(scene);
     outcome.coordinates = simulation.variator().layout().coordinates();
-    average(simulation, settle, until, outcome);
+    average(simulation, settle, length, outcome);
     if (outcome.fault.empty()) find_thrust(variant, wanted > 0.0 ? wanted : outcome.ratio, outcome);
     return outcome;
 }
@@ -168,15 +189,16 @@ void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, Det
     const StateFile start(settled);
     scene.state_file = start.path();
     tasks::Simulation simulation(scene);
-    tasks::SilentObserver silent;
-    tasks::Fault fault = simulation.run(0.8 * scene.run.until, silent, catch_interrupts());
-    Means means(simulation.variator());
-    if (!fault) fault = simulation.run(scene.run.until, means, catch_interrupts());
-    if (fault) {
-        outcome.fault = fault.message();
+    const double found = simulation.time() + 0.8 * scene.run.until, until = simulation.time() + scene.run.until;
+    Averager seen(simulation, found, until);
+    DetailOutcome controlled;
+    settle_and_average(simulation, found, seen, until, controlled);
+    if (!controlled.fault.empty()) {
+        outcome.status = controlled.status;
+        outcome.fault = "under ratio control: " + controlled.fault;
         return;
     }
-    outcome.thrust = means.mean(7);
+    outcome.thrust = 0.5 * (seen.first.mean(5) + seen.second.mean(5));
 }
 
 }  // namespace cvtflow::tools

@@ -9,13 +9,15 @@
 
 #include "engine/record/state_file.hpp"
 #include "model/parameters.hpp"
+#include "tasks/run_watch.hpp"
+#include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tools {
 
 struct DetailArguments {
     std::vector<std::string> scenes{"baseline", "low", "overdrive"};
     std::vector<std::string> settings;
-    std::string method = "dumka3-p5", step = "2 us", settle = "3 ms", average = "3 ms";
+    std::string method = tasks::RunSettings{}.method, step = "auto", settle = "20 ms", average = "20 ms";
     std::string control = "100 ms";   ///< how long ratio control looks for the thrust ratio; begins with 0: not at all
     bool all = false;
 };
@@ -44,7 +46,9 @@ struct DetailOutcome {
     double shift = 0.0;                 ///< relative rate of the ratio at the scene's clamping [1/s]
     double thrust = 0.0;                ///< S_1/S_2 that holds the wanted ratio under load; 0: not looked for
     double drift = 0.0;                 ///< difference of the tight strand's tension between both halves of the averaging
-    std::string fault;
+    tasks::RunVerdict watch;            ///< over the averaging, suspicion of the settling as well
+    std::string status = "finished";    ///< or "unreliable", or the fault's name
+    std::string fault;                  ///< what is to be said of that; where there is something, the figures above are none
 };
 
 /// Measures variants of one scene.

@@ -10,6 +10,7 @@
 #include "tools/plot/plot.hpp"
 #include "tools/provenance_json.hpp"
 #include "tools/text.hpp"
+#include "tools/watch_text.hpp"
 
 namespace cvtflow::tools {
 
@@ -18,29 +19,35 @@ namespace {
 Table empty_table() {
     const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
     return Table({{"detail"}, right("coordinates"), right("cost us"), right("tight %"), right("slack %"), right("tip force %"), right("slip %"), right("efficiency %-pt"),
-                  right("thrust ratio %"), right("shift %/s"), right("drift %")});
+                  right("thrust ratio %"), right("shift %/s"), right("drift %"), right("residual"), {"status"}});
 }
 
 std::string relative(double value, double exact) { return exact == 0.0 ? "-" : fmt::format("{:+.2f}", 100.0 * (value / exact - 1.0)); }
 
 void add_row(Table& table, const DetailOutcome& o, const DetailOutcome& reference) {
     if (!o.fault.empty()) {
-        table.add({o.variant.name(), std::to_string(o.coordinates), "-", "-", "-", "-", "-", "-", "-", "-", "-"});
+        table.add({o.variant.name(), std::to_string(o.coordinates), "-", "-", "-", "-", "-", "-", "-", "-", "-", "-", o.status});
         return;
     }
     table.add({o.variant.name(), std::to_string(o.coordinates), fmt::format("{:.2f}", 1e6 * o.cost), relative(o.tight, reference.tight), relative(o.slack, reference.slack),
                relative(o.tip, reference.tip), relative(o.slip, reference.slip), fmt::format("{:+.3f}", 100.0 * (o.efficiency - reference.efficiency)),
-               relative(o.thrust, reference.thrust), fmt::format("{:+.2f}", 100.0 * (o.shift - reference.shift)), fmt::format("{:+.2f}", 100.0 * o.drift)});
+               relative(o.thrust, reference.thrust), fmt::format("{:+.2f}", 100.0 * (o.shift - reference.shift)), fmt::format("{:+.2f}", 100.0 * o.drift),
+               residual_cell({}, o.watch), o.status});
 }
 
 std::string csv_of(const std::vector<DetailOutcome>& outcomes) {
-    std::string text = "order,plates,joint_points,pulleys,coordinates,cost_s,tight_N,slack_N,tip_axial_N,slip,efficiency,ratio,shift_per_s,thrust_ratio,drift\n";
+    std::string text = "order,plates,joint_points,pulleys,coordinates,cost_s,tight_N,slack_N,tip_axial_N,slip,efficiency,ratio,shift_per_s,thrust_ratio,drift,";
+    text += watch_heading + std::string("\n");
     for (const DetailOutcome& o : outcomes) {
-        if (!o.fault.empty()) continue;
-        text += fmt::format("{},{},{},{},{},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g}\n", o.variant.order,
+        if (!o.fault.empty()) {
+            text += fmt::format("{},{},{},{},{},,,,,,,,,,,{},,,,,,\n", o.variant.order, o.variant.plates == model::PlateDetail::each ? "each" : "lumped", o.variant.joint_points,
+                                o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", o.coordinates, o.status);
+            continue;
+        }
+        text += fmt::format("{},{},{},{},{},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g},{}\n", o.variant.order,
                             o.variant.plates == model::PlateDetail::each ? "each" : "lumped", o.variant.joint_points,
                             o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", o.coordinates, o.cost, o.tight, o.slack, o.tip, o.slip, o.efficiency,
-                            o.ratio, o.shift, o.thrust == 0.0 ? "" : fmt::format("{:.6g}", o.thrust), o.drift);
+                            o.ratio, o.shift, o.thrust == 0.0 ? "" : fmt::format("{:.6g}", o.thrust), o.drift, watch_csv({}, o.watch));
     }
     return text;
 }
@@ -49,12 +56,14 @@ nlohmann::ordered_json row_json(const DetailOutcome& o) {
     nlohmann::ordered_json row{{"order", o.variant.order}, {"plates", o.variant.plates == model::PlateDetail::each ? "each" : "lumped"}, {"joint_points", o.variant.joint_points},
                                {"pulleys", o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid"}, {"coordinates", o.coordinates}};
     if (!o.fault.empty()) {
+        row["status"] = o.status;
         row["fault"] = o.fault;
         return row;
     }
     const nlohmann::ordered_json figures{{"cost", o.cost}, {"tight", o.tight}, {"slack", o.slack}, {"tip_axial", o.tip}, {"slip", o.slip}, {"efficiency", o.efficiency},
                                          {"ratio", o.ratio}, {"shift", o.shift}, {"thrust_ratio", o.thrust == 0.0 ? std::nan("") : o.thrust}, {"drift", o.drift}};
     row.update(figures);
+    row.update(watch_json({}, o.watch));
     return row;
 }
 
@@ -86,7 +95,7 @@ std::vector<DetailOutcome> measure_all(const DetailArguments& arguments, const s
     std::vector<DetailOutcome> outcomes;
     for (const DetailVariant& variant : detail_variants(arguments.all)) {
         outcomes.push_back(measure.measure(variant, outcomes.empty() ? 0.0 : outcomes.front().ratio));
-        if (!outcomes.front().fault.empty()) throw tasks::SimulationError(fmt::format("{}: full detail, with which all is compared, ended: {}", scene, outcomes.front().fault));
+        if (!outcomes.front().fault.empty()) throw tasks::SimulationError(fmt::format("{}: full detail, with which all is compared, {} {}", scene, outcomes.front().status == "unreliable" ? "is" : "ended:", outcomes.front().fault));
         if (catch_interrupts().requested()) break;
     }
     return outcomes;
@@ -99,7 +108,9 @@ void print(const std::string& scene, const std::vector<DetailOutcome>& outcomes)
                exact.thrust == 0.0 ? "" : fmt::format(", thrust ratio {:.4f}", exact.thrust));
     Table table = empty_table();
     for (const DetailOutcome& outcome : outcomes) add_row(table, outcome, exact);
-    fmt::print("{}\n", table.text(2));
+    fmt::print("{}", table.text(2));
+    const std::string brief = too_short(exact.watch);
+    fmt::print("{}\n", brief.empty() ? "" : field("too short", brief));
 }
 
 }  // namespace
@@ -123,7 +134,7 @@ ExitStatus report_details(const DetailArguments& arguments, const OutputArgument
     }
     fmt::print("Columns: difference from full detail; cost: one right-hand side, best of 200; thrust ratio: S_1/S_2 with which ratio control holds the ratio of full detail;\n"
                "shift: how much faster the speed ratio changes at the scene's clamping; drift: change of the tight strand's tension between both halves of the averaging,\n"
-               "which is what settling {} left over.\n{}", arguments.settle, folder.written());
+               "which is what settling {} left over; efficiency: over whole pin periods; residual: of the energy balance over the losses.\n{}", arguments.settle, folder.written());
     return complete ? ExitStatus::finished : ExitStatus::incomplete;
 }
 

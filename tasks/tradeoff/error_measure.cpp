@@ -29,12 +29,16 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters&) override {
         const auto started = Clock::now();
-        if (time > begin_) add(time, observer_.observe(time, workspace.states[0], workspace.phases.data()));
+        const model::Observation& seen = observer_.observe(time, workspace.states[0], workspace.phases.data());
+        watch.add(seen, workspace);
+        if (time > begin_) add(time, seen);
         observing_ += seconds(Clock::now() - started);
     }
     void transition(const TransitionRecord&) override {}
 
     [[nodiscard]] double observing() const noexcept { return observing_; }
+
+    RunWatch watch;
 
 private:
     void add(double time, const model::Observation& seen) {
@@ -65,6 +69,7 @@ Trajectory observed(const Scene& scene, double duration, const engine::Cancellat
     trajectory.step = simulation.step();
     trajectory.simulated = simulation.time() - begin;
     trajectory.hash = simulation.hash();
+    trajectory.watch = observer.watch.verdict(simulation.energy(), simulation.suspicion());
     trajectory.schedule = simulation.schedule().text();
     return trajectory;
 }
@@ -142,6 +147,7 @@ Trajectory ErrorMeasure::run(std::span<const std::string> settings) const {
         const Trajectory again = observed(scene, settings_.duration, cancel_);
         best.wall = std::min(best.wall, again.wall);
     }
+    if (scene.run.step.automatic() && !best.fault && settings_.steady > settings_.duration) best.steady_wall = observed(scene, settings_.steady, cancel_).wall_per_second();
     return best;
 }
 

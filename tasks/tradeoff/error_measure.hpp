@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tasks/run_watch.hpp"
 #include "tasks/simulation.hpp"
 
 namespace cvtflow::tasks {
@@ -23,11 +24,13 @@ struct Trajectory {
     double step = 0.0;      ///< longest step used [s]
     double simulated = 0.0; ///< [s]
     double wall = 0.0;      ///< without the time that observing took [s]
+    double steady_wall = 0.0;   ///< per simulated second of a longer run, where a short one is no measure of that; 0: it is [s/s]
+    RunVerdict watch;       ///< whether its figures can be right
     std::uint64_t hash = 0;
     std::string schedule;
 
     [[nodiscard]] double evaluations_per_second() const noexcept { return static_cast<double>(counters.evaluations) / simulated; }
-    [[nodiscard]] double wall_per_second() const noexcept { return wall / simulated; }
+    [[nodiscard]] double wall_per_second() const noexcept { return steady_wall > 0.0 ? steady_wall : wall / simulated; }
 };
 
 /// Relative errors: ‖x - reference‖/‖reference‖, Euclidean.
@@ -55,6 +58,8 @@ struct MeasureSettings {
     double interval = 12e-6;                                                ///< between outputs [s]
     std::vector<std::string> reference{"run.method=rk4", "run.step=12.5ns"};  ///< settings of the reference
     int repeats = 1;                                                        ///< a run is repeated so often, its shortest time counts
+    /// Automatic steps look at the spectrum often in the beginning: what they cost is measured over this, if it is longer than `duration` [s].
+    double steady = 4e-3;
 };
 
 class ErrorMeasure {

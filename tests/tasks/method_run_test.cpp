@@ -19,17 +19,28 @@ std::vector<double> after(MethodRun& run, double duration) {
     return {state, state + brief_start().state.size()};
 }
 
-TEST(MethodRun, IsTheRunOfASimulationBitByBit) {
-    Simulation settled(brief_scene());
+/// Twice, from where a simulation stood; that went on as well.
+void expect_same(const std::string& method, const std::string& step, double seconds) {
+    Scene scene = brief_scene();
+    set_values(scene, std::vector<std::string>{"run.method=" + method, "run.step=" + step});
+    Simulation whole(scene);
     SilentObserver nobody;
     const engine::Cancellation never;
-    ASSERT_FALSE(settled.settle(nobody, never));
-    ASSERT_FALSE(settled.run(40e-6, nobody, never));
-    MethodRun run(brief_scene().parameters, "rk4");
-    const std::vector<double> state = after(run, 40e-6);
-    EXPECT_TRUE(std::equal(state.begin(), state.end(), settled.state()));
-    EXPECT_EQ(run.counters().steps, settled.counters().steps);
+    ASSERT_FALSE(whole.settle(nobody, never));
+    const FrozenStart start = frozen_start(whole);
+    ASSERT_FALSE(whole.run(400e-6, nobody, never));
+    MethodRun run(scene.parameters, method);
+    for (int again = 0; again < 2; ++again) {
+        ASSERT_FALSE(run.run(start, 400e-6, seconds, 10e-6, nobody, never));
+        EXPECT_TRUE(std::equal(whole.state(), whole.state() + start.state.size(), run.workspace().states[0])) << method;
+        EXPECT_EQ(run.counters().steps, whole.counters().steps) << method;
+        EXPECT_EQ(run.step(), whole.step()) << method;
+    }
 }
+
+TEST(MethodRun, IsTheRunOfASimulationBitByBit) { expect_same("rk4", "50ns", 50e-9); }
+
+TEST(MethodRun, TakesAutomaticStepsBitByBitAsASimulationDoes) { expect_same("leapfrog-rkc", "auto", 0.0); }
 
 TEST(MethodRun, BeginsAgain) {
     MethodRun run(brief_scene().parameters, "dumka3-p3");

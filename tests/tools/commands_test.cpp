@@ -195,7 +195,7 @@ TEST_F(Commands, WriteAsJsonWhatTheyMeasure) {
     EXPECT_NEAR(double(maps["programs"][0]["oscillator"]["h_omega"]), 2.0, 1e-3);   // of every leapfrog
     EXPECT_TRUE(maps["programs"][1].contains("linear"));
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
-    const auto trade = json_of({"tradeoff", "tiny", "rk4@50ns", "--reference", "rk4@25ns", "--duration", "24us", "--rounds", "2", "--set", "start.state=s.h5"}, "tradeoff_tiny.json");
+    const auto trade = json_of({"tradeoff", "tiny", "rk4@50ns", "--reference", "rk4@25ns", "--duration", "24us", "--rounds", "2", "--confirm", "24us", "--confirm-against", "rk4@25ns", "--set", "start.state=s.h5"}, "tradeoff_tiny.json");
     EXPECT_EQ(trade["choices"][0]["wall_seconds_per_second"].size(), 2u);
     const auto detail = json_of({"detail", "baseline", "--settle", "20us", "--average", "20us", "--control", "0 s"}, "detail_baseline.json");
     EXPECT_EQ(detail["variants"].size(), 11u);

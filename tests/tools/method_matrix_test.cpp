@@ -38,6 +38,7 @@ struct Row {
 
 const Words state{"--set", "start.state=state.h5"};
 const Words outputs{"--set", "run.output_interval=1us", "--set", "run.state_interval=1us"};
+constexpr int incomplete = 5;      // exit status: the table is there, and each variant without figures has its line
 constexpr unsigned limit = 60;   // [s] of a cell; the longest takes 3
 
 /// Twenty steps from the state; stops after seven with a checkpoint.
@@ -61,7 +62,8 @@ const std::vector<Row> rows{
     {"check", "", [](const std::string& m) { return Words{"check", "tiny", "--method", m, "--step", "50 ns"}; }, [](const std::string& m) { return done(m + " with step 50 ns\n"); }},
     {"compare", "", [](const std::string& m) { return Words{"compare", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us"} + state; },
      [](const std::string& m) { return done("\n  " + m + "@100ns "); }},
-    {"tradeoff", "", [](const std::string& m) { return Words{"tradeoff", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us", "--rounds", "1"} + state; },
+    {"tradeoff", "", [](const std::string& m) { return Words{"tradeoff", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us", "--rounds", "1", "--confirm", "4us",
+                                                 "--confirm-against", "rk4@50ns", "-q"} + state; },
      [](const std::string& m) { return done("\n  " + m + "@100ns "); }},
     {"pin-entry", "", [](const std::string& m) { return Words{"pin-entry", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--time", "2us", "--interval", "1us", "--rounds", "1", "--pin", "0", "-q"} + state; },
      [](const std::string& m) { return done("\n  " + m + " "); }},
@@ -85,8 +87,8 @@ const std::vector<Row> rows{
      [](const std::string&) { return done("\nWhere sequential time goes (serial:staged):\n"); }},
     {"dot", "", [](const std::string& m) { return Words{"dot", "tiny", "--method", m}; }, [](const std::string&) { return done("label=\"force"); }},
     {"fit", "", [](const std::string& m) { return Words{"fit", "tiny", "--step", "1us", "--set", "run.method=" + m} + state; }, [](const std::string&) { return done("fitted-l"); }},
-    {"detail", "", [](const std::string& m) { return Words{"detail", "baseline", "--method", m, "--step", "500ns", "--settle", "1us", "--average", "2us", "--control", "0 s"}; },
-     [](const std::string&) { return done("\n  p=0 lumped 1 pt rigid "); }},
+    {"detail", "", [](const std::string& m) { return Words{"detail", "baseline", "--method", m, "--step", "20ns", "--settle", "1us", "--average", "1us", "--control", "0 s"}; },
+     [](const std::string& m) { return m == "euler" ? Expected{incomplete, " rigid: unreliable: "} : done("\n  p=0 lumped 1 pt rigid "); }},   // it makes energy in the jolt of other dials
     {"batch", "--dry-run", [](const std::string&) { return Words{"batch", "sweep.toml", "--dry-run"}; }, [](const std::string&) { return done("(measured on "); }},
     {"batch", "", [](const std::string&) { return Words{"batch", "sweep.toml", "-o", "out"}; }, [](const std::string&) { return done("  statuses            1 ok\n"); }},
     {"table", "", [](const std::string&) { return Words{"table", "out"}; }, [](const std::string&) { return done(" ok "); }},
@@ -110,7 +112,7 @@ protected:
         EXPECT_EQ(outcome.status, expected.status) << row.name() << " with " << method << "\n" << outcome.err;
         EXPECT_THAT(where, HasSubstr(expected.says)) << row.name() << " with " << method << "\n" << outcome.err;
         EXPECT_THAT(outcome.out, testing::Not(ContainsRegex("[ -]nan|[ -]inf[ \n]"))) << row.name() << " with " << method;
-        if (expected.status != 0) {
+        if (expected.status != 0 && expected.status != incomplete) {
             EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
             EXPECT_EQ(outcome.out, "") << row.name() << " with " << method;
         }

@@ -65,7 +65,7 @@ TEST_F(MethodCommands, CompareMeasuresErrorsAndCost) {
     const Outcome compare = run({"compare", "baseline", "rk4@50ns", "dumka3-p5@2us", "dopri54@100ns~1", "--duration", "12us"});
     EXPECT_EQ(compare.status, 0) << compare.err;
     EXPECT_THAT(compare.out, AllOf(HasSubstr("\n  rk4@50ns "), HasSubstr("\n  dumka3-p5@2us "), HasSubstr("\n  dopri54@100ns~1 ")));
-    EXPECT_EQ(run({"compare", "baseline", "dumka3"}).err, "cvtflow: dumka3: write METHOD@STEP, or METHOD@LONGEST~TOLERANCE for steps by error\n");
+    EXPECT_EQ(run({"compare", "baseline", "dumka3"}).err, "cvtflow: dumka3: write METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE for steps by error\n");
     EXPECT_EQ(run({"compare", "baseline", "rk4@2m"}).err, "cvtflow: rk4@2m: '2m' is not a time above 0, such as 40ns\n");
 }
 

@@ -12,6 +12,7 @@
 #include "tools/scene_arguments.hpp"
 #include "tools/settled_start.hpp"
 #include "tools/text.hpp"
+#include "tools/watch_text.hpp"
 
 namespace cvtflow::tools {
 
@@ -25,15 +26,6 @@ struct PinEntryArguments {
     int rounds = 3, pin = -1;
     bool quiet = false;
 };
-
-/// "rk4@50ns".
-tasks::Candidate read_candidate(const std::string& text) {
-    const std::size_t at = text.find('@');
-    if (at == std::string::npos) throw UsageError(fmt::format("{}: a method and its step are wanted, such as rk4@50ns", text));
-    const tasks::Candidate candidate{text.substr(0, at), read_time(text, text.substr(at + 1))};
-    require_method(candidate.method);
-    return candidate;
-}
 
 void write_files(OutputFolder& folder, const std::string& scene, const tasks::Comparison& comparison, const tasks::ComparisonOptions& options) {
     folder.write("comparison.csv", comparison_csv(comparison, options));
@@ -71,6 +63,9 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
     fmt::print("{}\n{}", comparison.pin < 0 ? std::string("  no pin enters the driving sheaves\n")
                                             : field("pin", fmt::format("{}, enters the driving sheaves at {}", comparison.pin, time_text(comparison.entry))),
                comparison_table(comparison, options));
+    const std::string brief = too_short(comparison.reference_watch);
+    if (!brief.empty()) fmt::print("{}", field("too short", brief));
+    if (!comparison.reference_watch.reliable()) print_error("the reference is " + unreliable_remark({}, comparison.reference_watch));
     if (!folder.written().empty()) fmt::print("\n{}", folder.written());
     return ExitStatus::finished;
 }
@@ -78,7 +73,9 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
 constexpr const char* pin_entry_explanation =
     "Every candidate runs from the same start, with transitions. fewer by, faster by: evaluations and time of the first candidate over those of\n"
     "this one. err: ‖value - reference‖/‖reference‖ over all outputs, of the axial force of all tips, the tension of all links, and the axial\n"
-    "force of the pin that enters the driving sheaves first (or --pin). Steps are shortened so that they divide the interval.\n"
+    "force of the pin that enters the driving sheaves first (or --pin). Steps are shortened so that they divide the interval. METHOD@auto: automatic steps;\n"
+    "step is then the last one, and within the first milliseconds choosing them costs more time than later. residual: of the energy balance over the losses;\n"
+    "unreliable is what it says to be wrong, whatever the errors are.\n"
     "Example: cvtflow pin-entry baseline rk4@50ns dumka3-p5@2us dumka3-p7@3us -o results/speed";
 
 }  // namespace
