@@ -22,6 +22,7 @@ constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;
 constexpr double deviations = 6.0;
 constexpr double dense_share = 0.05, dense_time = 5e-4;   // [1], [s]
+constexpr double least_samples = 10.0;
 constexpr double closer = 8.0;   ///< by which samples lie closer in doubt
 
 [[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }
@@ -41,6 +42,12 @@ double EnergyBalance::relative() const noexcept { return loss > 0.0 ? std::abs(r
 double EnergyBalance::honest() const noexcept { return share_of_losses * loss + share_of_through * through + share_of_stored * stored; }
 
 double EnergyBalance::tolerance() const noexcept { return honest() + deviations * deviation; }
+
+double EnergyBalance::suspicion() const noexcept {
+    if (samples < least_samples) return 0.0;
+    const double ratio = std::abs(residual()) / tolerance();
+    return std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
+}
 
 double EnergySums::lost() const noexcept { return total(loss); }
 
@@ -117,30 +124,24 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
 /// A residual that noise alone could have made is looked at more closely; one that it could not is remembered.
 void EnergyLedger::close_window() noexcept {
     const EnergyBalance closed = balance_since(m_.part);
-    const double residual = std::abs(closed.residual());
-    m_.worst = std::max(m_.worst, residual / closed.tolerance());
-    m_.doubt = residual > closed.honest() ? 1.0 : 0.0;
+    m_.worst = std::max(m_.worst, closed.suspicion());
+    m_.doubt = std::abs(closed.residual()) > closed.honest() ? 1.0 : 0.0;
     m_.part = here();
 }
 
-EnergyLedger::Span EnergyLedger::here() const noexcept { return {m_.sampled, total(m_.loss), total(m_.work_sampled), m_.stored, m_.through, m_.noise}; }
+EnergyLedger::Span EnergyLedger::here() const noexcept { return {m_.sampled, total(m_.loss), total(m_.work_sampled), m_.stored, m_.through, m_.noise, m_.samples}; }
 
 EnergyBalance EnergyLedger::balance_since(const Span& span) const noexcept {
     const Span now = here();
     return {now.begin - span.begin, now.stored - span.stored,  now.work - span.work, now.loss - span.loss, now.through - span.through,
-            m_.most_stored,         std::sqrt(std::max(0.0, now.noise - span.noise))};
+            m_.most_stored,         std::sqrt(std::max(0.0, now.noise - span.noise)), now.samples - span.samples};
 }
 
 EnergyBalance EnergyLedger::balance() const noexcept { return balance_since(m_.all); }
 
 double EnergyLedger::suspicion() const noexcept {
     double most = m_.worst;
-    for (const Span* span : {&m_.all, &m_.part}) {
-        const EnergyBalance at_hand = balance_since(*span);
-        if (at_hand.span <= 0.0) continue;
-        const double ratio = std::abs(at_hand.residual()) / at_hand.tolerance();
-        most = std::isnan(ratio) ? std::numeric_limits<double>::infinity() : std::max(most, ratio);
-    }
+    for (const Span* span : {&m_.all, &m_.part}) most = std::max(most, balance_since(*span).suspicion());
     return most;
 }
 

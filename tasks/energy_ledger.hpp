@@ -28,6 +28,7 @@ struct EnergyBalance {
     double through = 0.0;     ///< what the inputs have brought, each interval's positive ones [J]
     double stored = 0.0;      ///< largest energy that the chain held [J]
     double deviation = 0.0;   ///< standard error of `loss` from sampling [J]
+    double samples = 0.0;     ///< of the losses
 
     [[nodiscard]] double residual() const noexcept { return change - work + loss; }
     /// |residual| over the losses; the threshold stands beside it as tolerance() over the losses.
@@ -36,6 +37,8 @@ struct EnergyBalance {
     [[nodiscard]] double honest() const noexcept;
     /// The same with what sampling may add: beyond it the residual is wrong [J].
     [[nodiscard]] double tolerance() const noexcept;
+    /// |residual| over its tolerance; 0 for so few samples that their noise is not known. Not a number is infinite.
+    [[nodiscard]] double suspicion() const noexcept;
 };
 
 /// Cumulative since the integration began.
@@ -95,7 +98,7 @@ private:
 
     /// One judged span of time: from its first sample to the last one.
     struct Span {
-        double begin, loss, work, stored, through, noise;
+        double begin, loss, work, stored, through, noise, samples;
     };
     [[nodiscard]] EnergyBalance balance_since(const Span& span) const noexcept;
     [[nodiscard]] Span here() const noexcept;

@@ -127,7 +127,7 @@ void run_exactly(const Simulation& coarse, Scene scene, const engine::SavedState
         return;
     }
     ticket.exact_slip = means.means.all().slip;
-    ticket.exact_loss = simulation.energy().balance().loss;
+    ticket.exact_loss = simulation.energy().sums(simulation.time()).lost();
     ticket.exact_residual = simulation.energy().balance().relative();
 }
 
@@ -147,7 +147,7 @@ void settle_and_run(const Scene& scene, LotteryTicket& ticket, const LotteryRule
     ticket.message = fault ? fault.message() : "";
     if (fault) return;
     ticket.slip = means.means.all().slip;
-    ticket.loss = simulation.energy().balance().loss;
+    ticket.loss = simulation.energy().sums(simulation.time()).lost();
     ticket.residual = simulation.energy().balance().relative();
     means.means.name_notes(ticket.notes);
     run_exactly(simulation, scene, start, ticket, rules);
