@@ -46,10 +46,11 @@ std::vector<fs::path> scene_folders() {
         }
     }
     // bin/ or lib/ or lib/ARCHITECTURE/ beside share/
-    fs::path folder = own_folder();
+    const fs::path own = own_folder();
+    fs::path folder = own;
     for (int level = 0; level < 2 && folder.has_relative_path(); ++level) folders.push_back((folder = folder.parent_path()) / "share/cvtflow/scenes");
     // a build folder, up to three levels above
-    folder = own_folder();
+    folder = own;
     for (int level = 0; level < 4 && folder.has_relative_path(); ++level, folder = folder.parent_path()) {
         std::ifstream note(folder / "cvtflow-scenes.path");
         if (std::string line; std::getline(note, line)) folders.emplace_back(line);
