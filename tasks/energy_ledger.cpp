@@ -117,6 +117,7 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
     m_.samples += 1.0;
     m_.steps = 0.0;
     if (m_.samples == 1.0) m_.jumped = time;
+    if (m_.samples == 1.0) m_.judged_from = time < 0.0 ? 0.5 * time : time;
     if (m_.samples == 1.0) m_.all = m_.part = here();
     if (time - m_.part.begin >= window) close_window();
 }
@@ -124,7 +125,7 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
 /// A residual that noise alone could have made is looked at more closely; one that it could not is remembered.
 void EnergyLedger::close_window() noexcept {
     const EnergyBalance closed = balance_since(m_.part);
-    m_.worst = std::max(m_.worst, closed.suspicion());
+    if (m_.part.begin >= m_.judged_from) m_.worst = std::max(m_.worst, closed.suspicion());
     m_.doubt = std::abs(closed.residual()) > closed.honest() ? 1.0 : 0.0;
     m_.part = here();
 }

@@ -119,6 +119,7 @@ private:
         EnergySums last, before_last;            ///< ends of the pin period that efficiency() is about
         Span all, part;
         double worst, doubt;                     ///< doubt: 1 while samples lie close
+        double judged_from;                      ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
         std::array<EnergySums, past_size> past;  ///< at outputs, round and round
         double past_begin, past_count;
     };

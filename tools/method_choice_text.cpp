@@ -45,7 +45,7 @@ std::vector<std::string> read_choice(const std::string& choice) {
 
 tasks::Candidate read_candidate(const std::string& text) {
     const std::size_t at = text.find('@');
-    if (at == std::string::npos) throw tasks::SceneError(fmt::format("{}: a method and its step are wanted, such as rk4@50ns", text));
+    if (at == std::string::npos) throw UsageError(fmt::format("{}: a method and its step are wanted, such as rk4@50ns", text));
     const tasks::Candidate candidate{text.substr(0, at), read_step(text, text.substr(at + 1))};
     require_method(candidate.method);
     return candidate;
