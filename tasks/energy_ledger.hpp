@@ -128,7 +128,7 @@ private:
     model::Inputs inputs_;   ///< at the end of the last step
     bool known_ = false;
     bool on_ = true;
-    double stride_ = 16.0;   ///< steps between samples
+    double stride_ = 24.0;   ///< steps between samples
 };
 
 }  // namespace cvtflow::tasks

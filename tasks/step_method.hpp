@@ -56,7 +56,7 @@ public:
     virtual void load(std::span<const double> memory) { (void)memory; }
     /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a leapfrog, whose
     /// step costs as much as five evaluations.
-    [[nodiscard]] virtual long observation_stride() const noexcept { return 16; }
+    [[nodiscard]] virtual long observation_stride() const noexcept { return 24; }
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
     /// What the method has done since it was made, one line for the summary of a run; empty: nothing to say.

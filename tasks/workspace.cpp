@@ -109,7 +109,8 @@ double Workspace::pin_period() const noexcept {
     double speed = 0.0;
     for (int link = 0; link < layout().links; ++link) {
         const double* v = states[0] + layout().link_begin(link) + layout().link_size();
-        speed += model::portable_hypot(v[layout().x(model::End::rear, 0)], v[layout().y(model::End::rear, 0)]);
+        const double vx = v[layout().x(model::End::rear, 0)], vy = v[layout().y(model::End::rear, 0)];
+        speed += std::sqrt(vx * vx + vy * vy);
     }
     return speed > 0.0 ? model::chain_length(parameters.chain) / speed : 0.0;   // mean pitch over mean speed
 }

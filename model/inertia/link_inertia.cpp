@@ -67,16 +67,35 @@ LinkInertia link_inertia(const Parameters& p) {
     return inertia;
 }
 
+namespace {
+
+/// v' M v of a symmetric matrix; column by column, which vectors can do without changing the order of any sum.
+template <int Size>
+[[nodiscard]] double form(const double* matrix, const double* v) noexcept {
+    double product[Size]{};
+    for (int column = 0; column < Size; ++column) {
+        for (int row = 0; row < Size; ++row) product[row] += matrix[column * Size + row] * v[column];
+    }
+    double value = 0.0;
+    for (int row = 0; row < Size; ++row) value += v[row] * product[row];
+    return value;
+}
+
+template <int Lateral>
+[[nodiscard]] double twice_kinetic(const LinkInertia& inertia, const double* v) noexcept {
+    const double* matrix = inertia.lateral_matrix.data();
+    return form<Lateral>(matrix, v) + form<Lateral>(matrix, v + Lateral) + form<4>(inertia.axial_matrix.data(), v + 2 * Lateral);
+}
+
+}  // namespace
+
 double kinetic_energy(const LinkInertia& inertia, const double* v, int lateral) noexcept {
-    const auto form = [](const double* matrix, const double* u, int size) {
-        double value = 0.0;
-        for (int row = 0; row < size; ++row) {
-            for (int column = 0; column < size; ++column) value += u[row] * matrix[row * size + column] * u[column];
-        }
-        return value;
-    };
-    return 0.5 * (form(inertia.lateral_matrix.data(), v, lateral) + form(inertia.lateral_matrix.data(), v + lateral, lateral) +
-                  form(inertia.axial_matrix.data(), v + 2 * lateral, 4));
+    switch (lateral) {
+        case 2: return 0.5 * twice_kinetic<2>(inertia, v);
+        case 4: return 0.5 * twice_kinetic<4>(inertia, v);
+        case 6: return 0.5 * twice_kinetic<6>(inertia, v);
+        default: return 0.5 * twice_kinetic<8>(inertia, v);
+    }
 }
 
 }  // namespace cvtflow::model
