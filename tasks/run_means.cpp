@@ -54,18 +54,21 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     pin_period_ = pin_period;
 }
 
+void RunMeans::Bin::add(const Bin& other) noexcept {
+    outputs += other.outputs;
+    ratio += other.ratio;
+    slip += other.slip;
+    tight += other.tight;
+    slack += other.slack;
+    limited += other.limited;
+    loose += other.loose;
+}
+
 /// Twice as many outputs in each.
 void RunMeans::halve() {
     for (std::size_t k = 0; 2 * k + 1 < bins_.size(); ++k) {
         Bin sum = bins_[2 * k + 1];
-        const Bin& first = bins_[2 * k];
-        sum.outputs += first.outputs;
-        sum.ratio += first.ratio;
-        sum.slip += first.slip;
-        sum.tight += first.tight;
-        sum.slack += first.slack;
-        sum.limited += first.limited;
-        sum.loose += first.loose;
+        sum.add(bins_[2 * k]);
         bins_[k] = sum;
     }
     bins_.resize(bins_.size() / 2);
@@ -92,18 +95,14 @@ SpanMeans RunMeans::span(double from, double to) const {
     const auto width = [&](double share) { return static_cast<std::size_t>(share * size); };
     const std::size_t most = bins_.size();
     const std::size_t begin = from == 0.0 ? 0 : most - std::max<std::size_t>(1, width(1.0 - from)), end = to == 1.0 ? most : std::max<std::size_t>(1, width(to));
-    double outputs = 0.0;
-    for (std::size_t k = begin; k < end; ++k) {
-        const Bin& bin = bins_[k];
-        outputs += bin.outputs;
-        means.ratio += bin.ratio;
-        means.slip += bin.slip;
-        means.tight += bin.tight;
-        means.slack += bin.slack;
-        means.limited += bin.limited;
-        means.loose += bin.loose;
-    }
-    for (double* sum : {&means.ratio, &means.slip, &means.tight, &means.slack, &means.limited, &means.loose}) *sum /= outputs;
+    Bin sum;
+    for (std::size_t k = begin; k < end; ++k) sum.add(bins_[k]);
+    means.ratio = sum.ratio / sum.outputs;
+    means.slip = sum.slip / sum.outputs;
+    means.tight = sum.tight / sum.outputs;
+    means.slack = sum.slack / sum.outputs;
+    means.limited = sum.limited / sum.outputs;
+    means.loose = sum.loose / sum.outputs;
     means.begin = begin == 0 ? bins_.front().time : bins_[begin - 1].time;
     means.end = bins_[end - 1].time;
     means.periods = pin_period_ > 0.0 ? std::floor((means.end - means.begin) / pin_period_) : 0.0;

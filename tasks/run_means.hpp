@@ -53,6 +53,9 @@ private:
         double outputs = 0.0, time = 0.0;
         double ratio = 0.0, slip = 0.0, tight = 0.0, slack = 0.0, limited = 0.0, loose = 0.0;
         EnergySums energy;
+
+        /// The sums of another one too; time and energies stay.
+        void add(const Bin& other) noexcept;
     };
     static constexpr std::size_t most_bins = 2000;
 
