@@ -24,7 +24,7 @@ struct MethodReach {
 class AutoStep {
 public:
     /// Share of the stable step that is taken. The spectrum is found from below, to some per cent, and moves between two looks; friction
-    /// beside an oscillation is not the worst one. DECISIONS 72 has what was measured.
+    /// beside an oscillation is not the worst one. DECISIONS 75 has what was measured.
     static constexpr double margin = 0.85;
     /// Longest step that is taken however stable [s]: what friction leaves of a step is of first order (2 us: slip off by 1 to 3 % on one machine in twenty of
     /// `cvtflow lottery`).

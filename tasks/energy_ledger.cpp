@@ -16,7 +16,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-// What a right run leaves of its balance, and what a wrong one does, stands in DECISIONS 71; the test Lottery draws machines and counts.
+// What a right run leaves of its balance, and what a wrong one does, stands in DECISIONS 74; the test Lottery draws machines and counts.
 constexpr double share_of_losses = 1e-3;
 constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;

@@ -4,7 +4,7 @@
 /// Works are exact sums over all steps: mean input times displacement. Losses are powers of the contact and damping laws at the states
 /// that the method produced, sampled every so many steps and integrated by the trapezoidal rule; they are no negative of
 /// the works, so that a method that makes energy, or destroys it, cannot balance them. A window of time whose balance could be off by
-/// the noise of sampling alone puts the run in doubt: in the next one samples lie closer. (DECISIONS 71)
+/// the noise of sampling alone puts the run in doubt: in the next one samples lie closer. (DECISIONS 74)
 
 #include <array>
 #include <span>
