@@ -51,6 +51,15 @@ double EnergyBalance::suspicion() const noexcept {
 
 double EnergySums::lost() const noexcept { return total(loss); }
 
+EnergySums EnergySums::between(const EnergySums& from, const EnergySums& to, double time) noexcept {
+    const double share = (time - from.time) / (to.time - from.time);
+    EnergySums at = from;
+    at.time = time;
+    for (std::size_t k = 0; k < at.loss.size(); ++k) at.loss[k] += share * (to.loss[k] - from.loss[k]);
+    for (std::size_t k = 0; k < at.work.size(); ++k) at.work[k] += share * (to.work[k] - from.work[k]);
+    return at;
+}
+
 double EnergySums::efficiency_since(const EnergySums& before) const noexcept {
     double input = 0.0;
     for (std::size_t k = 0; k < work.size(); ++k) input += std::max(0.0, work[k] - before.work[k]);
@@ -116,9 +125,11 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
     m_.work_sampled = m_.work;
     m_.samples += 1.0;
     m_.steps = 0.0;
-    if (m_.samples == 1.0) m_.jumped = time;
-    if (m_.samples == 1.0) m_.judged_from = time < 0.0 ? 0.5 * time : time;
-    if (m_.samples == 1.0) m_.all = m_.part = here();
+    if (m_.samples == 1.0) {
+        m_.jumped = time;
+        m_.judged_from = time < 0.0 ? 0.5 * time : time;
+        m_.all = m_.part = here();
+    }
     if (time - m_.part.begin >= window) close_window();
 }
 
@@ -173,16 +184,9 @@ void EnergyLedger::remember(const EnergySums& now) noexcept {
         m_.past_count -= 1.0;
     }
     if (m_.past_count > 0.0) {
-        EnergySums from = entry(0.0);
         const double start = now.time - m_.pin_period;
-        if (m_.past_count > 1.0 && from.time < start) {   // between the first two
-            const EnergySums& next = entry(1.0);
-            const double share = (start - from.time) / (next.time - from.time);
-            for (std::size_t k = 0; k < from.loss.size(); ++k) from.loss[k] += share * (next.loss[k] - from.loss[k]);
-            for (std::size_t k = 0; k < from.work.size(); ++k) from.work[k] += share * (next.work[k] - from.work[k]);
-        }
         m_.last = now;
-        m_.before_last = from;
+        m_.before_last = m_.past_count > 1.0 && entry(0.0).time < start ? EnergySums::between(entry(0.0), entry(1.0), start) : entry(0.0);
     }
     const bool crowded = m_.past_count > 0.0 && now.time - entry(m_.past_count - 1.0).time < m_.pin_period / static_cast<double>(past_per_period);
     if (crowded || m_.past_count >= static_cast<double>(past_size)) return;

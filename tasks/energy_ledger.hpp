@@ -48,6 +48,8 @@ struct EnergySums {
     model::WorkRates work{};                         ///< by input [J]
 
     [[nodiscard]] double lost() const noexcept;
+    /// Linear between two sums, at a time between theirs.
+    [[nodiscard]] static EnergySums between(const EnergySums& from, const EnergySums& to, double time) noexcept;
     /// 1 - losses/input from `before` to here, input: the works of those inputs that brought energy; not a number without input.
     [[nodiscard]] double efficiency_since(const EnergySums& before) const noexcept;
 };

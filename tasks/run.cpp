@@ -88,6 +88,7 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
 /// What the method is stable for where the run begins; said if the step is beyond. The quick bound is a fifth too careful at most: where it is not
 /// enough, the step is looked at as a whole.
 void foretell(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
+    if (scene.run.step.automatic()) return;   // what chooses it knows the limit
     AutoStep advice(simulation.variator(), scene.run.method);
     const double automatic = advice.longest(simulation.time(), simulation.state(), simulation.phases().data());
     report.stable_step = advice.stable_step();

@@ -79,13 +79,7 @@ EnergySums RunMeans::energy_at(double time) const {
     const auto after = std::find_if(bins_.begin(), bins_.end(), [&](const Bin& bin) { return bin.energy.time >= time; });
     if (after == bins_.end()) return bins_.back().energy;
     if (after == bins_.begin()) return after->energy;
-    const EnergySums &from = (after - 1)->energy, &to = after->energy;
-    const double share = (time - from.time) / (to.time - from.time);
-    EnergySums at = from;
-    at.time = time;
-    for (std::size_t k = 0; k < at.loss.size(); ++k) at.loss[k] += share * (to.loss[k] - from.loss[k]);
-    for (std::size_t k = 0; k < at.work.size(); ++k) at.work[k] += share * (to.work[k] - from.work[k]);
-    return at;
+    return EnergySums::between((after - 1)->energy, after->energy, time);
 }
 
 SpanMeans RunMeans::span(double from, double to) const {
