@@ -11,7 +11,8 @@
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/spelling.hpp"
 #include "tasks/scene/units.hpp"
-#include "tasks/stability/largest_step.hpp"
+#include "tasks/simulation.hpp"
+#include "tasks/stability/predicted_step.hpp"
 #include "tasks/step_advice.hpp"
 
 namespace cvtflow {

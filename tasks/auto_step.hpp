@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tasks/spectral_bound.hpp"
+#include "tasks/step_choice.hpp"
 
 namespace cvtflow::tasks {
 
@@ -21,27 +22,21 @@ struct MethodReach {
 /// sees to it by itself (methods that choose among polynomials).
 [[nodiscard]] MethodReach reach_of(std::string_view method);
 
-class AutoStep {
+class AutoStep final : public StepChoice {
 public:
     /// Share of the stable step that is taken. The spectrum is found from below, to some per cent, and moves between two looks; friction
     /// beside an oscillation is not the worst one. DECISIONS 75 has what was measured.
     static constexpr double margin = 0.85;
-    /// Longest step that is taken however stable [s]: what friction leaves of a step is of first order (2 us: slip off by 1 to 3 % on one machine in twenty of
-    /// `cvtflow lottery`).
-    static constexpr double longest_step = 1.5e-6;
     /// Time after which the spectrum is looked at again [s]; sooner in the beginning, when tips come to the sheaves and loads rise: whenever the time
     /// since the beginning has doubled.
     static constexpr double look_interval = 1e-3;
-    /// Longest time between two questions [s].
-    static constexpr double ask_interval = 125e-6;
 
     /// `variator` must outlive it. Takes all its memory here.
     AutoStep(const model::Variator& variator, std::string_view method);
 
-    /// A new integration begins.
-    void restart() noexcept;
-    /// Longest step at a state [s]; looks at the spectrum if the last look is too old.
-    [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept;
+    void restart() noexcept override;
+    /// Looks at the spectrum if the last look is too old.
+    [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
 
     /// Largest stable step as last estimated [s]; infinite: no limit.
     [[nodiscard]] double stable_step() const noexcept { return stable_; }
@@ -49,9 +44,8 @@ public:
     [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
     [[nodiscard]] const SpectralBound& bound() const noexcept { return bound_; }
 
-    /// For checkpoints: goes on bit for bit.
-    void save(std::vector<double>& memory) const;
-    void load(std::span<const double> memory);
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
 
 private:
     MethodReach reach_;

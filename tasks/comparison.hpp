@@ -9,6 +9,7 @@
 
 #include "tasks/frozen_step.hpp"
 #include "tasks/run_watch.hpp"
+#include "tasks/simulation.hpp"
 #include "tasks/step_controller.hpp"
 
 namespace cvtflow::tasks {

@@ -6,7 +6,6 @@
 #include "engine/method/catalogue.hpp"
 #include "engine/method/combine.hpp"
 #include "model/observation.hpp"
-#include "tasks/step_controller.hpp"
 
 namespace cvtflow::tasks {
 
@@ -48,18 +47,6 @@ std::vector<double*> slots(std::vector<std::vector<double>>& memory, int count, 
 }
 
 }  // namespace
-
-FrozenStart frozen_start(const Simulation& simulation) {
-    const Workspace& at = simulation.workspace();
-    const std::size_t size = static_cast<std::size_t>(at.layout().size());
-    Workspace probed(at.parameters, engine::methods().front(), Partition::equal(at.layout().links, 1));
-    std::copy_n(simulation.state(), size, probed.states[0]);
-    probed.phases = simulation.phases();
-    SilentObserver nobody;
-    const engine::Cancellation never;
-    StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
-    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases, simulation.suspicion()};
-}
 
 FrozenStepper::FrozenStepper(const model::Variator& variator, const engine::StagePlan& plan, std::span<const model::Phase> phases)
     : variator_(variator),

@@ -7,20 +7,9 @@
 
 #include "engine/method/compiled_plan.hpp"
 #include "model/variator.hpp"
-#include "tasks/simulation.hpp"
+#include "tasks/frozen_start.hpp"
 
 namespace cvtflow::tasks {
-
-/// A state and the phases that hold from there on.
-struct FrozenStart {
-    double time = 0.0;                 ///< [s]
-    std::vector<double> state;         ///< [layout.size()]
-    std::vector<model::Phase> phases;  ///< [4 links]
-    double suspicion = 0.0;            ///< of the integration that led here (Simulation::suspicion); above 1 the state is wrong
-};
-
-/// The simulation's present state, with the phases that a run would begin with.
-[[nodiscard]] FrozenStart frozen_start(const Simulation& simulation);
 
 class FrozenStepper {
 public:

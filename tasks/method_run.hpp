@@ -6,8 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "tasks/auto_step.hpp"
 #include "tasks/frozen_step.hpp"
 #include "tasks/schedule.hpp"
+#include "tasks/simulation.hpp"
 #include "tasks/step_controller.hpp"
 
 namespace cvtflow::tasks {

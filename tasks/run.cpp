@@ -1,3 +1,4 @@
+#include "tasks/auto_step.hpp"
 #include "tasks/run.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +13,7 @@
 #include "engine/record/state_file.hpp"
 #include "model/kernels/contraction.hpp"
 #include "tasks/run_recorder.hpp"
-#include "tasks/stability/largest_step.hpp"
+#include "tasks/stability/predicted_step.hpp"
 
 namespace cvtflow::tasks {
 

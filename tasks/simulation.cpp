@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "engine/base/hash.hpp"
+#include "engine/method/catalogue.hpp"
 #include "engine/record/state_file.hpp"
 #include "model/start_state.hpp"
 #include "tasks/auto_schedule.hpp"
@@ -274,6 +275,18 @@ engine::SavedState Simulation::saved_state() const {
     saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
     saved.attributes = {{"scene", text}, {std::string(suspicion_attribute), suspicion()}};
     return saved;
+}
+
+FrozenStart frozen_start(const Simulation& simulation) {
+    const Workspace& at = simulation.workspace();
+    const std::size_t size = static_cast<std::size_t>(at.layout().size());
+    Workspace probed(at.parameters, engine::methods().front(), Partition::equal(at.layout().links, 1));
+    std::copy_n(simulation.state(), size, probed.states[0]);
+    probed.phases = simulation.phases();
+    SilentObserver nobody;
+    const engine::Cancellation never;
+    StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
+    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases, simulation.suspicion()};
 }
 
 }  // namespace cvtflow::tasks

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "model/start_state.hpp"
+#include "tasks/auto_step.hpp"
 #include "tasks/checkpoint/integration_state.hpp"
+#include "tasks/frozen_start.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/schedule_runner.hpp"
 #include "tasks/step_controller.hpp"
@@ -136,5 +138,8 @@ private:
     IntegrationState rest_;
     const bool* pause_ = nullptr;
 };
+
+/// The simulation's present state, with the phases that a run would begin with.
+[[nodiscard]] FrozenStart frozen_start(const Simulation& simulation);
 
 }  // namespace cvtflow::tasks

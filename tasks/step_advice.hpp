@@ -24,7 +24,7 @@ inline constexpr double beyond_stability = 1.25;
 /// Eigenvalues that grow by themselves, or are damped by less than a thousandth, count as damped by a thousandth.
 [[nodiscard]] double largest_stable_step(std::string_view method, const std::vector<std::complex<double>>& eigenvalues);
 
-/// Both in one; programs by their own test equation (StepLimitBound). tasks/stability/largest_step.hpp knows it better, and takes longer.
+/// Both in one; programs by their own test equation (StepLimitBound). tasks/stability/predicted_step.hpp knows it better, and takes longer.
 [[nodiscard]] double largest_stable_step(const model::Variator& variator, std::string_view method, double t, const double* state,
                                          const std::vector<model::Phase>& phases);
 

@@ -22,8 +22,8 @@ constexpr double shortest_step = 1e-7;
     grid.begin = settings.begin;
     grid.output_interval = settings.output_interval;
     const bool free = settings.control == StepControl::error;
-    if (settings.automatic() && !free) grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / AutoStep::ask_interval * (1.0 - 1e-12)));
-    grid.divide(free ? settings.output_interval : settings.automatic() ? AutoStep::longest_step : settings.step);
+    if (settings.automatic() && !free) grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
+    grid.divide(free ? settings.output_interval : settings.automatic() ? StepChoice::longest_step : settings.step);
     return grid;
 }
 

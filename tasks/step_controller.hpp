@@ -12,7 +12,7 @@
 
 #include "engine/executor/cancellation.hpp"
 #include "engine/executor/executor.hpp"
-#include "tasks/auto_step.hpp"
+#include "tasks/step_choice.hpp"
 #include "tasks/step_graph.hpp"
 #include "tasks/step_grid.hpp"
 #include "tasks/step_method.hpp"
@@ -72,7 +72,7 @@ struct StepSettings {
     double max_wall = 0.0;           ///< [s], 0: no budget
     StepControl control = StepControl::fixed;
     double tolerance = 1.0;          ///< of local errors, in units of ErrorScale
-    AutoStep* choice = nullptr;      ///< what chooses automatic steps; outlives the controller
+    StepChoice* choice = nullptr;      ///< what chooses automatic steps; outlives the controller
     const bool* pause = nullptr;     ///< if it becomes true (an observer's wish), the run ends before the next step as if cancelled
 
     [[nodiscard]] bool automatic() const noexcept { return choice != nullptr && step == 0.0; }

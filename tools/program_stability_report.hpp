@@ -8,7 +8,8 @@
 
 #include "tasks/method_choice.hpp"
 #include "tasks/program_stability.hpp"
-#include "tasks/stability/largest_step.hpp"
+#include "tasks/stability/measured_step.hpp"
+#include "tasks/step_limit.hpp"
 #include "tools/plot/plot.hpp"
 
 namespace cvtflow::tools {

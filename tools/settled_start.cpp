@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tasks/run.hpp"
+#include "tasks/simulation.hpp"
 #include "tools/interrupt.hpp"
 
 namespace cvtflow::tools {

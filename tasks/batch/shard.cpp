@@ -10,7 +10,7 @@
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/schedule.hpp"
-#include "tasks/stability/largest_step.hpp"
+#include "tasks/stability/predicted_step.hpp"
 
 namespace cvtflow::tasks {
 

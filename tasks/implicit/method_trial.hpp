@@ -7,6 +7,7 @@
 
 #include "tasks/frozen_step.hpp"
 #include "tasks/implicit/newton.hpp"
+#include "tasks/simulation.hpp"
 
 namespace cvtflow::tasks {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "model/variator.hpp"
-#include "tasks/frozen_step.hpp"
+#include "tasks/frozen_start.hpp"
 
 namespace cvtflow::tasks {
 

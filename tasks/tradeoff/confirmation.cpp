@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "tasks/simulation.hpp"
-#include "tasks/stability/largest_step.hpp"
+#include "tasks/stability/predicted_step.hpp"
 
 namespace cvtflow::tasks {
 

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/executor/cancellation.hpp"
 #include "tasks/run_watch.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/stability/linear_chain.hpp"

@@ -1,6 +1,7 @@
 #include "tests/tasks/brief_start_fixture.hpp"
 
 #include <gtest/gtest.h>
+#include "tasks/simulation.hpp"
 
 namespace cvtflow::tasks {
 

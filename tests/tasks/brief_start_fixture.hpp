@@ -2,6 +2,7 @@
 /// The smallest scene after a millisecond of settling: tips touch, everything moves.
 
 #include "tasks/frozen_step.hpp"
+#include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {
 

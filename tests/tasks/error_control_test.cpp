@@ -11,6 +11,7 @@
 #include "engine/method/catalogue.hpp"
 #include "tasks/frozen_step.hpp"
 #include "tasks/method_choice.hpp"
+#include "tasks/simulation.hpp"
 #include "tasks/spectral_bound.hpp"
 #include "tasks/spectrum.hpp"
 #include "tasks/tradeoff/error_measure.hpp"

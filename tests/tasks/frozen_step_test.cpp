@@ -6,6 +6,7 @@
 
 #include "engine/method/catalogue.hpp"
 #include "engine/method/order.hpp"
+#include "tasks/simulation.hpp"
 #include "tests/tasks/brief_start_fixture.hpp"
 
 namespace cvtflow::tasks {

@@ -1,3 +1,4 @@
+#include "tasks/simulation.hpp"
 #include "tasks/step_limit.hpp"
 
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@
 
 #include "tasks/method_choice.hpp"
 #include "tasks/simulation.hpp"
-#include "tasks/stability/largest_step.hpp"
+#include "tasks/stability/predicted_step.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 #include "tools/scene_arguments.hpp"

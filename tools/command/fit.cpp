@@ -8,6 +8,7 @@
 #include "engine/method/fitted.hpp"
 #include "tasks/auto_step.hpp"
 #include "tasks/frozen_step.hpp"
+#include "tasks/simulation.hpp"
 #include "tasks/spectral_bound.hpp"
 #include "tasks/spectrum.hpp"
 #include "tools/command.hpp"

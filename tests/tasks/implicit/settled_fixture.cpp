@@ -1,4 +1,5 @@
 #include "settled_fixture.hpp"
+#include "tasks/simulation.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tasks/frozen_step.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tasks/implicit/coloured_jacobian.hpp"
 
 namespace cvtflow::tasks {

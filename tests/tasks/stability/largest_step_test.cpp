@@ -1,6 +1,9 @@
 /// Predicted and measured largest stable steps. The same by hand: cvtflow stability leapfrog-rkc … --scene baseline
 
-#include "tasks/stability/largest_step.hpp"
+#include "tasks/simulation.hpp"
+#include "tasks/stability/measured_step.hpp"
+#include "tasks/stability/predicted_step.hpp"
+#include "tasks/stability/step_search.hpp"
 
 #include <gtest/gtest.h>
 

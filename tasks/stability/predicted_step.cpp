@@ -1,4 +1,4 @@
-#include "tasks/stability/largest_step.hpp"
+#include "tasks/stability/predicted_step.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,46 +9,12 @@
 #include "engine/method/catalogue.hpp"
 #include "tasks/method_choice.hpp"
 #include "tasks/stability/growth.hpp"
-#include "tasks/stability/real_step.hpp"
 #include "tasks/stability/step_map.hpp"
+#include "tasks/stability/step_search.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
-
-constexpr double longer = 1.12, precision = 1.003;   ///< of steps tried next; between the longest stable one and the shortest that is not
-constexpr double first_try = 0.85;                   ///< of what is expected
-constexpr double shortest_tried = 1e-9, longest_of_all = 1e-2;   ///< of methods with a limit [s]
-constexpr double without_expectation = 1e-6;         ///< first step tried of a method without limit [s]
-constexpr int states_in_a_row = 3;
-
-/// Two steps, stable and not; the second one infinite if none was unstable.
-struct Bracket {
-    double stable = 0.0, unstable = std::numeric_limits<double>::infinity();
-};
-
-[[nodiscard]] Bracket bracketed(double expected, const std::function<bool(double)>& stable) {
-    const bool limited = std::isfinite(expected) && expected > 0.0;
-    const double factor = limited ? longer : 2.0, longest = limited ? longest_of_all : longest_tried;
-    Bracket bracket;
-    double h = limited ? first_try * expected : without_expectation;
-    while (!stable(h)) {
-        bracket.unstable = h;
-        h /= longer * longer;
-        if (h < shortest_tried) return bracket;
-    }
-    bracket.stable = h;
-    while (std::isinf(bracket.unstable) && bracket.stable < longest) {
-        h = factor * bracket.stable;
-        (stable(h) ? bracket.stable : bracket.unstable) = h;
-    }
-    if (std::isinf(bracket.unstable)) return bracket;
-    while (bracket.unstable > precision * bracket.stable) {
-        const double middle = std::sqrt(bracket.stable * bracket.unstable);
-        (stable(middle) ? bracket.stable : bracket.unstable) = middle;
-    }
-    return bracket;
-}
 
 [[nodiscard]] std::unique_ptr<StepMap> map_of(const LinearChain& chain, std::string_view method) {
     if (const MethodProgram* program = find_program(method)) return program->linear(chain);
@@ -147,36 +113,6 @@ double predicted_growth(const LinearChain& chain, std::string_view method, doubl
 
 StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method, const FrozenStart& start) {
     return predicted_step_limit(LinearChain(variator, parameters, start), method);
-}
-
-namespace {
-
-[[nodiscard]] std::unique_ptr<TakenStep> taken_step(const Scene& scene, const model::Variator& variator, std::string_view method, const FrozenStart& start) {
-    if (find_program(method) == nullptr) return std::make_unique<HeldStep>(variator, *engine::make_method(method), start);
-    return std::make_unique<RealStep>(scene, method, start);
-}
-
-}  // namespace
-
-MeasuredLimit measured_step_limit(const Scene& scene, std::string_view method, const FrozenStart& start, double expected) {
-    const model::Variator variator(scene.parameters);
-    const std::unique_ptr<TakenStep> taken = taken_step(scene, variator, method, start);
-    TakenStep& step = *taken;
-    MeasuredLimit limit;
-    const auto stable = [&](double h) {
-        limit.refused = !step.prepare(h);
-        if (limit.refused) return false;
-        for (int state = 0; state < states_in_a_row; ++state) {
-            const auto map = [&](const double* from, double* to) { return step.step(from, to); };
-            if (fastest_growth(step.size(), map, step.mixed_start()).factor <= 1.0 + tolerated_growth) return true;
-            if (!step.move_on()) return false;
-        }
-        return false;
-    };
-    const Bracket bracket = bracketed(expected, stable);
-    limit.step = std::isinf(bracket.unstable) ? bracket.unstable : std::sqrt(bracket.stable * bracket.unstable);
-    limit.refused = limit.refused && !std::isinf(limit.step);
-    return limit;
 }
 
 }  // namespace cvtflow::tasks

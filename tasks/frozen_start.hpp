@@ -1,0 +1,18 @@
+#pragma once
+/// A state and what holds while it is frozen: where linear stability and the local error are asked for.
+
+#include <vector>
+
+#include "model/chain_model.hpp"
+
+namespace cvtflow::tasks {
+
+/// A state and the phases that hold from there on.
+struct FrozenStart {
+    double time = 0.0;                 ///< [s]
+    std::vector<double> state;         ///< [layout.size()]
+    std::vector<model::Phase> phases;  ///< [4 links]
+    double suspicion = 0.0;            ///< of the integration that led here (Simulation::suspicion); above 1 the state is wrong
+};
+
+}  // namespace cvtflow::tasks

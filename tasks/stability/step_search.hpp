@@ -1,0 +1,26 @@
+#pragma once
+/// The search for the step at which disturbances begin to grow, by prediction and measurement alike.
+
+#include <functional>
+#include <limits>
+
+namespace cvtflow::tasks {
+
+/// Growth in a step that still counts as none.
+inline constexpr double tolerated_growth = 1e-3;
+/// A method that its test equation sets no limit, and that is stable with this, is said to be stable with any step: beyond, what grows by itself grows
+/// so much in a step that it looks like the method's doing [s].
+inline constexpr double longest_tried = 8e-6;
+
+/// First step tried of a method without limit [s].
+inline constexpr double without_expectation = 1e-6;
+
+/// Two steps, stable and not; the second one infinite if none was unstable.
+struct Bracket {
+    double stable = 0.0, unstable = std::numeric_limits<double>::infinity();
+};
+
+/// @param expected where to begin to look [s]; infinite or 0: at lengths up to longest_tried
+[[nodiscard]] Bracket bracketed(double expected, const std::function<bool(double)>& stable);
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,34 @@
+#pragma once
+/// Who says how long the next step may be, where steps are automatic; AutoStep is the one that there is.
+
+#include <span>
+#include <vector>
+
+#include "model/chain_model.hpp"
+
+namespace cvtflow::tasks {
+
+class StepChoice {
+public:
+    /// Longest step that is ever chosen [s]: the step grid starts from it. What friction leaves of a step is of first order (2 us: slip off by 1 to 3 % on
+    /// one machine in twenty of `cvtflow lottery`).
+    static constexpr double longest_step = 1.5e-6;
+    /// Longest time between two questions [s].
+    static constexpr double ask_interval = 125e-6;
+
+    virtual ~StepChoice() = default;
+    /// Longest step at a state [s]. @param time [s] @param state [layout.size()] @param phases [4 links]
+    [[nodiscard]] virtual double longest(double time, const double* state, const model::Phase* phases) noexcept = 0;
+    /// A new integration begins.
+    virtual void restart() noexcept = 0;
+    /// For checkpoints: goes on bit for bit.
+    virtual void save(std::vector<double>& memory) const = 0;
+    virtual void load(std::span<const double> memory) = 0;
+
+protected:
+    StepChoice() = default;
+    StepChoice(const StepChoice&) = default;
+    StepChoice& operator=(const StepChoice&) = default;
+};
+
+}  // namespace cvtflow::tasks
