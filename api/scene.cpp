@@ -2,11 +2,11 @@
 
 #include <vector>
 
+#include "api/host/translate.hpp"
 #include "api/scene_data.hpp"
-#include "api/translate.hpp"
+#include "engine/base/spelling.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/ready_scenes.hpp"
-#include "tasks/scene/spelling.hpp"
 
 namespace cvtflow {
 inline namespace v0 {
@@ -64,7 +64,7 @@ std::string Scene::text() const {
 std::string Scene::value(const std::string& key) const {
     return api::entered(ErrorCode::internal, [&] {
         const tasks::Parameter* parameter = tasks::find_parameter(key);
-        if (parameter == nullptr) throw Error(ErrorCode::argument, "no key '" + key + "'" + tasks::did_you_mean(tasks::nearest_key(key)));
+        if (parameter == nullptr) throw Error(ErrorCode::argument, "no key '" + key + "'" + engine::did_you_mean(tasks::nearest_key(key)));
         return tasks::value_text(*parameter, data_->scene);
     });
 }

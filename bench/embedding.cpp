@@ -25,7 +25,7 @@
 
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "tasks/profile/report.hpp"
+#include "tasks/study/profile/report.hpp"
 
 namespace {
 

@@ -28,12 +28,12 @@
 #include "bench/summary/peak.hpp"
 #include "bench/summary/summary.hpp"
 #include "engine/base/hash.hpp"
-#include "engine/record/state_file.hpp"
+#include "engine/record/run/state_file.hpp"
 #include "model/kernels/kernels.hpp"
 #include "plain/plain_rhs.hpp"
 #include "plain/system.hpp"
-#include "tasks/simulation.hpp"
-#include "tools/detail_state.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tools/measure/detail_state.hpp"
 
 namespace {
 

@@ -29,9 +29,9 @@
 
 #include "engine/base/provenance.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "engine/executor/pinning.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "engine/executor/stamp_recorder.hpp"
+#include "engine/thread/pinning.hpp"
 
 namespace {
 

@@ -9,9 +9,9 @@
 #include <cstdlib>
 #include <vector>
 
-#include "engine/record/state_file.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
-#include "tasks/simulation.hpp"
 
 namespace {
 

@@ -6,11 +6,11 @@
 
 #include <span>
 
-#include "model/account.hpp"
-#include "model/coefficients.hpp"
+#include "model/basis/isa.hpp"
+#include "model/force/account.hpp"
 #include "model/force/sheave_motion.hpp"
-#include "model/inertia/link_inertia.hpp"
-#include "model/kernels/isa.hpp"
+#include "model/machine/coefficients.hpp"
+#include "model/machine/link_inertia.hpp"
 
 namespace cvtflow::model {
 

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "tasks/run.hpp"
+#include "tasks/run/run.hpp"
 
 namespace cvtflow::tools {
 

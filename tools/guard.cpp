@@ -12,8 +12,8 @@
 #include <exception>
 #include <system_error>
 
-#include "engine/executor/worker_threads.hpp"
-#include "tasks/run.hpp"
+#include "engine/thread/worker_threads.hpp"
+#include "tasks/run/run.hpp"
 
 namespace cvtflow::tools {
 

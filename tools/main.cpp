@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "engine/base/provenance.hpp"
-#include "engine/record/hdf5_exit.hpp"
-#include "engine/record/schema.hpp"
-#include "model/kernels/isa.hpp"
-#include "tasks/scene/spelling.hpp"
+#include "engine/base/spelling.hpp"
+#include "engine/record/hdf5/hdf5_exit.hpp"
+#include "engine/record/run/schema.hpp"
+#include "model/basis/isa.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 
@@ -32,7 +32,7 @@ bool is_command(const std::string& word) {
     std::vector<std::string> names;
     for (const Command& command : commands()) names.emplace_back(command.name);
     if (std::find(names.begin(), names.end(), word) != names.end()) return true;
-    const std::string near = tasks::closest(word, names);
+    const std::string near = engine::closest(word, names);
     print_error(fmt::format("no command '{}'{} (cvtflow --help)", word, near.empty() ? "" : fmt::format(", did you mean '{}'?", near)));
     return false;
 }

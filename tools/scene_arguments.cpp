@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <sstream>
 
-#include "tasks/method_choice.hpp"
+#include "engine/base/spelling.hpp"
+#include "tasks/method/method_choice.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/spelling.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/guard.hpp"
 #include "tools/ready_scenes.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 /// What this processor can do at most.
 
-#include "model/kernels/isa.hpp"
+#include "model/basis/isa.hpp"
 
 namespace cvtflow::bench {
 

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <array>
 
-#include "engine/executor/barrier.hpp"
-#include "engine/executor/flow.hpp"
-#include "engine/executor/flow_messages.hpp"
-#include "engine/executor/flow_per_cycle.hpp"
-#include "engine/executor/omp_fork.hpp"
-#include "engine/executor/omp_region.hpp"
-#include "engine/executor/serial.hpp"
-#include "engine/executor/tbb_loop.hpp"
+#include "engine/executor/openmp/omp_fork.hpp"
+#include "engine/executor/openmp/omp_region.hpp"
+#include "engine/executor/reference/barrier.hpp"
+#include "engine/executor/reference/serial.hpp"
+#include "engine/executor/tbb/flow.hpp"
+#include "engine/executor/tbb/flow_messages.hpp"
+#include "engine/executor/tbb/flow_per_cycle.hpp"
+#include "engine/executor/tbb/tbb_loop.hpp"
 
 namespace cvtflow::engine {
 

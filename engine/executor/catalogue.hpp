@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "engine/executor/executor.hpp"
-#include "engine/executor/executor_options.hpp"
+#include "engine/thread/executor_options.hpp"
 
 namespace cvtflow::engine {
 

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "engine/executor/executor.hpp"
-#include "engine/executor/executor_options.hpp"
 #include "engine/executor/stamp_recorder.hpp"
+#include "engine/thread/executor_options.hpp"
 
 namespace cvtflow::engine {
 

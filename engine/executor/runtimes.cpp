@@ -2,7 +2,7 @@
 
 #include <oneapi/tbb/version.h>
 
-#include "engine/executor/pinning.hpp"
+#include "engine/thread/pinning.hpp"
 
 namespace cvtflow::engine {
 

@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 
-#include "engine/method/dumka3_coefficients.hpp"
-#include "engine/method/fitted.hpp"
+#include "engine/method/family/fitted.hpp"
+#include "engine/method/family/near_optimal.hpp"
+#include "engine/method/family/rkc.hpp"
+#include "engine/method/family/rock4.hpp"
 #include "engine/method/method_name.hpp"
-#include "engine/method/near_optimal.hpp"
-#include "engine/method/rkc.hpp"
-#include "engine/method/rock4.hpp"
+#include "engine/method/table/dumka3_coefficients.hpp"
 
 namespace cvtflow::engine {
 

@@ -10,7 +10,7 @@
 #include <immintrin.h>
 #endif
 
-#include "model/kernels/isa.hpp"
+#include "model/basis/isa.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -2,8 +2,8 @@
 /// Difference between the axes of two pin halves: all that plates and joints depend on.
 
 #include "model/basis/lanes.hpp"
-#include "model/coefficients.hpp"
 #include "model/force/link_frame.hpp"
+#include "model/machine/coefficients.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -2,10 +2,10 @@
 /// Elasticity inside a link: extension and bending of its two halves, bending, shear and torsion of its plate pack.
 /// (model/EQUATIONS.md section 3)
 
-#include "model/account.hpp"
 #include "model/basis/lanes.hpp"
-#include "model/coefficients.hpp"
+#include "model/force/account.hpp"
 #include "model/force/link_frame.hpp"
+#include "model/machine/coefficients.hpp"
 
 namespace cvtflow::model {
 namespace {

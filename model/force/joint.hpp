@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "model/account.hpp"
 #include "model/basis/ten_ninths.hpp"
+#include "model/force/account.hpp"
 #include "model/force/difference.hpp"
-#include "model/friction/friction.hpp"
+#include "model/law/friction.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "model/chain_layout.hpp"
+#include "model/parameters/chain_layout.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -2,9 +2,9 @@
 /// Plates of a link: elastic bars between the two halves, with friction against axial sliding. Lanes run over the plates, or over links.
 /// (model/EQUATIONS.md section 4)
 
-#include "model/account.hpp"
+#include "model/force/account.hpp"
 #include "model/force/difference.hpp"
-#include "model/friction/friction.hpp"
+#include "model/law/friction.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "model/account.hpp"
-#include "model/coefficients.hpp"
+#include "model/force/account.hpp"
 #include "model/force/sheave_motion.hpp"
+#include "model/machine/coefficients.hpp"
 
 namespace cvtflow::model {
 

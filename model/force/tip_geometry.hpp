@@ -10,9 +10,9 @@
 
 #include "model/basis/lanes.hpp"
 #include "model/basis/zero.hpp"
-#include "model/coefficients.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/force/sheave_motion.hpp"
+#include "model/machine/coefficients.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <cstring>
 
-#include "model/account.hpp"
+#include "model/force/account.hpp"
 #include "model/force/tip_geometry.hpp"
-#include "model/friction/friction.hpp"
+#include "model/law/friction.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "model/chain_layout.hpp"
+#include "model/parameters/chain_layout.hpp"
 
 namespace cvtflow::model {
 

@@ -2,8 +2,8 @@
 /// Forces at single points - a plate, a point of a joint, a tip - in any number type, for their derivatives. The same formulas as the kernels
 /// of model/force, lane by lane; a test holds their values against each other. (model/EQUATIONS.md sections 4 to 6)
 
-#include "model/coefficients.hpp"
 #include "model/jacobian/dual.hpp"
+#include "model/machine/coefficients.hpp"
 
 namespace cvtflow::model {
 

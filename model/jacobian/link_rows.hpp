@@ -5,9 +5,9 @@
 #include <cstring>
 
 #include "model/force/link_frame.hpp"
-#include "model/inertia/link_inertia.hpp"
 #include "model/jacobian/exact_jacobian.hpp"
 #include "model/jacobian/inner_point.hpp"
+#include "model/machine/link_inertia.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -2,8 +2,8 @@
 
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
-#include "model/kernels/lane_pass.hpp"
-#include "model/kernels/lane_probe.hpp"
+#include "model/kernels/lanes/lane_pass.hpp"
+#include "model/kernels/lanes/lane_probe.hpp"
 
 namespace cvtflow::model {
 

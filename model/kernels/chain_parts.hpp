@@ -9,7 +9,7 @@
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
 #include "model/force/tips.hpp"
-#include "model/inertia/link_solve.hpp"
+#include "model/machine/link_solve.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <limits>
 
-#include "model/friction/friction_lanes.hpp"
+#include "model/contact/friction_lanes.hpp"
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
-#include "model/kernels/lane_pass.hpp"
+#include "model/kernels/lanes/lane_pass.hpp"
 
 namespace cvtflow::model {
 

@@ -1,4 +1,4 @@
-#include "model/kernels/isa.hpp"
+#include "model/basis/isa.hpp"
 
 #include <algorithm>
 #include <array>

@@ -3,13 +3,13 @@
 
 #include <vector>
 
-#include "model/friction/contact_field.hpp"
-#include "model/kernels/isa.hpp"
-#include "model/staged_chain.hpp"
+#include "model/basis/isa.hpp"
+#include "model/contact/contact_field.hpp"
+#include "model/kernels/staged_chain.hpp"
 
 namespace cvtflow::model {
 
-struct SlipKernels;   // model/friction/slip_space.hpp
+struct SlipKernels;   // model/contact/slip/slip_space.hpp
 
 /// Defined in chain_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3
 template <Isa isa>

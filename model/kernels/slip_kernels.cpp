@@ -1,7 +1,7 @@
-#include "model/friction/slip_chain.hpp"
-#include "model/friction/slip_coupling.hpp"
-#include "model/friction/slip_geometry.hpp"
-#include "model/friction/slip_newton.hpp"
+#include "model/contact/slip/slip_chain.hpp"
+#include "model/contact/slip/slip_coupling.hpp"
+#include "model/contact/slip/slip_geometry.hpp"
+#include "model/contact/slip/slip_newton.hpp"
 #include "model/kernels/kernels.hpp"
 
 namespace cvtflow::model {

@@ -6,10 +6,10 @@
 #include <chrono>
 #include <filesystem>
 
-#include "engine/executor/job_pool.hpp"
+#include "engine/executor/tbb/job_pool.hpp"
 #include "tasks/batch/continuation_error.hpp"
-#include "tasks/batch/results.hpp"
-#include "tasks/schedule.hpp"
+#include "tasks/batch/results/results.hpp"
+#include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow::tasks {
 

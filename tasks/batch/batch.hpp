@@ -17,7 +17,7 @@
 
 #include "engine/executor/cancellation.hpp"
 #include "tasks/batch/supervisor.hpp"
-#include "tasks/batch/sweep.hpp"
+#include "tasks/batch/sweep/sweep.hpp"
 
 namespace cvtflow::tasks {
 

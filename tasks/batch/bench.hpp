@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/batch/sweep.hpp"
+#include "tasks/batch/sweep/sweep.hpp"
 
 namespace cvtflow::tasks {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "tasks/batch/case_engine.hpp"
-#include "tasks/checkpoint/checkpoint.hpp"
+#include "tasks/run/checkpoint.hpp"
 
 namespace cvtflow::tasks {
 

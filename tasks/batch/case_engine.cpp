@@ -1,6 +1,6 @@
 #include "tasks/batch/case_engine.hpp"
 
-#include "tasks/auto_step.hpp"
+#include "tasks/method/auto_step.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "tasks/method_choice.hpp"
+#include "tasks/method/method_choice.hpp"
 
 namespace cvtflow::tasks {
 

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <memory>
 
-#include "engine/executor/job_pool.hpp"
-#include "tasks/batch/scalar.hpp"
+#include "engine/executor/tbb/job_pool.hpp"
 #include "tasks/batch/start_states.hpp"
-#include "tasks/batch/sweep.hpp"
-#include "tasks/run_recorder.hpp"
+#include "tasks/batch/sweep/scalar.hpp"
+#include "tasks/batch/sweep/sweep.hpp"
+#include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow::tasks {
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tasks/batch/case_engine.hpp"
-#include "tasks/batch/ordered_rows.hpp"
+#include "tasks/batch/results/ordered_rows.hpp"
 
 namespace cvtflow::tasks {
 

@@ -9,8 +9,8 @@
 
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/case_engine.hpp"
-#include "tasks/schedule.hpp"
-#include "tasks/stability/predicted_step.hpp"
+#include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow::tasks {
 

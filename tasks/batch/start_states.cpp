@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/hash.hpp"
-#include "tasks/checkpoint/checkpoint.hpp"
+#include "tasks/run/checkpoint.hpp"
 
 namespace cvtflow::tasks {
 

@@ -6,11 +6,11 @@
 #include <memory>
 #include <string>
 
-#include "engine/executor/job_pool.hpp"
-#include "engine/record/state_file.hpp"
-#include "model/start_state.hpp"
-#include "tasks/batch/sweep.hpp"
-#include "tasks/simulation.hpp"
+#include "engine/executor/tbb/job_pool.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "model/start/start_state.hpp"
+#include "tasks/batch/sweep/sweep.hpp"
+#include "tasks/run/simulation.hpp"
 
 namespace cvtflow::tasks {
 

@@ -10,7 +10,7 @@
 #include <functional>
 #include <string>
 
-#include "engine/executor/child_process.hpp"
+#include "engine/thread/child_process.hpp"
 
 namespace cvtflow::tasks {
 

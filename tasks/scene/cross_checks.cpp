@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/spelling.hpp"
 #include "engine/executor/catalogue.hpp"
-#include "model/belt.hpp"
-#include "tasks/method_choice.hpp"
-#include "tasks/scene/spelling.hpp"
+#include "model/start/belt.hpp"
+#include "tasks/method/method_choice.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -150,7 +150,7 @@ Violation executor_exists(const Scene& scene) {
     if (name == "auto" || engine::find_executor(name) != nullptr) return {};
     std::vector<std::string> names{"auto"};
     for (const engine::ExecutorRow& row : engine::executors()) names.emplace_back(row.name);
-    return fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", name, did_you_mean(closest(name, names)));
+    return fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", name, engine::did_you_mean(engine::closest(name, names)));
 }
 
 }  // namespace

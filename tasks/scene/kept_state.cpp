@@ -2,7 +2,7 @@
 
 #include <sys/stat.h>
 
-#include "engine/executor/job_pool.hpp"
+#include "engine/executor/tbb/job_pool.hpp"
 
 namespace cvtflow::tasks {
 

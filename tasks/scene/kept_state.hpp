@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "engine/record/state_file.hpp"
+#include "engine/record/run/state_file.hpp"
 
 namespace cvtflow::tasks {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tasks/scene/spelling.hpp"
+#include "engine/base/spelling.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -355,12 +355,12 @@ std::string nearest_key(std::string_view key) {
     const std::string_view name = key.substr(key.find('.') + 1);
     std::vector<std::string> keys;
     for (const Parameter& parameter : rows()) keys.emplace_back(parameter.key);
-    if (std::string near = closest(key, keys); !near.empty() && edit_distance(key, near) <= 2) return near;
+    if (std::string near = engine::closest(key, keys); !near.empty() && engine::edit_distance(key, near) <= 2) return near;
     for (const Parameter& parameter : rows())
         if (name.size() > 2 && parameter.key.starts_with(key)) return std::string(parameter.key);
     for (const Parameter& parameter : rows())
         if (parameter.name() == name) return std::string(parameter.key);
-    return closest(key, keys);
+    return engine::closest(key, keys);
 }
 
 std::vector<std::string> section_names() {

@@ -10,8 +10,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "engine/base/spelling.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/scene/spelling.hpp"
 
 namespace cvtflow::tasks {
 
@@ -81,7 +81,7 @@ fs::path find_scene(const std::string& argument) {
         if (scene.name == argument) return scene.path;
         names.push_back(scene.name);
     }
-    const std::string near = closest(argument, names);
+    const std::string near = engine::closest(argument, names);
     const std::string hint = near.empty() ? "cvtflow list scenes" : fmt::format("did you mean '{}'?", near);
     throw SceneError(fmt::format("no scene '{}' ({})", argument, hint));
 }

@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/spelling.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/spelling.hpp"
 #include "tasks/scene/value_reader.hpp"
 
 namespace cvtflow::tasks {
@@ -34,7 +34,7 @@ public:
     void document(const Node::Table& sections);
     void value(const Parameter& parameter, const Node& node);
     void unknown_key(const std::string& key, Position position) {
-        problem(position, fmt::format("{}: unknown key{}", shown(key), problems_.size() < most_problems ? did_you_mean(nearest_key(key)) : ""));
+        problem(position, fmt::format("{}: unknown key{}", shown(key), problems_.size() < most_problems ? engine::did_you_mean(nearest_key(key)) : ""));
     }
     void problem(Position position, std::string message) { problems_.push_back({position, std::move(message)}); }
 
@@ -65,8 +65,8 @@ void Reading::section(const Entry& entry) {
     const auto names = section_names();
     const auto* table = std::get_if<Node::Table>(&entry.node.value);
     if (std::find(names.begin(), names.end(), entry.key) == names.end()) {
-        if (table) return problem(entry.position, fmt::format("{}: unknown section{}", shown(entry.key), did_you_mean(closest(entry.key, names))));
-        return problem(entry.position, fmt::format("{}: this key is in no section{}", shown(entry.key), did_you_mean(nearest_key(entry.key))));
+        if (table) return problem(entry.position, fmt::format("{}: unknown section{}", shown(entry.key), engine::did_you_mean(engine::closest(entry.key, names))));
+        return problem(entry.position, fmt::format("{}: this key is in no section{}", shown(entry.key), engine::did_you_mean(nearest_key(entry.key))));
     }
     if (!table) return problem(entry.position, fmt::format("{0}: not a section; write [{0}]", entry.key));
     for (const Entry& row : *table) {

@@ -13,10 +13,10 @@
 #include <string>
 #include <string_view>
 
-#include "model/parameters.hpp"
-#include "tasks/assembly_kind.hpp"
+#include "model/parameters/parameters.hpp"
 #include "tasks/scene/kept_state.hpp"
-#include "tasks/step_control.hpp"
+#include "tasks/step/assembly_kind.hpp"
+#include "tasks/step/control/step_control.hpp"
 
 namespace cvtflow::tasks {
 

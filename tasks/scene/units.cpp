@@ -1,7 +1,7 @@
 #include "tasks/scene/units.hpp"
 
+#include "engine/base/spelling.hpp"
 #include "model/basis/portable_math.hpp"
-#include "tasks/scene/spelling.hpp"
 
 #include <algorithm>
 #include <array>
@@ -103,7 +103,7 @@ std::string unknown_unit(std::string_view symbol) {
         for (const auto& prefix : prefixes)
             if (unit.takes_prefix) known.push_back(prefix.first + std::string(unit.symbol));
     }
-    return fmt::format("has the unknown unit \"{}\"{}", symbol, did_you_mean(closest(symbol, known)));
+    return fmt::format("has the unknown unit \"{}\"{}", symbol, engine::did_you_mean(engine::closest(symbol, known)));
 }
 
 /// Multiplies `product` by unit^(halves/2).

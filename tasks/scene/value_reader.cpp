@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "tasks/scene/spelling.hpp"
+#include "engine/base/spelling.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -108,8 +108,8 @@ public:
         const auto& choices = parameter_.choices;
         const auto chosen = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
         if (chosen == choices.end()) {
-            const std::string near = value ? closest(*value, {choices.begin(), choices.end()}) : std::string{};
-            return refuse(node, "{} is not one of {}{}", written(node), fmt::join(choices, ", "), did_you_mean(near));
+            const std::string near = value ? engine::closest(*value, {choices.begin(), choices.end()}) : std::string{};
+            return refuse(node, "{} is not one of {}{}", written(node), fmt::join(choices, ", "), engine::did_you_mean(near));
         }
         member = static_cast<Choice>(chosen - choices.begin());
     }
@@ -198,7 +198,7 @@ private:
 
     std::optional<double> in_range(const Node& node, double value, double as_written, const std::string& text, const Rule& rule) {
         if (value >= rule.min && value <= rule.max) return value;
-        refuse(node, "{} is outside {}{}", text, range(rule), did_you_mean(likely_unit(as_written, text, rule)));
+        refuse(node, "{} is outside {}{}", text, range(rule), engine::did_you_mean(likely_unit(as_written, text, rule)));
         return std::nullopt;
     }
 

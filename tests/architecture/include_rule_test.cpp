@@ -1,13 +1,13 @@
 /// Who may include whom, and where threads and third parties may be spoken of.
 ///
 ///     model  → std, Eigen (.cpp)                                tools, bench, tests → everything
-///     engine → std, POSIX, fmt and Eigen (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor (.cpp)
+///     engine → std, POSIX, fmt and Eigen (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor and engine/thread (.cpp)
 ///     tasks  → model, engine, std, any third party (.cpp)
 ///     api    → model, engine, tasks, std; its public headers (api/include) → std and one another only
-///     threads, locks and atomics: engine/executor only
+///     threads, locks and atomics: engine/executor and engine/thread only
 ///
-/// A header that includes a third party, itself or through another one, is private: only files of its own folder and
-/// tests include it.
+/// A header that includes a third party, itself or through another one, is private: only files of its own room (engine/record with all its
+/// folders, say) and tests include it. Rooms of a part stand on floors: includes point downwards, and never in a circle.
 
 #include <gtest/gtest.h>
 
@@ -54,12 +54,18 @@ Names permitted(const SourceFile& file) {
     if (file.part() == "tasks") return {"*"};
     if (file.part() == "api") return {};
     if (file.path.starts_with("engine/record/")) return {"Eigen", "fmt", "HDF5"};
-    if (file.path.starts_with("engine/executor/")) return {"Eigen", "fmt", "oneTBB", "OpenMP"};
+    if (file.path.starts_with("engine/executor/") || file.path.starts_with("engine/thread/")) return {"Eigen", "fmt", "oneTBB", "OpenMP"};
     return {"Eigen", "fmt"};
 }
 
 std::string where(const SourceFile& file, const Include& include) {
     return file.path + ":" + std::to_string(include.line) + ": " + include.name;
+}
+
+/// engine/record of engine/record/hdf5/handle.hpp; model/. of model/variator.hpp.
+std::string room_of(const std::string& path) {
+    const std::size_t first = path.find('/'), second = path.find('/', first + 1);
+    return second == std::string::npos ? path.substr(0, first) + "/." : path.substr(0, second);
 }
 
 /// Files of model, engine and tasks.
@@ -109,8 +115,40 @@ TEST(IncludeRule, HeadersThatIncludeThirdPartiesArePrivate) {
     for (const SourceFile& file : source_files()) {
         for (const Include& include : includes_of(file.text)) {
             if (!include.quoted || !hidden.contains(include.name)) continue;
-            const bool own = include.name.substr(0, include.name.rfind('/')) == file.folder();
+            const bool own = room_of(include.name) == room_of(file.path);
             EXPECT_TRUE(own || file.part() == "tests") << where(file, include) << " is private to its folder";
+        }
+    }
+}
+
+/// They call each other: kernels are compiled once per instruction set and reached through the model, whose types they take.
+const Names chain_and_kernels{"model/.", "model/contact", "model/kernels", "model/jacobian", "model/observe", "model/start"};
+
+/// Floors of a part's rooms, the ground floor first; what stands on one floor does not know its neighbours. A room of no floor is a mistake.
+const std::map<std::string, std::vector<Names>> floors{
+    {"model", {{"model/basis"}, {"model/parameters"}, {"model/law"}, {"model/machine"}, {"model/force"}, chain_and_kernels}},
+    {"engine", {{"engine/base", "engine/linear"}, {"engine/graph", "engine/event", "engine/thread"}, {"engine/method", "engine/executor", "engine/record"}}},
+    {"tasks", {{"tasks/step"}, {"tasks/method"}, {"tasks/scene"}, {"tasks/schedule"}, {"tasks/run"}, {"tasks/batch", "tasks/study"}}},
+};
+
+/// -1 for rooms that stand nowhere.
+int floor_of(const std::string& room) {
+    const std::vector<Names>& of_part = floors.at(room.substr(0, room.find('/')));
+    for (std::size_t floor = 0; floor < of_part.size(); ++floor) {
+        if (of_part[floor].contains(room)) return static_cast<int>(floor);
+    }
+    return -1;
+}
+
+TEST(IncludeRule, RoomsStandOnFloors) {
+    for (const SourceFile& file : library()) {
+        if (!floors.contains(file.part())) continue;
+        const std::string room = room_of(file.path);
+        EXPECT_GE(floor_of(room), 0) << file.path << ": its room stands on no floor";
+        for (const Include& include : includes_of(file.text)) {
+            if (!include.quoted || include.name.substr(0, include.name.find('/')) != file.part() || room_of(include.name) == room) continue;
+            if (chain_and_kernels.contains(room) && chain_and_kernels.contains(room_of(include.name))) continue;
+            EXPECT_GT(floor_of(room), floor_of(room_of(include.name))) << where(file, include) << " points upwards";
         }
     }
 }
@@ -125,9 +163,9 @@ TEST(IncludeRule, PublicHeadersIncludeTheStandardLibraryAndOneAnother) {
     }
 }
 
-TEST(IncludeRule, ThreadsLiveInOneFolder) {
+TEST(IncludeRule, ThreadsLiveInTwoRooms) {
     for (const SourceFile& file : library()) {
-        if (file.path.starts_with("engine/executor/")) continue;
+        if (file.path.starts_with("engine/executor/") || file.path.starts_with("engine/thread/")) continue;
         for (const Include& include : includes_of(file.text)) EXPECT_FALSE(thread_headers.contains(include.name)) << where(file, include);
         EXPECT_EQ(code_only(file.text).find("thread_local"), std::string::npos) << file.path;
         EXPECT_EQ(file.text.find("#pragma omp"), std::string::npos) << file.path;

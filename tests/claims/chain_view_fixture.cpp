@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "model/inertia/link_inertia.hpp"
+#include "model/machine/link_inertia.hpp"
 
 namespace cvtflow::claims {
 

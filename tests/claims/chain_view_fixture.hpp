@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "model/chain_layout.hpp"
+#include "model/parameters/chain_layout.hpp"
 
 namespace cvtflow::claims {
 

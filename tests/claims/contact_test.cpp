@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/friction/friction.hpp"
-#include "model/observation.hpp"
+#include "model/law/friction.hpp"
+#include "model/observe/observation.hpp"
 #include "tests/claims/chain_view_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "model/observation.hpp"
-#include "tasks/tradeoff/error_measure.hpp"
+#include "model/observe/observation.hpp"
+#include "tasks/study/tradeoff/error_measure.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "tasks/eigenvalues.hpp"
-#include "tasks/implicit/method_trial.hpp"
-#include "tasks/method_choice.hpp"
-#include "tasks/spectrum.hpp"
+#include "engine/linear/eigenvalues.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/study/method_trial.hpp"
+#include "tasks/study/spectrum.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/claims/smooth_fixture.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/observation.hpp"
+#include "model/observe/observation.hpp"
 #include "tests/claims/chain_view_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"
 

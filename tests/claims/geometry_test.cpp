@@ -7,9 +7,9 @@
 #include <numbers>
 #include <string>
 
-#include "model/belt.hpp"
+#include "model/start/belt.hpp"
+#include "model/start/start_state.hpp"
 #include "model/variator.hpp"
-#include "model/start_state.hpp"
 #include "tests/claims/chain_view_fixture.hpp"
 
 namespace cvtflow::claims {

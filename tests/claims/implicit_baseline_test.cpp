@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tasks/implicit/catalogue.hpp"
-#include "tasks/implicit/linear_plan.hpp"
-#include "tasks/implicit/method_trial.hpp"
+#include "tasks/method/implicit/catalogue.hpp"
+#include "tasks/method/implicit/linear_plan.hpp"
+#include "tasks/study/method_trial.hpp"
 
 namespace cvtflow::claims {
 namespace {

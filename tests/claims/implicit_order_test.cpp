@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "tasks/implicit/method_trial.hpp"
-#include "tasks/method_choice.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/study/method_trial.hpp"
 #include "tests/claims/smooth_fixture.hpp"
 
 namespace cvtflow::claims {

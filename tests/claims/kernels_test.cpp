@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "model/observation.hpp"
+#include "model/observe/observation.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 

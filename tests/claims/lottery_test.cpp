@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "tasks/extremes/lottery.hpp"
+#include "tasks/study/extremes/lottery.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "model/observation.hpp"
-#include "tasks/simulation.hpp"
+#include "model/observe/observation.hpp"
+#include "tasks/run/simulation.hpp"
 
 namespace cvtflow::claims {
 

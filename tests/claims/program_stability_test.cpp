@@ -1,6 +1,6 @@
 /// Claims about the stability of methods that are programs and not tables, against theory. The same by hand: cvtflow stability leapfrog-rkc ark436 …
 
-#include "tasks/program_stability.hpp"
+#include "tasks/method/program_stability.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/method_choice.hpp"
+#include "tasks/method/method_choice.hpp"
 
 namespace cvtflow::claims {
 namespace {

@@ -9,10 +9,10 @@
 #include <map>
 #include <sstream>
 
-#include "engine/record/case_table.hpp"
+#include "engine/record/table/case_table.hpp"
 #include "tasks/batch/batch.hpp"
-#include "tasks/batch/results.hpp"
-#include "tasks/batch/sweep.hpp"
+#include "tasks/batch/results/results.hpp"
+#include "tasks/batch/sweep/sweep.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 
 namespace cvtflow::tasks {

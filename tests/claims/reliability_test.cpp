@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tasks/run.hpp"
+#include "tasks/run/run.hpp"
 #include "tasks/scene/ready_scenes.hpp"
 
 namespace cvtflow::tasks {

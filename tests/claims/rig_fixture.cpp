@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/executor/serial.hpp"
+#include "engine/executor/reference/serial.hpp"
 #include "engine/method/catalogue.hpp"
 
 namespace cvtflow::claims {

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "model/start_state.hpp"
-#include "tasks/step_controller.hpp"
+#include "model/start/start_state.hpp"
+#include "tasks/step/control/step_controller.hpp"
 
 namespace cvtflow::claims {
 

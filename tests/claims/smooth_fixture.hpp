@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "model/start_state.hpp"
+#include "model/start/start_state.hpp"
 
 namespace cvtflow::claims {
 

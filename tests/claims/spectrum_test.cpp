@@ -1,17 +1,17 @@
 /// The spectrum of the variator (design check 10.6): where its stiffness comes from.
 
-#include "tasks/spectrum.hpp"
+#include "tasks/study/spectrum.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "engine/linear/eigenvalues.hpp"
+#include "engine/method/analysis/stable_step.hpp"
 #include "engine/method/catalogue.hpp"
-#include "engine/method/stable_step.hpp"
-#include "tasks/attribution.hpp"
-#include "tasks/eigenvalues.hpp"
-#include "tasks/stable_step.hpp"
+#include "tasks/study/attribution.hpp"
+#include "tasks/study/stability/stable_step.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {
@@ -88,15 +88,15 @@ const tasks::FrozenStart& baseline_start() {
     return start;
 }
 
-tasks::Eigenvalues edge_of(const model::Parameters& parameters) {
+engine::Eigenvalues edge_of(const model::Parameters& parameters) {
     const tasks::FrozenStart& start = baseline_start();
-    return tasks::extremal_eigenvalues(tasks::jacobian(model::Variator(parameters), start.time, start.state, start.phases), static_cast<int>(start.state.size()),
+    return engine::extremal_eigenvalues(tasks::jacobian(model::Variator(parameters), start.time, start.state, start.phases), static_cast<int>(start.state.size()),
                                        {.first_dimension = 800, .progress = {}}).values;
 }
 
 TEST(Spectrum, OfTheBaselinePredictsTheLongestStableStepOfRk4WithinFivePercent) {
     const tasks::Scene baseline = ready_scene("baseline");
-    const tasks::Eigenvalues edge = edge_of(baseline.parameters);
+    const engine::Eigenvalues edge = edge_of(baseline.parameters);
     const tasks::Extent extent = tasks::extent_of(edge);
     EXPECT_GT(extent.decay, 0.5e8);
     EXPECT_LT(extent.decay, 1.0e8);

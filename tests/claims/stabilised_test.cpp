@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/method/dumka3_coefficients.hpp"
-#include "tasks/tradeoff/error_measure.hpp"
+#include "engine/method/table/dumka3_coefficients.hpp"
+#include "tasks/study/tradeoff/error_measure.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {

@@ -5,9 +5,9 @@
 #include <fstream>
 #include <iterator>
 
-#include "engine/record/case_table.hpp"
-#include "engine/record/run_reader.hpp"
-#include "engine/record/state_file.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "engine/record/table/case_table.hpp"
 #include "tests/engine/record/hdf5_mutant_fixture.hpp"
 #include "tests/fuzz/fuzz_fixture.hpp"
 

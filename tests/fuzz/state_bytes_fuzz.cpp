@@ -3,9 +3,9 @@
 
 #include <cvtflow/error.hpp>
 
-#include "api/state_bytes.hpp"
+#include "api/host/state_bytes.hpp"
 #include "engine/base/hash.hpp"
-#include "tasks/simulation.hpp"
+#include "tasks/run/simulation.hpp"
 #include "tests/fuzz/fuzz_fixture.hpp"
 
 namespace {

@@ -1,6 +1,6 @@
 /// Any text is a sweep or a SceneError.
 
-#include "tasks/batch/sweep.hpp"
+#include "tasks/batch/sweep/sweep.hpp"
 #include "tests/fuzz/fuzz_fixture.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {

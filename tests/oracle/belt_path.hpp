@@ -1,7 +1,7 @@
 #pragma once
 /// A closed chain laid on a belt around two pulleys or on a ring: where every half sits, with given joint depths and plate stretches.
 
-#include "model/parameters.hpp"
+#include "model/parameters/parameters.hpp"
 #include "tests/oracle/vectors.hpp"
 
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
 /// Regularized friction (EQUATIONS.md, section 7).
 
-#include "model/parameters.hpp"
+#include "model/parameters/parameters.hpp"
 #include "tests/oracle/vectors.hpp"
 
 namespace cvtflow::oracle {

@@ -2,8 +2,8 @@
 /// The whole right-hand side of model/EQUATIONS.md: plain, slow, and independent of the production kernels.
 /// It shares with model/ only the parameters, time tables, the ramp and the state layout.
 
-#include "model/chain_layout.hpp"
-#include "model/parameters.hpp"
+#include "model/parameters/chain_layout.hpp"
+#include "model/parameters/parameters.hpp"
 #include "tests/oracle/vectors.hpp"
 
 #include <array>

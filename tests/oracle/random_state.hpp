@@ -1,8 +1,8 @@
 #pragma once
 /// Random states in which every force term is active, for comparing right-hand sides.
 
-#include "model/chain_layout.hpp"
-#include "model/parameters.hpp"
+#include "model/parameters/chain_layout.hpp"
+#include "model/parameters/parameters.hpp"
 
 #include <cstdint>
 #include <vector>

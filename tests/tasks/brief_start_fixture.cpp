@@ -1,7 +1,7 @@
 #include "tests/tasks/brief_start_fixture.hpp"
 
 #include <gtest/gtest.h>
-#include "tasks/simulation.hpp"
+#include "tasks/run/simulation.hpp"
 
 namespace cvtflow::tasks {
 

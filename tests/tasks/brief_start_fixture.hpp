@@ -1,8 +1,8 @@
 #pragma once
 /// The smallest scene after a millisecond of settling: tips touch, everything moves.
 
-#include "tasks/frozen_step.hpp"
 #include "tasks/scene/scene.hpp"
+#include "tasks/study/stability/frozen_step.hpp"
 
 namespace cvtflow::tasks {
 

@@ -9,12 +9,12 @@
 
 #include "engine/executor/catalogue.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tasks/frozen_step.hpp"
-#include "tasks/method_choice.hpp"
-#include "tasks/simulation.hpp"
-#include "tasks/spectral_bound.hpp"
-#include "tasks/spectrum.hpp"
-#include "tasks/tradeoff/error_measure.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/method/spectral_bound.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/study/spectrum.hpp"
+#include "tasks/study/stability/frozen_step.hpp"
+#include "tasks/study/tradeoff/error_measure.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
 

@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "engine/executor/catalogue.hpp"
-#include "engine/record/state_file.hpp"
-#include "tasks/simulation.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "tasks/run/simulation.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tasks/simulation.hpp"
+#include "tasks/run/simulation.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "tasks/run.hpp"
+#include "tasks/run/run.hpp"
 
 namespace cvtflow::tasks::test {
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "engine/record/file_seal.hpp"
+#include "engine/record/hdf5/file_seal.hpp"
 #include "tests/tools/batch_fixture.hpp"
 
 namespace cvtflow::tools {

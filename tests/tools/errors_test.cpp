@@ -4,7 +4,7 @@
 #include <hdf5.h>
 #include <sys/stat.h>
 
-#include "engine/record/file_seal.hpp"
+#include "engine/record/hdf5/file_seal.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {

@@ -10,7 +10,7 @@
 #include <set>
 #include <sstream>
 
-#include "tasks/method_choice.hpp"
+#include "tasks/method/method_choice.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {

@@ -3,8 +3,8 @@
 #include <csignal>
 #include <random>
 
-#include "engine/record/file_seal.hpp"
-#include "engine/record/run_reader.hpp"
+#include "engine/record/hdf5/file_seal.hpp"
+#include "engine/record/run/run_reader.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {

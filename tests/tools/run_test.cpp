@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-#include "engine/record/run_reader.hpp"
+#include "engine/record/run/run_reader.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {

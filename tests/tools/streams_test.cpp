@@ -5,7 +5,7 @@
 
 #include <csignal>
 
-#include "engine/record/run_reader.hpp"
+#include "engine/record/run/run_reader.hpp"
 #include "tests/tools/batch_fixture.hpp"
 
 namespace cvtflow::tools {

@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "tasks/batch/bench.hpp"
-#include "tasks/schedule.hpp"
-#include "tools/batch_text.hpp"
+#include "tasks/schedule/schedule.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/text.hpp"
+#include "tools/text/batch_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <memory>
 
-#include "tasks/method_choice.hpp"
-#include "tasks/simulation.hpp"
-#include "tasks/stability/predicted_step.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/run/simulation.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/scene_text.hpp"
-#include "tools/text.hpp"
+#include "tools/text/scene_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -4,16 +4,16 @@
 #include <cmath>
 #include <memory>
 
-#include "tasks/tradeoff/error_measure.hpp"
+#include "tasks/study/tradeoff/error_measure.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/interrupt.hpp"
-#include "tools/method_choice_text.hpp"
-#include "tools/output_folder.hpp"
-#include "tools/provenance_json.hpp"
+#include "tools/output/interrupt.hpp"
+#include "tools/output/output_folder.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/text.hpp"
-#include "tools/watch_text.hpp"
+#include "tools/text/method_choice_text.hpp"
+#include "tools/text/provenance_json.hpp"
+#include "tools/text/text.hpp"
+#include "tools/text/watch_text.hpp"
 
 namespace cvtflow::tools {
 

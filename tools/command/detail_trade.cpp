@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "tools/command.hpp"
-#include "tools/detail_report.hpp"
+#include "tools/report/detail_report.hpp"
 
 namespace cvtflow::tools {
 

@@ -6,8 +6,8 @@
 #include <memory>
 
 #include "engine/graph/dot.hpp"
-#include "tasks/method_choice.hpp"
-#include "tasks/step_graph.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/step/step_graph.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 #include "tools/scene_arguments.hpp"

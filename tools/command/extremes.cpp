@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "tasks/extremes/judge.hpp"
+#include "tasks/study/extremes/judge.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 #include "tools/ready_scenes.hpp"

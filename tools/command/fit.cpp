@@ -5,16 +5,16 @@
 #include <chrono>
 #include <memory>
 
-#include "engine/method/fitted.hpp"
-#include "tasks/auto_step.hpp"
-#include "tasks/frozen_step.hpp"
-#include "tasks/simulation.hpp"
-#include "tasks/spectral_bound.hpp"
-#include "tasks/spectrum.hpp"
+#include "engine/method/family/fitted.hpp"
+#include "tasks/method/auto_step.hpp"
+#include "tasks/method/spectral_bound.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/study/spectrum.hpp"
+#include "tasks/study/stability/frozen_step.hpp"
 #include "tools/command.hpp"
-#include "tools/method_text.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/text.hpp"
+#include "tools/text/method_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "engine/base/hash.hpp"
-#include "engine/record/run_reader.hpp"
-#include "engine/record/state_file.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "engine/record/run/state_file.hpp"
 #include "tools/command.hpp"
-#include "tools/scene_text.hpp"
-#include "tools/text.hpp"
+#include "tools/text/scene_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -6,18 +6,18 @@
 #include <memory>
 #include <set>
 
+#include "engine/base/spelling.hpp"
 #include "engine/executor/catalogue.hpp"
+#include "engine/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
-#include "engine/method/stability.hpp"
-#include "tasks/channels.hpp"
-#include "tasks/method_choice.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/run/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/spelling.hpp"
 #include "tasks/scene/units.hpp"
 #include "tools/command.hpp"
-#include "tools/method_text.hpp"
 #include "tools/ready_scenes.hpp"
-#include "tools/text.hpp"
+#include "tools/text/method_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 
@@ -133,7 +133,7 @@ std::string refusal(const std::string& name) {
     if (find_listing(name) != nullptr) return {};
     std::vector<std::string> names;
     for (const Listing& listing : listings) names.emplace_back(listing.name);
-    const std::string near = tasks::closest(name, names);
+    const std::string near = engine::closest(name, names);
     return near.empty() ? fmt::format("no list '{}', only {}", name, fmt::join(names, ", "))
                         : fmt::format("no list '{}', did you mean '{}'?", name, near);
 }

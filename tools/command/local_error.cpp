@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <memory>
 
-#include "engine/method/order.hpp"
-#include "tasks/method_choice.hpp"
-#include "tasks/method_run.hpp"
+#include "engine/method/analysis/order.hpp"
+#include "tasks/method/method_choice.hpp"
 #include "tasks/scene/units.hpp"
+#include "tasks/study/method_run.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/local_error_report.hpp"
-#include "tools/output_folder.hpp"
+#include "tools/measure/settled_start.hpp"
+#include "tools/output/output_folder.hpp"
+#include "tools/report/local_error_report.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/settled_start.hpp"
-#include "tools/text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 
-#include "tasks/extremes/lottery.hpp"
+#include "tasks/study/extremes/lottery.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 

@@ -3,10 +3,10 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "tools/batch_text.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/text.hpp"
+#include "tools/text/batch_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

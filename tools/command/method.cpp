@@ -3,15 +3,15 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "engine/base/spelling.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tasks/method_choice.hpp"
+#include "tasks/method/method_choice.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/scene/spelling.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/method_text.hpp"
-#include "tools/program_stability_report.hpp"
-#include "tools/text.hpp"
+#include "tools/report/program_stability_report.hpp"
+#include "tools/text/method_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -3,16 +3,16 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
-#include "tasks/implicit/catalogue.hpp"
-#include "tasks/implicit/linear_plan.hpp"
-#include "tasks/implicit/method_trial.hpp"
-#include "tasks/run.hpp"
+#include "tasks/method/implicit/catalogue.hpp"
+#include "tasks/method/implicit/linear_plan.hpp"
+#include "tasks/run/run.hpp"
 #include "tasks/scene/units.hpp"
+#include "tasks/study/method_trial.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/interrupt.hpp"
+#include "tools/output/interrupt.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -4,15 +4,15 @@
 #include <memory>
 
 #include "tools/command.hpp"
-#include "tools/comparison_report.hpp"
 #include "tools/guard.hpp"
-#include "tools/interrupt.hpp"
-#include "tools/method_choice_text.hpp"
-#include "tools/output_folder.hpp"
+#include "tools/measure/settled_start.hpp"
+#include "tools/output/interrupt.hpp"
+#include "tools/output/output_folder.hpp"
+#include "tools/report/comparison_report.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/settled_start.hpp"
-#include "tools/text.hpp"
-#include "tools/watch_text.hpp"
+#include "tools/text/method_choice_text.hpp"
+#include "tools/text/text.hpp"
+#include "tools/text/watch_text.hpp"
 
 namespace cvtflow::tools {
 

@@ -10,14 +10,14 @@
 
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "tasks/profile/report.hpp"
+#include "tasks/study/profile/report.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/output_place.hpp"
-#include "tools/profile_text.hpp"
+#include "tools/measure/wait_policies.hpp"
+#include "tools/output/output_place.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/text.hpp"
-#include "tools/wait_policies.hpp"
+#include "tools/text/profile_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -5,17 +5,17 @@
 #include <memory>
 #include <optional>
 
-#include "tasks/checkpoint/checkpoint.hpp"
-#include "tasks/run.hpp"
-#include "tools/batch_text.hpp"
+#include "tasks/run/checkpoint.hpp"
+#include "tasks/run/run.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/interrupt.hpp"
-#include "tools/output_place.hpp"
-#include "tools/progress.hpp"
+#include "tools/output/interrupt.hpp"
+#include "tools/output/output_place.hpp"
+#include "tools/output/progress.hpp"
 #include "tools/ready_scenes.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/text.hpp"
+#include "tools/text/batch_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -4,15 +4,15 @@
 #include <filesystem>
 #include <memory>
 
-#include "tasks/run.hpp"
+#include "tasks/run/run.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/interrupt.hpp"
-#include "tools/output_place.hpp"
-#include "tools/progress.hpp"
-#include "tools/replacing.hpp"
+#include "tools/output/interrupt.hpp"
+#include "tools/output/output_place.hpp"
+#include "tools/output/progress.hpp"
+#include "tools/output/replacing.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

@@ -5,16 +5,16 @@
 #include <memory>
 
 #include "engine/method/catalogue.hpp"
-#include "tasks/auto_step.hpp"
-#include "tasks/method_choice.hpp"
-#include "tasks/spectrum.hpp"
+#include "tasks/method/auto_step.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/study/spectrum.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/output_folder.hpp"
+#include "tools/measure/settled_start.hpp"
+#include "tools/output/output_folder.hpp"
+#include "tools/report/spectrum_report.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/settled_start.hpp"
-#include "tools/spectrum_report.hpp"
-#include "tools/text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 
@@ -44,11 +44,11 @@ void find_values(SpectrumResult& result, const model::Variator& variator, const 
     result.complete = !extremal;
     if (!extremal) {
         if (result.unknowns > 1500) tell(fmt::format("all {} eigenvalues: a minute or two (--extremal: seconds)", count_text(result.unknowns)));
-        result.values = tasks::eigenvalues(std::move(matrix), result.unknowns);
+        result.values = engine::eigenvalues(std::move(matrix), result.unknowns);
         return;
     }
     const auto progress = [&](int dimension, int settled, int wanted) { tell(fmt::format("Krylov space of {}: {} of {} eigenvalues settled", dimension, settled, wanted)); };
-    tasks::ExtremalEigenvalues edge = tasks::extremal_eigenvalues(std::move(matrix), result.unknowns, {.left_of = result.border, .progress = progress});
+    engine::ExtremalEigenvalues edge = engine::extremal_eigenvalues(std::move(matrix), result.unknowns, {.left_of = result.border, .progress = progress});
     result.values = std::move(edge.values);
     result.dimension = edge.dimension;
     result.residual = edge.residual;

@@ -4,18 +4,18 @@
 #include <memory>
 #include <optional>
 
-#include "engine/method/stability.hpp"
-#include "tasks/method_choice.hpp"
-#include "tasks/spectrum.hpp"
+#include "engine/method/analysis/stability.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/study/spectrum.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/output_folder.hpp"
-#include "tools/program_stability_report.hpp"
-#include "tools/provenance_json.hpp"
+#include "tools/measure/settled_start.hpp"
+#include "tools/output/output_folder.hpp"
+#include "tools/report/program_stability_report.hpp"
+#include "tools/report/stability_report.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/settled_start.hpp"
-#include "tools/stability_report.hpp"
-#include "tools/text.hpp"
+#include "tools/text/provenance_json.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 
@@ -57,7 +57,7 @@ struct Ground {
     tasks::Scene whole;
     tasks::FrozenStart start;
     std::optional<model::Variator> variator;
-    tasks::Eigenvalues values;   ///< only for tables
+    engine::Eigenvalues values;   ///< only for tables
 };
 
 Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
@@ -69,7 +69,7 @@ Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
     const int size = static_cast<int>(ground.start.state.size());
     if (!arguments.quiet) print_error(fmt::format("eigenvalues of {}", ground.scene));
     std::vector<double> matrix = tasks::jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
-    ground.values = arguments.all ? tasks::eigenvalues(std::move(matrix), size) : tasks::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
+    ground.values = arguments.all ? engine::eigenvalues(std::move(matrix), size) : engine::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
     return ground;
 }
 
@@ -98,7 +98,7 @@ std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans
         if (ground) try_on(results.back(), *ground);
         const double step = arguments.step > 0.0 ? arguments.step : ground ? results.back().limit->predicted.step : 1.0;
         const std::string picture = fmt::format("stability-{}.svg", plan.name);
-        if (folder.wants(picture)) folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : tasks::Eigenvalues{}, step, ground ? ground->scene : "")));
+        if (folder.wants(picture)) folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : engine::Eigenvalues{}, step, ground ? ground->scene : "")));
     }
     if (!results.empty()) folder.write("stability.csv", stability_csv(results));
     return results;

@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <memory>
 
-#include "tasks/batch/results.hpp"
-#include "tools/batch_text.hpp"
+#include "tasks/batch/results/results.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
-#include "tools/text.hpp"
+#include "tools/text/batch_text.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 

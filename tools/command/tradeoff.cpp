@@ -5,15 +5,15 @@
 #include <memory>
 
 #include "tools/command.hpp"
-#include "tools/detail_report.hpp"
 #include "tools/guard.hpp"
-#include "tools/interrupt.hpp"
-#include "tools/method_choice_text.hpp"
-#include "tools/output_folder.hpp"
+#include "tools/output/interrupt.hpp"
+#include "tools/output/output_folder.hpp"
+#include "tools/report/detail_report.hpp"
+#include "tools/report/tradeoff_report.hpp"
 #include "tools/scene_arguments.hpp"
-#include "tools/text.hpp"
-#include "tools/tradeoff_report.hpp"
-#include "tools/watch_text.hpp"
+#include "tools/text/method_choice_text.hpp"
+#include "tools/text/text.hpp"
+#include "tools/text/watch_text.hpp"
 
 namespace cvtflow::tools {
 

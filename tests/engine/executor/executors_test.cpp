@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "../allocation_fixture.hpp"
+#include "tests/engine/allocation_fixture.hpp"
 #include "engine/executor/stamp_recorder.hpp"
 #include "executor_fixture.hpp"
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "../allocation_fixture.hpp"
+#include "tests/engine/allocation_fixture.hpp"
 #include "executor_fixture.hpp"
 
 namespace cvtflow::engine {

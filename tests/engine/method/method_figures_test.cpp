@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "engine/method/analysis/order.hpp"
+#include "engine/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
-#include "engine/method/dumka3_coefficients.hpp"
-#include "engine/method/order.hpp"
-#include "engine/method/stability.hpp"
+#include "engine/method/table/dumka3_coefficients.hpp"
 
 namespace cvtflow::engine {
 namespace {

@@ -12,8 +12,8 @@
 #include <random>
 #include <vector>
 
-#include "engine/record/file_seal.hpp"
-#include "engine/record/hdf5_checksum.hpp"
+#include "engine/record/hdf5/file_seal.hpp"
+#include "engine/record/hdf5/hdf5_checksum.hpp"
 
 namespace cvtflow::engine {
 namespace {

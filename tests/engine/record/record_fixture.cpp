@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "engine/record/file_seal.hpp"
+#include "engine/record/hdf5/file_seal.hpp"
 
 namespace cvtflow::engine {
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <string>
 
-#include "engine/record/run_file.hpp"
+#include "engine/record/run/run_file.hpp"
 
 namespace cvtflow::engine {
 

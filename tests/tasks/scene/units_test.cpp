@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "model/parameters.hpp"
+#include "model/parameters/parameters.hpp"
 
 namespace cvtflow::tasks {
 namespace {

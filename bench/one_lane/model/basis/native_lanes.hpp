@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "model/kernels/isa.hpp"
+#include "model/basis/isa.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -1,0 +1,140 @@
+#include "api/host/state_bytes.hpp"
+
+#include <cstring>
+#include <cvtflow/error.hpp>
+#include <string_view>
+#include <type_traits>
+
+#include "engine/base/hash.hpp"
+
+namespace cvtflow::api {
+
+namespace {
+
+constexpr std::string_view magic = "CVTFLOW2";
+
+[[noreturn]] void reject(const char* why) { throw Error(ErrorCode::state, std::string("saved state: ") + why); }
+
+class Writer {
+public:
+    template <class T>
+    void operator()(const T& value) {
+        static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
+        const auto* from = reinterpret_cast<const std::byte*>(&value);
+        bytes.insert(bytes.end(), from, from + sizeof value);
+    }
+    void operator()(const std::optional<double>& value) {
+        (*this)(static_cast<std::uint8_t>(value.has_value()));
+        (*this)(value.value_or(0.0));
+    }
+    template <class T>
+    void operator()(const std::vector<T>& values) {
+        (*this)(static_cast<std::uint64_t>(values.size()));
+        for (const T& value : values) (*this)(value);
+    }
+    std::vector<std::byte> bytes;
+};
+
+class Reader {
+public:
+    explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
+
+    template <class T>
+    void operator()(T& value) {
+        if (rest_.size() < sizeof value) reject("it ends too early");
+        std::memcpy(&value, rest_.data(), sizeof value);
+        rest_ = rest_.subspan(sizeof value);
+    }
+    void operator()(bool& value) {
+        std::uint8_t byte = 0;
+        (*this)(byte);
+        if (byte > 1) reject("a flag is neither set nor not");
+        value = byte != 0;
+    }
+    void operator()(std::optional<double>& value) {
+        std::uint8_t given = 0;
+        double number = 0.0;
+        (*this)(given);
+        (*this)(number);
+        value = given != 0 ? std::optional(number) : std::nullopt;
+    }
+    template <class T>
+    void operator()(std::vector<T>& values) {
+        std::uint64_t size = 0;
+        (*this)(size);
+        if (size > rest_.size() / sizeof(T)) reject("a length is too large");
+        values.resize(size);
+        for (T& value : values) (*this)(value);
+    }
+    [[nodiscard]] bool empty() const noexcept { return rest_.empty(); }
+
+private:
+    std::span<const std::byte> rest_;
+};
+
+/// Every field once, for writing and reading alike.
+template <class Stream, class Record>
+void visit(Stream& stream, Record& record) {
+    auto& held = record.held;
+    auto& state = record.integration;
+    stream(record.fingerprint);
+    for (auto* value : {&held.driving, &held.driven, &held.load_torque, &held.drive_torque, &held.drive_speed, &held.ratio}) stream(*value);
+    stream(held.since);
+    stream(held.angle);
+    stream(state.started);
+    stream(state.settling);
+    for (auto* value : {&state.time, &state.begin, &state.output_interval, &state.step, &state.next_step, &state.settling_suspicion, &state.settling_residual}) stream(*value);
+    stream(state.grid_number);
+    stream(state.grid_steps);
+    stream(state.outputs);
+    stream(state.counters);
+    stream(state.state);
+    stream(state.phases);
+    stream(state.changed);
+    stream(state.before);
+    stream(state.method);
+    stream(state.energy);
+    stream(state.step_choice);
+}
+
+[[nodiscard]] std::uint64_t checksum(std::span<const std::byte> bytes) { return engine::Hash().add(bytes).value(); }
+
+}  // namespace
+
+std::uint64_t fingerprint(const tasks::Scene& scene) {
+    tasks::Scene plain = scene;
+    const tasks::RunSettings defaults;
+    plain.name = plain.description = plain.state_file = "";
+    plain.run = defaults;
+    plain.run.method = scene.run.method;
+    plain.run.step = scene.run.step;
+    plain.run.output_interval = scene.run.output_interval;
+    return engine::Hash().add(std::string_view(tasks::write_scene(plain))).value();
+}
+
+std::vector<std::byte> write_state_bytes(const StateRecord& record) {
+    Writer writer;
+    for (const char letter : magic) writer(letter);
+    visit(writer, record);
+    writer(checksum(writer.bytes));
+    return std::move(writer.bytes);
+}
+
+void check_state_bytes(std::span<const std::byte> bytes) {
+    const std::size_t frame = magic.size() + sizeof(std::uint64_t);
+    if (bytes.size() < frame || std::memcmp(bytes.data(), magic.data(), magic.size()) != 0) reject("these bytes are none of this version");
+    std::uint64_t written = 0;
+    std::memcpy(&written, bytes.data() + bytes.size() - sizeof written, sizeof written);
+    if (written != checksum(bytes.first(bytes.size() - sizeof written))) reject("it is damaged");
+}
+
+StateRecord read_state_bytes(std::span<const std::byte> bytes) {
+    check_state_bytes(bytes);
+    Reader reader(bytes.subspan(magic.size(), bytes.size() - magic.size() - sizeof(std::uint64_t)));
+    StateRecord record;
+    visit(reader, record);
+    if (!reader.empty()) reject("it is longer than it says");
+    return record;
+}
+
+}  // namespace cvtflow::api

@@ -1,0 +1,34 @@
+#pragma once
+/// An integration state as bytes, for hosts to keep and bring back. Internal to api.
+///
+///     "CVTFLOW2"  fingerprint of the scene  held inputs  integration state  FNV-1a of all before
+///
+/// Numbers lie as they are in memory (little-endian, IEEE 754): states travel between processes, not between architectures.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "model/force/pulley.hpp"
+#include "tasks/scene/scene.hpp"
+#include "tasks/step/integration_state.hpp"
+
+namespace cvtflow::api {
+
+struct StateRecord {
+    std::uint64_t fingerprint = 0;   ///< of the scene: what must agree for a state to fit
+    model::HeldInputs held;
+    tasks::IntegrationState integration;
+};
+
+/// Hash of everything in a scene that the course of a simulation depends on; schedules, names, budgets and the end of the run are not.
+[[nodiscard]] std::uint64_t fingerprint(const tasks::Scene& scene);
+
+[[nodiscard]] std::vector<std::byte> write_state_bytes(const StateRecord& record);
+/// @throws Error (state) for bytes that are damaged or of another version
+[[nodiscard]] StateRecord read_state_bytes(std::span<const std::byte> bytes);
+/// Checks frame and checksum only. @throws Error (state)
+void check_state_bytes(std::span<const std::byte> bytes);
+
+}  // namespace cvtflow::api

@@ -1,0 +1,37 @@
+#pragma once
+/// Exceptions of the inside as those of the public interface. Internal to api.
+
+#include <cvtflow/error.hpp>
+#include <exception>
+#include <new>
+
+#include "api/host/floating_defaults.hpp"
+#include "tasks/step/fault.hpp"
+
+namespace cvtflow::api {
+
+/// The public code of a fault; kinds without one of their own are other_fault.
+[[nodiscard]] ErrorCode code_of(tasks::FaultKind kind) noexcept;
+
+/// Rethrows the exception in flight as an Error: one of ours stays, lack of memory is memory, anything else is `otherwise`.
+[[noreturn]] void rethrow(ErrorCode otherwise);
+
+/// What `action` returns; what it throws, translated.
+template <class Action>
+auto translated(ErrorCode otherwise, Action&& action) -> decltype(action()) {
+    try {
+        return action();
+    } catch (...) {
+        rethrow(otherwise);
+    }
+}
+
+/// Every entry point of the interface: what `action` returns in the default floating-point environment; what it throws, translated.
+/// Reading a number rounds as the environment says, so scenes count as much as steps.
+template <class Action>
+auto entered(ErrorCode otherwise, Action&& action) -> decltype(action()) {
+    const FloatingDefaults defaults;
+    return translated(otherwise, action);
+}
+
+}  // namespace cvtflow::api

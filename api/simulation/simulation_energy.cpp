@@ -1,0 +1,31 @@
+/// The part of Simulation::Impl that says whether results can be believed.
+
+#include <cstdio>
+
+#include "api/simulation/simulation_impl.hpp"
+#include "engine/thread/worker_threads.hpp"
+
+namespace cvtflow {
+inline namespace v0 {
+
+std::vector<std::string> Simulation::Impl::notices() const {
+    std::vector<std::string> lines = simulation_.start_differences();
+    if (!energy().reliable) {
+        char text[200];
+        std::snprintf(text, sizeof text, "unreliable: the energy balance is off by %.2g times what an honest integration leaves; a shorter step is needed (run.step = \"auto\", or less)",
+                      energy().suspicion);
+        lines.emplace_back(text);
+    }
+    const engine::ThreadShortage threads = engine::thread_shortage();
+    if (threads.wanted > 0) lines.push_back("threads: the system gave " + std::to_string(threads.had) + " of " + std::to_string(threads.wanted));
+    return lines;
+}
+
+Energy Simulation::Impl::energy() const noexcept {
+    const tasks::EnergyBalance balance = simulation_.energy().balance();
+    const double suspicion = simulation_.suspicion();
+    return {balance.residual(), balance.loss, suspicion, suspicion <= 1.0};
+}
+
+}  // namespace v0
+}  // namespace cvtflow

@@ -1,0 +1,284 @@
+#include "api/simulation/simulation_impl.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "api/host/translate.hpp"
+#include "engine/base/spelling.hpp"
+#include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/run/step_advice.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/units.hpp"
+
+namespace cvtflow {
+inline namespace v0 {
+
+namespace {
+
+constexpr int most_threads = 1024;
+
+/// Who runs a simulation: one thread needs no executor but the plain loop.
+[[nodiscard]] tasks::Schedule schedule_of(const tasks::Scene& scene, Threads threads, int segments) {
+    const int links = scene.parameters.chain.pins;
+    const bool own = threads.way() == Threads::Way::own;
+    if (threads.count() < (own ? 0 : 1) || threads.count() > most_threads) {
+        throw Error(ErrorCode::argument, "threads: " + std::to_string(threads.count()) + " is outside " + (own ? "[0, 1024]" : "[1, 1024]"));
+    }
+    if (segments < 0 || segments > links) {
+        throw Error(ErrorCode::argument, "segments: " + std::to_string(segments) + " is outside [0, " + std::to_string(links) + "], the links of this chain");
+    }
+    tasks::Schedule schedule;
+    schedule.threads = threads.count() == 0 ? tasks::usable_threads() : threads.count();
+    schedule.executor = schedule.threads == 1 ? "serial" : "flow";
+    schedule.present_arena = threads.way() == Threads::Way::present;
+    schedule.segments = segments > 0 ? segments : std::min(schedule.threads, links);
+    schedule.balanced = scene.run.partition == tasks::PartitionKind::balanced;
+    schedule.assembly.kind = scene.run.assembly;
+    return schedule;
+}
+
+[[nodiscard]] bool has_pulleys(const tasks::Scene& scene) { return scene.parameters.detail.pulleys != model::PulleyDetail::absent; }
+
+/// An input: its key in scenes, whose range holds for it, and what a scene must have for it.
+struct InputRow {
+    const char* key;
+    std::optional<double> model::HeldInputs::*held;
+    const model::TimeTable& (*table)(const model::Parameters&);
+    bool (*present)(const model::Parameters&);
+    const char* needs;
+};
+
+using P = model::Parameters;
+[[nodiscard]] bool always(const P&) { return true; }
+[[nodiscard]] bool by_torque(const P& p) { return p.drive.mode == model::DriveMode::torque; }
+[[nodiscard]] bool by_speed(const P& p) { return p.drive.mode == model::DriveMode::speed; }
+[[nodiscard]] bool controlled(const P& p) { return p.control.enabled; }
+
+constexpr InputRow input_rows[] = {
+    {"clamping.driving", &model::HeldInputs::driving, [](const P& p) -> const model::TimeTable& { return p.clamping.driving; }, always, ""},
+    {"clamping.driven", &model::HeldInputs::driven, [](const P& p) -> const model::TimeTable& { return p.clamping.driven; }, always, ""},
+    {"load.torque", &model::HeldInputs::load_torque, [](const P& p) -> const model::TimeTable& { return p.load.torque; }, always, ""},
+    {"drive.torque", &model::HeldInputs::drive_torque, [](const P& p) -> const model::TimeTable& { return p.drive.torque; }, by_torque, "drive.mode = \"torque\""},
+    {"drive.speed", &model::HeldInputs::drive_speed, [](const P& p) -> const model::TimeTable& { return p.drive.speed; }, by_speed, "drive.mode = \"speed\""},
+    {"control.ratio", &model::HeldInputs::ratio, [](const P& p) -> const model::TimeTable& { return p.control.ratio; }, controlled, "control.enabled = true"},
+};
+
+[[nodiscard]] const InputRow& input_row(Input input, const tasks::Scene& scene) {
+    const auto number = static_cast<int>(input);
+    if (number < 0 || number >= static_cast<int>(std::size(input_rows))) throw Error(ErrorCode::argument, "input: there is no number " + std::to_string(number));
+    const InputRow& row = input_rows[number];
+    if (!has_pulleys(scene)) throw Error(ErrorCode::argument, std::string(row.key) + ": this scene has no pulleys");
+    if (!row.present(scene.parameters)) throw Error(ErrorCode::argument, std::string(row.key) + ": needs " + row.needs);
+    return row;
+}
+
+}  // namespace
+
+Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments)
+    : scene_(scene), threads_(threads), segments_(segments), schedule_(schedule_of(data(), threads, segments)), simulation_(data(), schedule_),
+      slope_(simulation_.variator(), simulation_.workspace().rule), observer_(simulation_.variator()) {
+    for (const tasks::Channel& row : tasks::channels()) {
+        if (row.needs_pulleys && !has_pulleys(data())) continue;
+        channels_.push_back(&row);
+        values_.emplace_back(static_cast<std::size_t>(row.width(simulation_.variator().layout())));
+    }
+}
+
+Simulation::Impl::Stay::Stay(Impl& impl, As as) : impl_(impl), entered_(impl.occupancy_.enter()) {
+    if (entered_) return;
+    const bool callback = impl.occupancy_.mine();
+    if (callback && as == As::visitor) return;
+    throw Error(ErrorCode::busy, callback ? "a simulation cannot be stepped or replaced from its own callback" : "the simulation is in use by another thread");
+}
+
+Simulation::Impl::Stay::~Stay() {
+    if (entered_) impl_.occupancy_.leave();
+}
+
+/// A process that was forked off after the first threaded step has the memory but not the threads.
+void Simulation::Impl::require_own_process() {
+    if (schedule_.threads == 1) return;
+    const pid_t here = getpid();
+    if (process_ == 0) process_ = here;
+    if (process_ != here) {
+        throw Error(ErrorCode::forked, "this simulation ran on threads before the process was forked; make a new one here, on the caller alone, and set its state");
+    }
+}
+
+double Simulation::Impl::next_stop(double until) const {
+    double stop = until;
+    if (output_callback_) stop = std::min(stop, static_cast<double>(outputs_) * output_interval_);
+    if (transition_callback_) stop = std::min(stop, simulation_.time() + data().run.output_interval);
+    return stop;
+}
+
+void Simulation::Impl::transition(const tasks::TransitionRecord& record) {
+    if (!transition_callback_) return;
+    transitions_.push_back({record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)});
+}
+
+/// Calls back what has come due, in the host's floating-point environment. The host's callbacks may replace themselves, so copies are called.
+void Simulation::Impl::deliver(Simulation& self, api::FloatingDefaults& defaults) {
+    const std::vector<Transition> happened = std::exchange(transitions_, {});
+    for (const Transition& transition : happened) {
+        const auto callback = transition_callback_;
+        if (!callback) continue;
+        const api::FloatingDefaults::Outside outside(defaults);
+        callback(self, transition);
+    }
+    const double now = simulation_.time() + 1e-9 * data().run.output_interval;
+    if (!output_callback_ || now < static_cast<double>(outputs_) * output_interval_) return;
+    outputs_ = static_cast<long>(std::floor(now / output_interval_)) + 1;
+    const auto callback = output_callback_;
+    const api::FloatingDefaults::Outside outside(defaults);
+    callback(self);
+}
+
+/// A step that would do, where the step is the likely reason of a fault.
+std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
+    using tasks::FaultKind;
+    if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave) return "";
+    const std::string& method = data().run.method;
+    const double stable = tasks::largest_stable_step(simulation_.variator(), method, simulation_.time(), simulation_.state(), simulation_.phases());
+    if (!(stable > 0.0 && std::isfinite(stable))) return "";
+    char text[64];
+    std::snprintf(text, sizeof text, " up to about %.2g s here", stable);
+    return "; " + method + " is stable for steps" + text;
+}
+
+void Simulation::Impl::advance(Simulation& self, double until, long steps) {
+    if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
+    api::FloatingDefaults defaults;
+    const Stay stay(*this, Stay::As::stepper);
+    require_own_process();
+    const double enough = until - 1e-9 * data().run.output_interval;
+    while (simulation_.time() < enough) {
+        if (cancel_.withdraw()) throw Error(ErrorCode::cancelled, "cancelled");
+        const long steps_before = simulation_.integration_state().counters.steps;
+        observation_ = nullptr;
+        const tasks::Fault fault = api::translated(ErrorCode::internal, [&] { return simulation_.advance(next_stop(until), steps, *this, cancel_); });
+        deliver(self, defaults);
+        if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
+        if (steps > 0 && (simulation_.integration_state().counters.steps != steps_before || !fault)) return;
+        if (fault) throw Error(api::code_of(fault.kind), fault.message() + advice(fault.kind));
+    }
+}
+
+std::unique_ptr<Simulation::Impl> Simulation::Impl::copy() {
+    const Stay stay(*this, Stay::As::visitor);
+    auto other = std::make_unique<Impl>(scene_, threads_, segments_);
+    other->restore(record());
+    return other;
+}
+
+api::StateRecord Simulation::Impl::record() const {
+    return {api::fingerprint(data()), simulation_.variator().pulleys().held(), simulation_.integration_state()};
+}
+
+void Simulation::Impl::restore(const StateRecord& record) {
+    const Stay stay(*this, Stay::As::stepper);
+    if (record.fingerprint != api::fingerprint(data())) throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
+    api::translated(ErrorCode::state, [&] { simulation_.restore(record.integration); });
+    hold(record.held);
+    transitions_.clear();
+    if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / output_interval_ + 1e-9)) + 1;
+}
+
+void Simulation::Impl::hold(const model::HeldInputs& held) {
+    simulation_.hold(held);
+    observation_ = nullptr;
+}
+
+void Simulation::Impl::set_input(Input input, double value) {
+    const Stay stay(*this, Stay::As::visitor);
+    const InputRow& row = input_row(input, data());
+    const tasks::Parameter& range = *tasks::find_parameter(row.key);
+    if (!(value >= range.min && value <= range.max)) {
+        throw Error(ErrorCode::argument, std::string(row.key) + ": " + tasks::number_text(value) + " is outside [" + tasks::number_text(range.min) + ", " +
+                                             tasks::number_text(range.max) + "] " + std::string(range.unit));
+    }
+    const model::PulleyModel& pulleys = simulation_.variator().pulleys();
+    model::HeldInputs held = pulleys.held();
+    if (input == Input::drive_speed) {   // the reference angle goes on from where it is
+        held.angle = pulleys.reference_angle(simulation_.time());
+        held.since = simulation_.time();
+    }
+    held.*row.held = value;
+    hold(held);
+    simulation_.inputs_changed();
+}
+
+double Simulation::Impl::input(Input input) const {
+    const InputRow& row = input_row(input, data());
+    const auto& held = simulation_.variator().pulleys().held().*row.held;
+    return held ? *held : row.table(data().parameters).at(std::max(simulation_.time(), 0.0));
+}
+
+void Simulation::Impl::rhs(double t, std::span<const double> x, std::span<double> out) {
+    const std::size_t size = static_cast<std::size_t>(simulation_.variator().layout().size());
+    if (x.size() != size || out.size() != size) {
+        throw Error(ErrorCode::argument, "rhs: spans of " + std::to_string(x.size()) + " and " + std::to_string(out.size()) + " numbers for " + std::to_string(size) + " unknowns");
+    }
+    const Stay stay(*this, Stay::As::visitor);
+    slope_(t, x.data(), out.data());
+}
+
+const tasks::Channel& Simulation::Impl::channel_row(std::size_t index) const {
+    if (index < channels_.size()) return *channels_[index];
+    throw Error(ErrorCode::argument, "channel: number " + std::to_string(index) + " of " + std::to_string(channels_.size()));
+}
+
+std::size_t Simulation::Impl::find_channel(const std::string& name) const {
+    std::vector<std::string> names;
+    for (std::size_t index = 0; index < channels_.size(); ++index) {
+        if (channels_[index]->name == name) return index;
+        names.emplace_back(channels_[index]->name);
+    }
+    throw Error(ErrorCode::argument, "channel: there is no '" + name + "'" + engine::did_you_mean(engine::closest(name, names)));
+}
+
+std::span<const double> Simulation::Impl::channel(std::size_t index) {
+    const Stay stay(*this, Stay::As::visitor);
+    const tasks::Channel& row = channel_row(index);
+    if (observation_ == nullptr) observation_ = &observer_.observe(simulation_.time(), simulation_.state(), simulation_.phases().data());
+    const tasks::Instant now{*observation_, simulation_.workspace(), simulation_.integration_state().counters, data().run.followed_pin};
+    row.read(now, values_[index].data());
+    return values_[index];
+}
+
+void Simulation::Impl::on_output(double interval, std::function<void(Simulation&)> callback) {
+    const Stay stay(*this, Stay::As::visitor);
+    if (callback && !(interval > 0.0 && std::isfinite(interval))) throw Error(ErrorCode::argument, "on_output: the interval must be positive");
+    output_callback_ = std::move(callback);
+    output_interval_ = interval;
+    if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / interval + 1e-9)) + 1;
+}
+
+tasks::FrozenStart Simulation::Impl::present() const {
+    const double* state = simulation_.state();
+    return {simulation_.time(), {state, state + simulation_.variator().layout().size()}, simulation_.phases()};
+}
+
+double Simulation::Impl::largest_stable_step() {
+    const Stay stay(*this, Stay::As::visitor);
+    return tasks::predicted_step_limit(simulation_.variator(), data().parameters, data().run.method, present()).step;
+}
+
+double Simulation::Impl::step_length() const noexcept {
+    const double interval = data().run.output_interval;
+    if (data().run.step.automatic()) return simulation_.step() > 0.0 ? simulation_.step() : simulation_.automatic_step();
+    return interval / std::max(1.0, std::ceil(interval / data().run.step * (1.0 - 1e-12)));
+}
+
+Counters Simulation::Impl::counters() const noexcept {
+    const tasks::Counters& so_far = simulation_.integration_state().counters;
+    return {so_far.steps, so_far.evaluations, so_far.detected, so_far.truncated, so_far.suppressed};
+}
+
+}  // namespace v0
+}  // namespace cvtflow

@@ -1,0 +1,98 @@
+#pragma once
+/// What stands behind a public simulation. Internal to api.
+
+#include <sys/types.h>
+
+#include <cvtflow/simulation.hpp>
+#include <optional>
+
+#include "api/host/floating_defaults.hpp"
+#include "api/host/state_bytes.hpp"
+#include "api/scene_data.hpp"
+#include "engine/executor/cancellation.hpp"
+#include "engine/thread/occupancy.hpp"
+#include "model/observe/observation.hpp"
+#include "tasks/run/channels.hpp"
+#include "tasks/run/plain_slope.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/study/stability/frozen_step.hpp"
+
+namespace cvtflow {
+inline namespace v0 {
+
+class Simulation::Impl final : private tasks::RunObserver {
+public:
+    using StateRecord = api::StateRecord;
+
+    Impl(const Scene& scene, Threads threads, int segments);
+
+    /// A stay inside the simulation: alone, or (for what callbacks may do) as the thread that is inside already.
+    class Stay {
+    public:
+        enum class As { stepper, visitor };
+        Stay(Impl& impl, As as);
+        ~Stay();
+        Stay(const Stay&) = delete;
+        Stay& operator=(const Stay&) = delete;
+
+    private:
+        Impl& impl_;
+        bool entered_;
+    };
+
+    [[nodiscard]] std::unique_ptr<Impl> copy();
+    void advance(Simulation& self, double until, long steps);
+    void cancel() noexcept { cancel_.request(); }
+    [[nodiscard]] StateRecord record() const;
+    void restore(const StateRecord& record);
+    void set_input(Input input, double value);
+    [[nodiscard]] double input(Input input) const;
+    void rhs(double t, std::span<const double> x, std::span<double> out);
+    [[nodiscard]] std::span<const double> channel(std::size_t index);
+    [[nodiscard]] const tasks::Channel& channel_row(std::size_t index) const;
+    [[nodiscard]] std::size_t find_channel(const std::string& name) const;
+    void on_output(double interval, std::function<void(Simulation&)> callback);
+    void on_transition(std::function<void(Simulation&, const Transition&)> callback) { transition_callback_ = std::move(callback); }
+    [[nodiscard]] std::vector<std::string> notices() const;
+    [[nodiscard]] Energy energy() const noexcept;
+    [[nodiscard]] double largest_stable_step();
+    [[nodiscard]] tasks::FrozenStart present() const;
+
+    [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
+    [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }
+    [[nodiscard]] std::size_t channels() const noexcept { return channels_.size(); }
+    [[nodiscard]] double step_length() const noexcept;
+    [[nodiscard]] Counters counters() const noexcept;
+
+private:
+    void output(double, const tasks::Workspace&, const tasks::Counters&) override {}
+    void transition(const tasks::TransitionRecord& record) override;
+    [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
+    void require_own_process();
+    [[nodiscard]] double next_stop(double until) const;
+    void deliver(Simulation& self, api::FloatingDefaults& defaults);
+    [[nodiscard]] std::string advice(tasks::FaultKind kind) const;
+    void hold(const model::HeldInputs& held);
+
+    Scene scene_;
+    Threads threads_;
+    int segments_;
+    tasks::Schedule schedule_;
+    tasks::Simulation simulation_;
+    tasks::PlainSlope slope_;
+    model::Observer observer_;
+    const model::Observation* observation_ = nullptr;   ///< of the present state; nullptr: not made yet
+    std::vector<const tasks::Channel*> channels_;
+    std::vector<std::vector<double>> values_;           ///< [channel][width]
+    engine::Occupancy occupancy_;
+    engine::Cancellation cancel_;
+    pid_t process_ = 0;                                 ///< in which it first ran on threads; 0: it has not
+    std::function<void(Simulation&)> output_callback_;
+    double output_interval_ = 0.0;                      ///< [s]
+    long outputs_ = 0;                                  ///< the next one is due at outputs_ * output_interval_
+    std::function<void(Simulation&, const Transition&)> transition_callback_;
+    std::vector<Transition> transitions_;               ///< not delivered yet
+};
+
+}  // namespace v0
+}  // namespace cvtflow

@@ -1,0 +1,63 @@
+#include "engine/executor/tbb/tbb_section.hpp"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <exception>
+
+namespace cvtflow::engine {
+
+struct ArenaPins::Guest {
+    std::atomic<pid_t> thread{0};  // 0: nobody
+    cpu_set_t before;
+};
+
+ArenaPins::ArenaPins(oneapi::tbb::task_arena& arena, int slots)
+    : task_scheduler_observer(arena), slots_(slots), guests_(std::make_unique<Guest[]>(static_cast<std::size_t>(slots))) {
+    observe(true);
+}
+
+ArenaPins::~ArenaPins() {
+    observe(false);  // returns when no callback is under way
+    for (int slot = 0; slot < slots_; ++slot) {
+        const Guest& guest = guests_[static_cast<std::size_t>(slot)];
+        if (const pid_t thread = guest.thread.load(); thread != 0) sched_setaffinity(thread, sizeof guest.before, &guest.before);
+    }
+}
+
+void ArenaPins::on_scheduler_entry(bool /*worker*/) {
+    const int slot = oneapi::tbb::this_task_arena::current_thread_index();
+    if (slot < 0 || slot >= slots_ || !processors_.known()) return;
+    Guest& guest = guests_[static_cast<std::size_t>(slot)];
+    const cpu_set_t only = processors_.only(slot);
+    if (sched_getaffinity(0, sizeof guest.before, &guest.before) != 0) return;
+    if (sched_setaffinity(0, sizeof only, &only) == 0) guest.thread.store(gettid());
+}
+
+void ArenaPins::on_scheduler_exit(bool /*worker*/) {
+    const int slot = oneapi::tbb::this_task_arena::current_thread_index();
+    if (slot < 0 || slot >= slots_) return;
+    Guest& guest = guests_[static_cast<std::size_t>(slot)];
+    if (guest.thread.exchange(0) == gettid()) sched_setaffinity(0, sizeof guest.before, &guest.before);
+}
+
+TbbSection::TbbSection(int threads, bool pin, bool present) : grant_(std::min(threads, std::max(1, most_threads()))) {
+    if (!present || grant_.threads() < std::min(threads, most_threads())) arena_.emplace(grant_.threads(), 1);
+    if (grant_.fresh()) try_workers();
+    if (pin) pins_ = std::make_unique<ArenaPins>(*arena_, threads);
+}
+
+void TbbSection::try_workers() {
+    try {
+        execute([&](oneapi::tbb::task_group_context& context) {
+            oneapi::tbb::parallel_for(0, grant_.threads(), [](int) {}, oneapi::tbb::simple_partitioner(), context);
+        });
+    } catch (const std::exception&) {
+        grant_.refused();
+        context_.reset();
+        arena_.emplace(1, 1);
+    }
+}
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,104 @@
+#pragma once
+/// Internal to engine/record: owned HDF5 identifiers, and HDF5's errors as exceptions. Not for public headers.
+
+#include <hdf5.h>
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "engine/record/run/schema.hpp"
+
+namespace cvtflow::engine::hdf5 {
+
+/// A failure without the file's name: "what was tried: reason". guarded() adds the name and makes a RecordError of it.
+struct Failure : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// While one of these lives, this thread's HDF5 prints no error stack. Restores what the host program had set.
+class QuietErrors {
+public:
+    QuietErrors() noexcept;
+    ~QuietErrors();
+    QuietErrors(const QuietErrors&) = delete;
+    QuietErrors& operator=(const QuietErrors&) = delete;
+
+private:
+    H5E_auto2_t print_ = nullptr;
+    void* client_ = nullptr;
+};
+
+/// The reason in HDF5's present error stack: the system's message if a system call failed, else the innermost description.
+[[nodiscard]] std::string last_reason();
+
+/// Throws Failure("what: reason") if an HDF5 call returned a negative number; otherwise hands that number back.
+template <class Result>
+Result check(Result result, std::string_view what) {
+    if (result < 0) {
+        throw Failure(std::string(what) + ": " + last_reason());
+    }
+    return result;
+}
+
+/// Owner of one identifier of HDF5.
+class Handle {
+public:
+    using Close = herr_t (*)(hid_t);
+
+    Handle() = default;
+    /// Throws Failure("what: reason") if id is negative, as HDF5 reports a failed call.
+    Handle(hid_t id, Close closer, std::string_view what) : id_(check(id, what)), close_(closer) {}
+    Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+    Handle& operator=(Handle&& other) noexcept {
+        std::swap(id_, other.id_);
+        std::swap(close_, other.close_);
+        return *this;
+    }
+    ~Handle() { release(); }
+
+    [[nodiscard]] hid_t id() const noexcept { return id_; }
+    [[nodiscard]] explicit operator bool() const noexcept { return id_ >= 0; }
+    /// Closes and reports failure, which a destructor cannot.
+    void close(std::string_view what);
+    /// Closes; failure is ignored.
+    void release() noexcept;
+
+private:
+    hid_t id_ = -1;
+    Close close_ = nullptr;
+};
+
+/// Runs the body quietly and turns its Failure into RecordError("path: what was tried: reason").
+template <class Body>
+decltype(auto) guarded(const std::string& path, Body&& body) {
+    const QuietErrors quiet;
+    try {
+        return body();
+    } catch (const Failure& failure) {
+        throw RecordError(path + ": " + failure.what());
+    }
+}
+
+/// Bytes that the file of an identifier has on disk now; the size in its header may be any number. Throws Failure.
+[[nodiscard]] std::uint64_t bytes_on_disk(hid_t file);
+/// Descriptor of an open file. Throws Failure.
+[[nodiscard]] int descriptor_of(hid_t file);
+
+/// For iterations: appends a name to the std::vector<std::string> behind `names`. @return what HDF5 wants: 0, or -1 without memory
+[[nodiscard]] herr_t note_name(const char* name, void* names) noexcept;
+
+/// After a failed write HDF5 1.10 still wants to write what it holds, fails to close, and crashes at the end of the program. So its
+/// descriptor is turned to memory: closing succeeds, and the file stays as it was at the first failed write.
+void divert_writes(hid_t file) noexcept;
+
+/// Access properties for reading a file that may be open for writing: what does not have its checksum is read again, as it may be half written,
+/// but not for ever. HDF5 waits 1 ns, 2 ns, 4 ns …: 22 times take 5 ms, its own 100 times the age of the universe.
+[[nodiscard]] Handle live_access();
+
+/// Access properties of all our files: format of HDF5 1.10 (which single-writer-multiple-reader needs), and none of HDF5's file locks,
+/// because with them a reader who looks at a running simulation's file can end the simulation.
+[[nodiscard]] Handle file_access();
+
+}  // namespace cvtflow::engine::hdf5

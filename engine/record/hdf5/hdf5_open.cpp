@@ -1,0 +1,114 @@
+#include "engine/record/hdf5/hdf5_open.hpp"
+
+#include <cstring>
+#include <new>
+#include <regex>
+
+#include "engine/record/hdf5/hdf5_attribute.hpp"
+#include "engine/record/hdf5/hdf5_trial.hpp"
+
+namespace cvtflow::engine::hdf5 {
+namespace {
+
+constexpr std::size_t memory_to_open = std::size_t{4} << 20U;   ///< HDF5 takes less than 2 MiB to open a file of ours and to read an array
+
+/// HDF5 1.10 crashes where it gets no memory, so whether there is some is asked before. (A new expression may be optimised away.)
+void require_memory() { ::operator delete(::operator new(memory_to_open)); }
+
+/// HDF5's mark, and the version of its format: until version 1 nothing in a file has a checksum, and ours were never of these.
+enum class Marked { no, old, yes };
+
+Marked mark_of(const InputFile& file) {
+    constexpr char mark[] = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
+    std::byte head[9]{};
+    const std::size_t found = file.read(0, head, sizeof head);
+    if (found < sizeof mark || std::memcmp(head, mark, sizeof mark) != 0) {
+        return Marked::no;
+    }
+    return found == sizeof head && head[8] < std::byte{2} ? Marked::old : Marked::yes;
+}
+
+/// A file that was not closed carries a mark that only readers of live files (SWMR) pass over.
+Handle open_closed_or_live(const std::string& path) {
+    const Handle access = file_access();
+    const hid_t closed = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
+    if (closed >= 0) {
+        return {closed, H5Fclose, ""};
+    }
+    const std::string reason = last_reason();
+    if (reason.find("SWMR") != std::string::npos || reason.find("already open for write") != std::string::npos) {
+        return {H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, live_access().id()), H5Fclose, "live"};
+    }
+    throw Failure(reason);
+}
+
+[[noreturn]] void throw_damaged(const std::string& path, const std::string& reason) { throw RecordError(path + ": damaged HDF5 file (" + reason + ")"); }
+
+[[noreturn]] void throw_unreadable(const std::string& path, const std::string& reason) {
+    static const std::regex truncated("truncated file: eof = ([0-9]+), .*stored_eof = ([0-9]+)");
+    if (std::smatch sizes; std::regex_search(reason, sizes, truncated)) {
+        throw RecordError(path + ": truncated HDF5 file: " + sizes[1].str() + " bytes of " + sizes[2].str());
+    }
+    throw_damaged(path, reason);
+}
+
+void require_kind(hid_t file, const std::string& path, const FileKind& kind) {
+    const std::string found = read_text(file, "format");
+    if (found != kind.format) {
+        throw RecordError(path + ": an HDF5 file, but not a " + kind.format + (found.empty() ? "" : " (format: '" + found + "')"));
+    }
+    if (const std::int64_t given = read_integer(file, "format_version", 0); given > kind.version) {
+        throw RecordError(path + ": format version " + std::to_string(given) + " is newer than this program reads (" +
+                          std::to_string(kind.version) + ")");
+    }
+}
+
+/// The file that was looked at; in the moment between, another one may have taken its name.
+Handle open_that(const std::string& path, const InputFile& looked_at) {
+    Handle file = open_closed_or_live(path);
+    if (!looked_at.same_as(descriptor_of(file.id()))) {
+        throw Failure("another file took its name while it was opened");
+    }
+    return file;
+}
+
+OpenFile open_input(const std::string& path, const FileKind& kind) {
+    const InputFile input(path);
+    const Marked mark = mark_of(input);
+    if (mark == Marked::no) {
+        throw RecordError(path + ": not an HDF5 file");
+    }
+    if (mark == Marked::old) {
+        throw RecordError(path + ": an HDF5 file, but not a " + kind.format);
+    }
+    const Seal seal = look_at_seal(input);
+    if (seal == Seal::broken) {
+        throw_damaged(path, "it is not what was sealed when it was finished: its checksum differs");
+    }
+    OpenFile open{{}, seal == Seal::whole};
+    try {
+        survive([&] { look_at_everything(open_that(path, input).id()); });
+        open.file = open_that(path, input);
+    } catch (const Failure& failure) {
+        throw_unreadable(path, failure.what());
+    }
+    guarded(path, [&] { require_kind(open.file.id(), path, kind); });
+    if (kind.always_sealed && !open.sealed) {
+        throw_damaged(path, "it has no seal: changed after it was finished, or its end is missing");
+    }
+    return open;
+}
+
+}  // namespace
+
+OpenFile open_for_reading(const std::string& path, const FileKind& kind) {
+    const QuietErrors quiet;
+    require_memory();
+    try {
+        return open_input(path, kind);
+    } catch (const InputError& error) {
+        throw RecordError(path + ": " + error.what());
+    }
+}
+
+}  // namespace cvtflow::engine::hdf5

@@ -1,0 +1,236 @@
+#include "engine/record/hdf5/hdf5_series.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace cvtflow::engine::hdf5 {
+namespace {
+
+constexpr std::size_t most_row_bytes = std::size_t{1} << 24U;      ///< a state of two million unknowns
+constexpr std::size_t most_chunk_bytes = std::size_t{1} << 26U;    ///< HDF5 takes memory for a chunk whatever is in it
+constexpr std::size_t most_inflated = 1032;                        ///< deflate cannot make more of a byte
+constexpr int deepest_group = 8;
+constexpr std::size_t most_objects = 100'000;                      ///< groups may contain one another
+
+/// Throws Failure for filters other than ours. @return how many bytes one byte of the file may become
+std::size_t inflation(hid_t creation, const std::string& what) {
+    std::size_t inflated = 1;
+    const int filters = check(H5Pget_nfilters(creation), what);
+    for (int i = 0; i < filters; ++i) {
+        unsigned flags = 0, configuration = 0;
+        std::size_t count = 0;
+        const H5Z_filter_t filter = H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &count, nullptr, 0, nullptr, &configuration);
+        if ((filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE) || inflated > most_inflated) {
+            throw Failure(what + ": unknown filters");
+        }
+        inflated *= filter == H5Z_FILTER_DEFLATE ? most_inflated : 1;
+    }
+    return inflated;
+}
+
+struct Listing {
+    std::vector<std::string> datasets;
+    std::size_t objects = 0;
+};
+
+void collect_datasets(hid_t file, const std::string& group, const std::string& prefix, int depth, Listing& found) {
+    const std::string what = "cannot list '" + group + "'";
+    if (depth > deepest_group) {
+        throw Failure(what + ": nested too deeply");
+    }
+    std::vector<std::string> names;
+    const auto collect = [](hid_t, const char* name, const H5L_info_t* link, void* client) -> herr_t {
+        return link->type == H5L_TYPE_HARD ? note_name(name, client) : 0;
+    };
+    {
+        const Handle handle(H5Gopen2(file, group.c_str(), H5P_DEFAULT), H5Gclose, what);
+        // In HDF5's own order: for any other it makes a table of the links, and where a read fails in that it frees what it has not filled.
+        check(H5Literate(handle.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), what);
+        std::sort(names.begin(), names.end());
+    }
+    if ((found.objects += names.size()) > most_objects) {
+        throw Failure(what + ": too many objects");
+    }
+    for (const std::string& name : names) {
+        const std::string path = group + "/" + name;
+        const Handle object(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + path + "'");
+        const H5I_type_t kind = H5Iget_type(object.id());
+        if (kind == H5I_DATASET) {
+            found.datasets.push_back(prefix + name);
+        } else if (kind == H5I_GROUP) {
+            collect_datasets(file, path, prefix + name + "/", depth + 1, found);
+        }
+    }
+}
+
+}  // namespace
+
+Handle create_series(hid_t file, const SeriesShape& shape) {
+    const std::string what = "cannot create dataset '" + shape.path + "'";
+    const int rank = shape.flat ? 1 : 2;
+    const std::array<hsize_t, 2> none{0, shape.width};
+    const std::array<hsize_t, 2> unlimited{H5S_UNLIMITED, shape.width};
+    const std::array<hsize_t, 2> chunk{shape.chunk, shape.width};
+    const Handle space(H5Screate_simple(rank, none.data(), unlimited.data()), H5Sclose, what);
+    const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose, what);
+    check(H5Pset_create_intermediate_group(links.id(), 1), what);
+    const Handle layout(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, what);
+    check(H5Pset_chunk(layout.id(), rank, chunk.data()), what);
+    if (shape.deflate > 0) {
+        check(H5Pset_shuffle(layout.id()), what);
+        check(H5Pset_deflate(layout.id(), static_cast<unsigned>(shape.deflate)), what);
+    }
+    if (H5Tget_class(shape.type) == H5T_FLOAT) {
+        const double missing = std::numeric_limits<double>::quiet_NaN();
+        check(H5Pset_fill_value(layout.id(), H5T_NATIVE_DOUBLE, &missing), what);
+    }
+    return {H5Dcreate2(file, shape.path.c_str(), shape.type, space.id(), links.id(), layout.id(), H5P_DEFAULT), H5Dclose, what};
+}
+
+Handle open_series(hid_t file, const std::string& path) {
+    return {H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open '" + path + "'"};
+}
+
+Series::Series(hid_t file, std::string path, Cells cells, int most_rank) : path_(std::move(path)) {
+    if (!has_object(file, path_)) {
+        fail("it is not there");
+    }
+    {
+        const Handle object(H5Oopen(file, path_.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + path_ + "'");
+        if (H5Iget_type(object.id()) != H5I_DATASET) {
+            fail("it is no dataset");
+        }
+    }
+    dataset_ = open_series(file, path_);
+    require_type(cells);
+    require_extent(most_rank);
+    require_storage(file);
+}
+
+void Series::fail(const std::string& reason) const { throw Failure("cannot read '" + path_ + "': " + reason); }
+
+void Series::require_type(Cells cells) const {
+    const Handle type(H5Dget_type(id()), H5Tclose, "cannot read the type of '" + path_ + "'");
+    const H5T_class_t kind = H5Tget_class(type.id());
+    const std::size_t size = H5Tget_size(type.id());
+    if (cells == Cells::reals && (kind != H5T_FLOAT || size != sizeof(double))) {
+        fail("it is not of float64");
+    }
+    if (cells == Cells::bytes && (kind != H5T_INTEGER || size != 1)) {
+        fail("it is not of uint8");
+    }
+    if (cells == Cells::records) {
+        require_record_type(type.id(), "cannot read '" + path_ + "'");
+    }
+}
+
+void Series::require_extent(int most_rank) {
+    const Handle space(H5Dget_space(id()), H5Sclose, "cannot read the shape of '" + path_ + "'");
+    const int rank = H5Sget_simple_extent_type(space.id()) == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space.id()) : 0;
+    if (rank < 1 || rank > most_rank) {
+        fail("it has rank " + std::to_string(rank));
+    }
+    std::array<hsize_t, 2> sizes{0, 1};
+    check(H5Sget_simple_extent_dims(space.id(), sizes.data(), nullptr), "cannot read the shape of '" + path_ + "'");
+    rank_ = rank;
+    rows_ = sizes[0];
+    width_ = sizes[1];
+}
+
+/// Data lie in the file itself, and there is as much of them as the extent says: a file of some kilobytes can promise terabytes of fill values.
+void Series::require_storage(hid_t file) const {
+    const std::string what = "cannot read '" + path_ + "'";
+    const Handle type(H5Dget_type(id()), H5Tclose, what);
+    const std::size_t cell = H5Tget_size(type.id());
+    if (width_ == 0 || cell == 0 || width_ > most_row_bytes / cell) {
+        fail("its rows are " + std::string(width_ == 0 ? "empty" : "too long"));
+    }
+    const Handle creation(H5Dget_create_plist(id()), H5Pclose, what);
+    const H5D_layout_t layout = H5Pget_layout(creation.id());
+    if ((layout != H5D_CHUNKED && layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) || H5Pget_external_count(creation.id()) != 0) {
+        fail("its data are not in the file");
+    }
+    if (layout == H5D_CHUNKED) {
+        std::array<hsize_t, 2> chunk{1, 1};
+        check(H5Pget_chunk(creation.id(), rank_, chunk.data()), what);
+        if (chunk[0] == 0 || chunk[1] == 0 || chunk[1] > most_chunk_bytes / cell || chunk[0] > most_chunk_bytes / (cell * chunk[1])) {
+            fail("its chunks are too large");
+        }
+    }
+    const std::size_t row = width_ * cell;
+    if (rows_ > bytes_on_disk(file) * inflation(creation.id(), what) / row) {
+        fail("it says " + std::to_string(rows_) + " rows of " + std::to_string(row) + " bytes, for which the file is too small");
+    }
+}
+
+void Series::read(hid_t type, std::size_t first, std::size_t count, void* memory, std::size_t bytes) const {
+    if (first > rows_ || count > rows_ - first) {
+        fail("it has " + std::to_string(rows_) + " rows, not " + std::to_string(first + count));
+    }
+    if (bytes != count * width_ * H5Tget_size(type)) {
+        fail("its rows have another size");
+    }
+    if (count == 0) {
+        return;
+    }
+    const std::string what = "cannot read '" + path_ + "'";
+    const std::array<hsize_t, 2> begin{first, 0};
+    const std::array<hsize_t, 2> block{count, width_};
+    const Handle file_rows(H5Dget_space(id()), H5Sclose, what);
+    check(H5Sselect_hyperslab(file_rows.id(), H5S_SELECT_SET, begin.data(), nullptr, block.data(), nullptr), what);
+    const Handle memory_rows(H5Screate_simple(rank_, block.data(), nullptr), H5Sclose, what);
+    check(H5Dread(id(), type, memory_rows.id(), file_rows.id(), H5P_DEFAULT, memory), what);
+}
+
+std::vector<double> Series::reals(std::size_t first, std::size_t count) const {
+    if (first > rows_ || count > rows_ - first) {   // before memory is taken
+        fail("it has " + std::to_string(rows_) + " rows, not " + std::to_string(first) + " and " + std::to_string(count));
+    }
+    std::vector<double> values(count * width_);
+    read(H5T_NATIVE_DOUBLE, first, count, values.data(), values.size() * sizeof(double));
+    return values;
+}
+
+bool has_object(hid_t file, const std::string& path) {
+    for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
+        const std::string part = path.substr(0, end);
+        H5L_info_t link{};
+        if (H5Lexists(file, part.c_str(), H5P_DEFAULT) <= 0 || H5Lget_info(file, part.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) {
+            return false;
+        }
+        if (end == std::string::npos) {
+            return true;
+        }
+        const Handle object(H5Oopen(file, part.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + part + "'");
+        if (H5Iget_type(object.id()) != H5I_GROUP) {
+            return false;
+        }
+    }
+}
+
+std::vector<std::string> dataset_names(hid_t file, const std::string& group) {
+    Listing found;
+    if (group == "/" || has_object(file, group)) {
+        collect_datasets(file, group, "", 0, found);
+    }
+    return std::move(found.datasets);
+}
+
+int require_record_type(hid_t type, const std::string& what) {
+    if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_size(type) > most_row_bytes) {
+        throw Failure(what + ": it is no table");
+    }
+    const int members = check(H5Tget_nmembers(type), what);
+    for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {
+        const Handle member(H5Tget_member_type(type, i), H5Tclose, what);
+        const H5T_class_t kind = H5Tget_class(member.id());
+        const bool text = kind == H5T_STRING && check(H5Tis_variable_str(member.id()), what) == 0;
+        if (!text && ((kind != H5T_INTEGER && kind != H5T_FLOAT) || H5Tget_size(member.id()) != 8)) {
+            throw Failure(what + ": its column " + std::to_string(i + 1) + " is neither text nor an 8-byte number");
+        }
+    }
+    return members;
+}
+
+}  // namespace cvtflow::engine::hdf5

@@ -1,0 +1,72 @@
+#pragma once
+/// Internal to engine/record: datasets whose first dimension is time or number.
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "engine/record/hdf5/hdf5_handle.hpp"
+
+namespace cvtflow::engine::hdf5 {
+
+/// What one extendible dataset is made of.
+struct SeriesShape {
+    std::string path;        ///< "/channels/links/tension"
+    hid_t type = -1;         ///< of one element, in memory and in the file
+    std::size_t width = 1;   ///< elements per row
+    bool flat = true;        ///< [rows]; otherwise [rows, width]
+    int deflate = 0;         ///< 0…9
+    std::size_t chunk = 1;   ///< rows per chunk
+};
+
+/// Creates an empty dataset [0…unlimited(, width)] and the groups it is in. Reals that were never written read as NaN. Throws Failure.
+[[nodiscard]] Handle create_series(hid_t file, const SeriesShape& shape);
+
+/// Opens a dataset without a look at what it is, for writing on. Throws Failure("cannot open '<path>': reason").
+[[nodiscard]] Handle open_series(hid_t file, const std::string& path);
+
+/// What an element must be.
+enum class Cells { reals, bytes, records };   ///< float64; 8-bit integers; compounds of 8-byte numbers and texts
+
+/// A dataset of a file that may say anything: nothing is believed, and nothing allocated, that the file's size does not allow.
+class Series {
+public:
+    /// Throws Failure("cannot read '<path>': reason") for what is no dataset reached by hard links, has another type or rank, data elsewhere,
+    /// filters other than shuffle and deflate, or more rows than the file's bytes can hold.
+    /// @param most_rank 1: [rows] only; 2: [rows, width] as well
+    Series(hid_t file, std::string path, Cells cells, int most_rank = 1);
+
+    [[nodiscard]] hid_t id() const noexcept { return dataset_.id(); }
+    [[nodiscard]] std::size_t rows() const noexcept { return rows_; }
+    /// Elements per row; 1 if the rank is 1.
+    [[nodiscard]] std::size_t width() const noexcept { return width_; }
+    [[nodiscard]] int rank() const noexcept { return rank_; }
+
+    /// Copies rows first … first + count - 1, converted to `type`. Throws Failure if they are not all there, or damaged.
+    /// @param bytes that `memory` has; must be count * width elements of `type`
+    void read(hid_t type, std::size_t first, std::size_t count, void* memory, std::size_t bytes) const;
+    [[nodiscard]] std::vector<double> reals(std::size_t first, std::size_t count) const;
+
+private:
+    [[noreturn]] void fail(const std::string& reason) const;
+    void require_type(Cells cells) const;
+    void require_extent(int most_rank);
+    void require_storage(hid_t file) const;
+
+    std::string path_;
+    Handle dataset_;
+    std::size_t rows_ = 0;
+    std::size_t width_ = 1;
+    int rank_ = 1;
+};
+
+/// Whether there is an object of that path, by hard links from group to group.
+[[nodiscard]] bool has_object(hid_t file, const std::string& path);
+/// Paths of all datasets of a group and of the groups in it, relative to it, sorted; empty if it is not there. Throws Failure, also for groups
+/// nested deeper than names of channels are.
+[[nodiscard]] std::vector<std::string> dataset_names(hid_t file, const std::string& group);
+
+/// Throws Failure for a compound that is made of anything but 8-byte numbers and texts of fixed length. @return its members
+int require_record_type(hid_t type, const std::string& what);
+
+}  // namespace cvtflow::engine::hdf5

@@ -1,0 +1,129 @@
+#include "engine/record/hdf5/hdf5_trial.hpp"
+
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/time.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <new>
+
+#include "engine/record/hdf5/hdf5_attribute.hpp"
+#include "engine/record/hdf5/hdf5_series.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+bool files_are_tried = false;   // set by a program's main(), before there are threads
+
+constexpr int out_of_memory = 3;   ///< exit status of a child
+
+[[nodiscard]] bool single_threaded() {
+    std::error_code unknown;
+    const std::filesystem::directory_iterator threads("/proc/self/task", unknown);
+    return !unknown && std::distance(begin(threads), end(threads)) == 1;
+}
+
+void limit(decltype(RLIMIT_AS) what, rlim_t most) noexcept {
+    rlimit now{};
+    if (getrlimit(what, &now) != 0) return;
+    now.rlim_cur = std::min(now.rlim_max, std::min(now.rlim_cur, most));
+    setrlimit(what, &now);
+}
+
+void limit_child() {
+    constexpr rlim_t gibibyte = rlim_t{1} << 30U;
+    std::ifstream sizes("/proc/self/statm");
+    rlim_t pages = 0;
+    sizes >> pages;
+    limit(RLIMIT_AS, pages * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + gibibyte);
+    limit(RLIMIT_CORE, 0);
+    for (const int signal : {SIGALRM, SIGPROF, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGTERM}) std::signal(signal, SIG_DFL);
+    const itimerval of_processor{{0, 0}, {1, 0}};
+    setitimer(ITIMER_PROF, &of_processor, nullptr);
+    alarm(5);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+}
+
+[[noreturn]] void be_the_child(const std::function<void()>& look) {
+    files_are_tried = false;
+    int status = 0;
+    try {
+        limit_child();
+        look();
+    } catch (const std::bad_alloc&) {
+        status = out_of_memory;
+    } catch (...) {   // what it says, the parent will say
+    }
+    _exit(status);
+}
+
+}  // namespace
+
+void try_files_first() noexcept { files_are_tried = true; }
+
+namespace hdf5 {
+namespace {
+
+void look_at_series(hid_t file, const std::string& path) {
+    for (const Cells cells : {Cells::reals, Cells::bytes}) {
+        try {
+            const Series series(file, path, cells, 2);
+            static_cast<void>(read_attributes(series.id()));
+            std::vector<double> row(series.width());
+            for (const std::size_t number : {std::size_t{0}, series.rows() - 1}) {
+                if (series.rows() > 0) series.read(H5T_NATIVE_DOUBLE, number, 1, row.data(), row.size() * sizeof(double));
+            }
+        } catch (const Failure&) {
+        }
+    }
+}
+
+/// Rows of a table, as they lie in the file.
+void look_at_table(hid_t file, const std::string& path) {
+    try {
+        const Series series(file, path, Cells::records);
+        static_cast<void>(read_attributes(series.id()));
+        const Handle type(H5Dget_type(series.id()), H5Tclose, "");
+        std::vector<std::byte> row(H5Tget_size(type.id()));
+        for (const std::size_t number : {std::size_t{0}, series.rows() - 1}) {
+            if (series.rows() > 0) series.read(type.id(), number, 1, row.data(), row.size());
+        }
+    } catch (const Failure&) {
+    }
+}
+
+}  // namespace
+
+void look_at_everything(hid_t file) {
+    try {
+        static_cast<void>(read_attributes(file));
+    } catch (const Failure&) {
+    }
+    for (const std::string& name : dataset_names(file, "/")) {
+        look_at_series(file, "/" + name);
+        look_at_table(file, "/" + name);
+    }
+}
+
+void survive(const std::function<void()>& look) {
+    if (!files_are_tried || !single_threaded()) return;
+    const pid_t child = fork();
+    if (child < 0) return;   // no processes to be had: as in a host
+    if (child == 0) be_the_child(look);
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (WIFSIGNALED(status)) {
+        const bool late = WTERMSIG(status) == SIGALRM || WTERMSIG(status) == SIGPROF;
+        throw Failure(late ? "it takes HDF5 too long" : "HDF5 crashes on it");
+    }
+    if (WEXITSTATUS(status) == out_of_memory) throw Failure("HDF5 wants more than 1 GiB for it");
+}
+
+}  // namespace hdf5
+}  // namespace cvtflow::engine

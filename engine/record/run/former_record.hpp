@@ -1,0 +1,38 @@
+#pragma once
+/// A record that goes on: what an earlier run wrote up to a checkpoint, copied into the record of the run that continues it.
+///
+/// A file that HDF5 had open for writing when its process was killed is safe to read but not to write. So the rows are copied. At every
+/// instant either `<path>.before` holds all rows up to the checkpoint, or the new `<path>.part` does, on disk.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/record/run/run_file.hpp"
+
+namespace cvtflow::engine {
+
+/// Rows of one kind: how many, and a checksum over all of them in their order.
+struct RowsWritten {
+    std::size_t count = 0;
+    std::uint64_t sum = 0;
+
+    /// @param values one row; time and phases, where there are any, go with it
+    void add(double time, std::span<const double> values, std::span<const std::uint8_t> phases = {}) noexcept;
+    bool operator==(const RowsWritten&) const = default;
+};
+
+/// How much of a record had been written at a checkpoint, and what. A record that is not finished has no seal: this is what it is compared with.
+struct RecordPosition {
+    RowsWritten channels;
+    RowsWritten states;
+    std::vector<RowsWritten> tables{};   ///< in the order of RunContents; rows of a table come without time
+};
+
+/// Copies the first rows of a record into a new one of the same contents, which is then flushed to disk.
+/// Errors (RecordError): the former holds less than that, or other numbers, e.g. since it is another run's; other channels; damaged.
+void copy_record(const std::string& former, const RecordPosition& until, const RunContents& contents, RunFile& file);
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,201 @@
+#include "engine/record/run/part_file.hpp"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "engine/record/hdf5/file_seal.hpp"
+#include "engine/record/run/schema.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string folder_of(const std::string& path) {
+    const std::string folder = fs::path(path).parent_path().string();
+    return folder.empty() ? "." : folder;
+}
+
+/// What is under a name and must not be replaced; empty: nothing, or a plain file. A rename would put a file in the place of a device, and of
+/// a link instead of what it points to; a file that is opened through a link is somebody else's.
+std::string other_than_file(const std::string& path) {
+    struct stat file {};
+    if (lstat(path.c_str(), &file) != 0 || S_ISREG(file.st_mode)) return "";
+    if (S_ISLNK(file.st_mode)) return "a symbolic link; name what it points to";
+    return S_ISDIR(file.st_mode) ? "a folder, not a file" : "a device, pipe or socket, not a file";
+}
+
+void require_plain(const std::string& path) {
+    if (const std::string other = other_than_file(path); !other.empty()) throw RecordError(path + ": cannot create: " + other);
+}
+
+void require_place(const std::string& final_path, const std::string& part_path, bool replace) {
+    std::error_code ignored;
+    require_replaceable(final_path);
+    if (!replace && fs::exists(final_path, ignored)) {
+        throw RecordError(final_path + ": cannot create: the file exists");
+    }
+    if (!replace && fs::exists(part_path, ignored)) {
+        throw RecordError(part_path + ": cannot create: the file exists (a run is writing it, or was killed)");
+    }
+}
+
+/// Whether the path still names the file that is open; not so if another writer has just finished and renamed it.
+bool still_named(int descriptor, const std::string& path) {
+    struct stat open_file {};
+    struct stat named_file {};
+    return fstat(descriptor, &open_file) == 0 && stat(path.c_str(), &named_file) == 0 && open_file.st_ino == named_file.st_ino &&
+           open_file.st_dev == named_file.st_dev;
+}
+
+/// A new file, or the plain one that a killed run left: never through a link, and none that has a second name elsewhere. @return -1 and errno
+int open_part(const std::string& path) {
+    constexpr int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC;
+    const int fresh = open(path.c_str(), flags | O_CREAT | O_EXCL, 0666);
+    if (fresh >= 0 || errno != EEXIST) return fresh;
+    const int left = open(path.c_str(), flags);
+    struct stat file {};
+    if (left < 0 || (fstat(left, &file) == 0 && S_ISREG(file.st_mode) && file.st_nlink <= 1)) return left;
+    ::close(left);
+    errno = EEXIST;
+    return -1;
+}
+
+/// An open-file-description lock: gone with the process, however it ends, and unseen by HDF5, which asks for flock locks.
+bool lock(int descriptor) {
+    struct flock whole {};
+    whole.l_type = F_WRLCK;
+    whole.l_whence = SEEK_SET;
+    return fcntl(descriptor, F_OFD_SETLK, &whole) == 0 || (errno != EAGAIN && errno != EACCES);
+}
+
+}  // namespace
+
+void require_replaceable(const std::string& path) {
+    if (path.empty()) throw RecordError("cannot create a file without a name");
+    if (path.back() == '/') throw RecordError(path + ": cannot create: a folder, not a file");
+    for (const char* suffix : {"", ".part"}) require_plain(path + suffix);
+    std::error_code ignored;
+    const std::string folder = folder_of(path);
+    if (!fs::is_directory(folder, ignored)) throw RecordError(path + ": cannot create: the folder '" + folder + "' does not exist");
+    if (access(folder.c_str(), W_OK) != 0) throw RecordError(path + ": cannot create: " + std::strerror(errno));
+}
+
+PartFile::PartFile(std::string final_path, bool replace) : final_path_(std::move(final_path)), part_path_(final_path_ + ".part") {
+    require_place(final_path_, part_path_, replace);
+    descriptor_ = open_part(part_path_);
+    if (descriptor_ < 0) {
+        throw RecordError(part_path_ + ": cannot create: " + std::strerror(errno));
+    }
+    if (!lock(descriptor_) || !still_named(descriptor_, part_path_)) {
+        ::close(descriptor_);
+        throw RecordError(part_path_ + ": cannot create: another run is writing it");
+    }
+    if (ftruncate(descriptor_, 0) != 0) {
+        const int reason = errno;
+        ::close(descriptor_);
+        throw RecordError(part_path_ + ": cannot empty: " + std::strerror(reason));
+    }
+}
+
+PartFile::~PartFile() {
+    if (descriptor_ >= 0) {
+        ::close(descriptor_);
+    }
+}
+
+int PartFile::reserve(std::size_t end) noexcept {
+    rlimit limit{};
+    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && end > limit.rlim_cur) {
+        return EFBIG;
+    }
+    if (end <= reserved_) {
+        return 0;
+    }
+    // Large steps keep the file in few pieces; if they do not fit any more, what is needed may still.
+    constexpr std::size_t step = std::size_t{4} << 20U;
+    for (const std::size_t target : {end + step, end}) {
+        if (fallocate(descriptor_, FALLOC_FL_KEEP_SIZE, 0, static_cast<off_t>(target)) == 0) {
+            reserved_ = target;
+            return 0;
+        }
+        if (errno == EOPNOTSUPP || errno == ENOSYS) {
+            return 0;
+        }
+    }
+    return errno;
+}
+
+int PartFile::write(const void* bytes, std::size_t size) noexcept {
+    const char* next = static_cast<const char*>(bytes);
+    for (std::size_t done = 0; done < size;) {
+        const ssize_t count = pwrite(descriptor_, next + done, size - done, static_cast<off_t>(done));
+        if (count < 0 && errno != EINTR) {
+            return errno;
+        }
+        done += static_cast<std::size_t>(std::max<ssize_t>(count, 0));
+    }
+    return 0;
+}
+
+int PartFile::seal() noexcept {
+    struct stat file {};
+    return fstat(descriptor_, &file) != 0 ? errno : write_seal(descriptor_, static_cast<std::uint64_t>(file.st_size));
+}
+
+int PartFile::sync() noexcept {
+    return fsync(descriptor_) == 0 ? 0 : errno;
+}
+
+void PartFile::trim() noexcept {
+    struct stat file {};
+    if (reserved_ > 0 && fstat(descriptor_, &file) == 0 && ftruncate(descriptor_, file.st_size) == 0) {
+        reserved_ = 0;
+    }
+}
+
+void PartFile::publish() {
+    trim();
+    if (const int reason = sync(); reason != 0) {
+        throw RecordError(part_path_ + ": cannot write to disk: " + std::strerror(reason));
+    }
+    if (std::rename(part_path_.c_str(), final_path_.c_str()) != 0) {
+        throw RecordError(part_path_ + ": cannot rename to '" + final_path_ + "': " + std::strerror(errno));
+    }
+    if (const int folder = open(folder_of(final_path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
+        fsync(folder);  // so that the new name survives a power cut; the data are safe already, so failure is no error
+        ::close(folder);
+    }
+}
+
+std::string set_aside(const std::string& path) {
+    const std::string before = path + ".before";
+    std::error_code ignored;
+    for (const std::string& left : {before, path + ".part", path}) {
+        if (!fs::exists(fs::symlink_status(left, ignored))) continue;
+        if (const std::string other = other_than_file(left); !other.empty()) throw RecordError(left + ": cannot go on with it: " + other);
+        const int descriptor = open(left.c_str(), O_RDWR | O_CLOEXEC);
+        const bool free = descriptor < 0 || lock(descriptor);
+        if (descriptor >= 0) ::close(descriptor);
+        if (!free) throw RecordError(left + ": cannot go on with it: a run is still writing it");
+        if (left != before && std::rename(left.c_str(), before.c_str()) != 0) {
+            throw RecordError(left + ": cannot rename to '" + before + "': " + std::strerror(errno));
+        }
+        return before;
+    }
+    return {};
+}
+
+void PartFile::discard() noexcept {
+    unlink(part_path_.c_str());
+}
+
+}  // namespace cvtflow::engine

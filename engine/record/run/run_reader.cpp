@@ -1,0 +1,209 @@
+#include "engine/record/run/run_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/record/hdf5/hdf5_attribute.hpp"
+#include "engine/record/hdf5/hdf5_open.hpp"
+#include "engine/record/hdf5/hdf5_series.hpp"
+#include "engine/record/run/run_layout.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+std::vector<ChannelInfo> read_channels(hid_t file) {
+    std::vector<std::pair<std::int64_t, ChannelInfo>> found;
+    for (const std::string& name : hdf5::dataset_names(file, "/channels")) {
+        if (name == "time") {
+            continue;
+        }
+        const hdf5::Series series(file, "/channels/" + name, hdf5::Cells::reals, 2);
+        found.push_back({hdf5::read_integer(series.id(), "index", 0),
+            {name, hdf5::read_text(series.id(), "units"), hdf5::read_text(series.id(), "description"), static_cast<int>(series.width()),
+                hdf5::read_text(series.id(), "axis")}});
+    }
+    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<ChannelInfo> channels;
+    for (auto& [index, info] : found) {
+        channels.push_back(std::move(info));
+    }
+    return channels;
+}
+
+TableInfo read_table_info(hid_t file, const std::string& name) {
+    const hdf5::Series series(file, "/tables/" + name, hdf5::Cells::records);
+    const hdf5::Handle type(H5Dget_type(series.id()), H5Tclose, "cannot read the type of table '" + name + "'");
+    TableInfo table{name, hdf5::read_text(series.id(), "description"), {}};
+    const auto units = hdf5::read_texts(series.id(), "units");
+    const auto descriptions = hdf5::read_texts(series.id(), "descriptions");
+    const int members = hdf5::require_record_type(type.id(), "cannot read table '" + name + "'");
+    for (unsigned i = 0; i < static_cast<unsigned>(members); ++i) {
+        const std::unique_ptr<char, herr_t (*)(void*)> column(H5Tget_member_name(type.id(), i), H5free_memory);
+        const H5T_class_t kind = H5Tget_member_class(type.id(), i);
+        if (column == nullptr || kind == H5T_STRING) {
+            throw hdf5::Failure("cannot read table '" + name + "': it has texts");
+        }
+        table.columns.push_back({column.get(), i < units.size() ? units[i] : "", i < descriptions.size() ? descriptions[i] : "",
+            kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
+    }
+    return table;
+}
+
+std::vector<TableInfo> read_tables(hid_t file) {
+    std::vector<TableInfo> tables;
+    for (const std::string& name : hdf5::dataset_names(file, "/tables")) {
+        tables.push_back(read_table_info(file, name));
+    }
+    return tables;
+}
+
+std::size_t rows_of(hid_t file, const std::string& path) {
+    return hdf5::has_object(file, path) ? hdf5::Series(file, path, hdf5::Cells::reals).rows() : 0;
+}
+
+std::vector<double> read_reals(hid_t file, const std::string& path, std::size_t first, std::size_t count, int most_rank = 1) {
+    return hdf5::Series(file, path, hdf5::Cells::reals, most_rank).reals(first, count);
+}
+
+}  // namespace
+
+struct RunReader::Impl {
+    std::string path;
+    hdf5::OpenFile opened;
+    const hdf5::Handle& file = opened.file;
+    std::string status;
+    std::vector<Attribute> attributes;
+    std::vector<ChannelInfo> channels;
+    std::vector<TableInfo> tables;
+    std::size_t rows = 0;
+    std::size_t states = 0;
+
+    explicit Impl(const std::string& name) : path(name), opened(hdf5::open_for_reading(name, {hdf5::run_format, hdf5::run_format_version, false})) {
+        hdf5::guarded(path, [this] { read_structure(); });
+    }
+
+    void read_structure() {
+        status = hdf5::read_text(file.id(), "status");
+        attributes = hdf5::read_attributes(file.id());
+        std::erase_if(attributes, [](const Attribute& each) {
+            return each.name == "format" || each.name == "format_version" || each.name == "status";
+        });
+        channels = read_channels(file.id());
+        tables = read_tables(file.id());
+        rows = rows_of(file.id(), "/channels/time");
+        states = rows_of(file.id(), "/states/time");
+    }
+
+    /// Rows of a killed run's channels beyond the last time are passed over.
+    std::vector<double> read_channel(std::string_view name, std::size_t first, std::size_t count) const {
+        if (name != "time" && std::none_of(channels.begin(), channels.end(), [&](const ChannelInfo& each) { return each.name == name; })) {
+            throw RecordError(path + ": no channel '" + std::string(name) + "'");
+        }
+        return hdf5::guarded(path, [&] { return read_reals(file.id(), "/channels/" + std::string(name), first, count, 2); });
+    }
+
+    RecordedState read_state(std::size_t number) const {
+        return hdf5::guarded(path, [&] {
+            RecordedState result;
+            result.time = read_reals(file.id(), "/states/time", number, 1).front();
+            result.state = read_reals(file.id(), "/states/y", number, 1, 2);
+            if (hdf5::has_object(file.id(), "/states/phases")) {
+                const hdf5::Series series(file.id(), "/states/phases", hdf5::Cells::bytes, 2);
+                result.phases.resize(series.width());
+                series.read(H5T_NATIVE_UINT8, number, 1, result.phases.data(), result.phases.size());
+            }
+            return result;
+        });
+    }
+
+    void require_states() const {
+        if (states == 0) {
+            throw RecordError(path + ": no states recorded");
+        }
+    }
+};
+
+RunReader::RunReader(const std::string& path) : impl_(std::make_unique<Impl>(path)) {}
+RunReader::~RunReader() = default;
+RunReader::RunReader(RunReader&&) noexcept = default;
+RunReader& RunReader::operator=(RunReader&&) noexcept = default;
+
+bool RunReader::sealed() const noexcept { return impl_->opened.sealed; }
+const std::string& RunReader::status() const noexcept { return impl_->status; }
+const std::vector<Attribute>& RunReader::attributes() const noexcept { return impl_->attributes; }
+const std::vector<ChannelInfo>& RunReader::channels() const noexcept { return impl_->channels; }
+const std::vector<TableInfo>& RunReader::tables() const noexcept { return impl_->tables; }
+std::size_t RunReader::rows() const noexcept { return impl_->rows; }
+
+std::optional<Attribute> RunReader::attribute(std::string_view name) const {
+    const auto& all = impl_->attributes;
+    const auto found = std::find_if(all.begin(), all.end(), [&](const Attribute& each) { return each.name == name; });
+    return found == all.end() ? std::nullopt : std::optional(*found);
+}
+
+std::vector<double> RunReader::times() const {
+    return hdf5::guarded(impl_->path, [&] { return read_reals(impl_->file.id(), "/channels/time", 0, impl_->rows); });
+}
+
+std::vector<double> RunReader::channel(std::string_view name) const {
+    return impl_->read_channel(name, 0, impl_->rows);
+}
+
+std::vector<double> RunReader::channel_rows(std::string_view name, std::size_t first, std::size_t count) const {
+    return impl_->read_channel(name, first, count);
+}
+
+RecordedState RunReader::state(std::size_t number) const {
+    impl_->require_states();
+    return impl_->read_state(number);
+}
+
+std::vector<double> RunReader::last(std::string_view name) const {
+    return impl_->rows == 0 ? impl_->read_channel(name, 0, 0) : impl_->read_channel(name, impl_->rows - 1, 1);
+}
+
+std::vector<double> RunReader::state_times() const {
+    return impl_->states == 0 ? std::vector<double>{} : hdf5::guarded(impl_->path, [&] {
+        return read_reals(impl_->file.id(), "/states/time", 0, impl_->states);
+    });
+}
+
+RecordedState RunReader::last_state() const {
+    impl_->require_states();
+    return impl_->read_state(impl_->states - 1);
+}
+
+RecordedState RunReader::state_nearest(double time) const {
+    impl_->require_states();
+    const std::vector<double> times = state_times();
+    const auto nearer = [time](double a, double b) { return std::abs(a - time) < std::abs(b - time); };
+    const auto nearest = std::min_element(times.begin(), times.end(), nearer);
+    return impl_->read_state(static_cast<std::size_t>(nearest - times.begin()));
+}
+
+std::vector<std::vector<double>> RunReader::table(std::string_view name) const {
+    const auto& all = impl_->tables;
+    const auto info = std::find_if(all.begin(), all.end(), [&](const TableInfo& each) { return each.name == name; });
+    if (info == all.end()) {
+        throw RecordError(impl_->path + ": no table '" + std::string(name) + "'");
+    }
+    return hdf5::guarded(impl_->path, [&] {
+        const hdf5::Series series(impl_->file.id(), "/tables/" + info->name, hdf5::Cells::records);
+        const std::size_t columns = info->columns.size();
+        const hdf5::Handle type(H5Tcreate(H5T_COMPOUND, 8 * columns), H5Tclose, "cannot make a type");
+        for (std::size_t i = 0; i < columns; ++i) {
+            hdf5::check(H5Tinsert(type.id(), info->columns[i].name.c_str(), 8 * i, H5T_NATIVE_DOUBLE), "cannot make a type");
+        }
+        const std::size_t rows = series.rows();
+        std::vector<double> cells(rows * columns);
+        series.read(type.id(), 0, rows, cells.data(), 8 * cells.size());
+        std::vector<std::vector<double>> result;
+        for (std::size_t row = 0; row < rows; ++row) {
+            const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(row * columns);
+            result.emplace_back(begin, begin + static_cast<std::ptrdiff_t>(columns));
+        }
+        return result;
+    });
+}
+
+}  // namespace cvtflow::engine

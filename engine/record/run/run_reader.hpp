@@ -1,0 +1,72 @@
+#pragma once
+/// Reads the record of a run (run_file.hpp draws it): finished, left by a killed run, or being written.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/record/run/schema.hpp"
+
+namespace cvtflow::engine {
+
+struct RecordedState {
+    double time = 0.0;  ///< [s]
+    std::vector<double> state;
+    std::vector<std::uint8_t> phases;
+    bool operator==(const RecordedState&) const = default;
+};
+
+/// All errors are RecordError. At opening, after "path: ": "No such file or directory", "a folder, not a file", "not a regular file", "not an HDF5 file",
+/// "truncated HDF5 file: 2000 bytes of 8200", "damaged HDF5 file (reason)", "an HDF5 file, but not a cvtflow run",
+/// "format version 2 is newer than this program reads (1)"; later for names that are not there and for damaged data.
+/// Rows are those that were there at opening.
+class RunReader {
+public:
+    explicit RunReader(const std::string& path);
+    ~RunReader();
+    RunReader(RunReader&&) noexcept;
+    RunReader& operator=(RunReader&&) noexcept;
+
+    /// Whether it is byte for byte what its writer finished; false while it is written, after a kill, and for what others have made of it.
+    [[nodiscard]] bool sealed() const noexcept;
+    /// "finished", "running" (also of a killed run), "interrupted", or what ended the run.
+    [[nodiscard]] const std::string& status() const noexcept;
+    /// Of the whole file, by name; without format, format_version and status.
+    [[nodiscard]] const std::vector<Attribute>& attributes() const noexcept;
+    [[nodiscard]] std::optional<Attribute> attribute(std::string_view name) const;
+
+    /// In order of declaration.
+    [[nodiscard]] const std::vector<ChannelInfo>& channels() const noexcept;
+    /// Rows of every channel.
+    [[nodiscard]] std::size_t rows() const noexcept;
+    /// Times of the rows [s].
+    [[nodiscard]] std::vector<double> times() const;
+    /// All rows of a channel, [rows * width], row by row.
+    [[nodiscard]] std::vector<double> channel(std::string_view name) const;
+    /// Rows first … first + count - 1 of a channel, or of "time" [s]. @param count all of these rows must be there
+    [[nodiscard]] std::vector<double> channel_rows(std::string_view name, std::size_t first, std::size_t count) const;
+    /// Its last row, [width]; empty if there are no rows.
+    [[nodiscard]] std::vector<double> last(std::string_view name) const;
+
+    /// Times of the recorded states [s]; empty if there are none.
+    [[nodiscard]] std::vector<double> state_times() const;
+    /// @param number 0 … state_times().size() - 1
+    [[nodiscard]] RecordedState state(std::size_t number) const;
+    /// Error if there are none.
+    [[nodiscard]] RecordedState last_state() const;
+    /// The one nearest to a time [s]; the earlier of two equally near. Error if there are none.
+    [[nodiscard]] RecordedState state_nearest(double time) const;
+
+    [[nodiscard]] const std::vector<TableInfo>& tables() const noexcept;
+    /// Rows of a table, each as long as it has columns; integers as reals.
+    [[nodiscard]] std::vector<std::vector<double>> table(std::string_view name) const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cvtflow::engine

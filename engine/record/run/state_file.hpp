@@ -1,0 +1,44 @@
+#pragma once
+/// One state in a small HDF5 file: settled start states and checkpoints.
+///
+///     /          attributes: format "cvtflow state", format_version, time [s], fingerprint, state_hash, and those given
+///     /y         [size] float64
+///     /phases    [count] uint8
+///     /more/<name>  [size] float64: whatever else belongs to the state; absent if there is nothing
+///
+/// and the seal behind it (file_seal.hpp). `state_hash` is of all of this, as it is read: a state is what was saved, or refused.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/record/run/schema.hpp"
+
+namespace cvtflow::engine {
+
+/// Further numbers of a state under a name.
+struct NamedArray {
+    std::string name;
+    std::vector<double> values{};
+    bool operator==(const NamedArray&) const = default;
+};
+
+struct SavedState {
+    double time = 0.0;  ///< [s]
+    std::vector<double> state{};
+    std::vector<std::uint8_t> phases{};
+    std::string fingerprint{};  ///< hash of all that gives the numbers their meaning (parameters, layout); whoever resumes compares it
+    std::vector<Attribute> attributes{};
+    std::vector<NamedArray> more{};   ///< come back sorted by name
+    bool operator==(const SavedState&) const = default;
+};
+
+/// Writes the file at once: whoever looks sees the former file or the new one, also after a kill or a power cut. Made in memory, written to
+/// `<path>.part`, synced, renamed. Throws RecordError: missing folder, not writable, disk full, another process writing the same file.
+void write_state(const std::string& path, const SavedState& saved);
+
+/// Exactly what was written, bit for bit. Attributes come sorted by name.
+/// Throws RecordError: missing, not HDF5, truncated, damaged (no seal, a broken one, or another state_hash), another kind.
+[[nodiscard]] SavedState read_state(const std::string& path);
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,242 @@
+#include "engine/record/table/case_table.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+
+#include "engine/record/hdf5/hdf5_attribute.hpp"
+#include "engine/record/hdf5/hdf5_open.hpp"
+#include "engine/record/hdf5/hdf5_series.hpp"
+#include "engine/record/run/part_file.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+constexpr const char* cases_format = "cvtflow cases";
+constexpr std::int64_t cases_version = 1;
+constexpr std::size_t rows_per_chunk = 64;
+constexpr std::size_t rows_per_write = 16 * rows_per_chunk;
+constexpr std::size_t spare_bytes = 65536;   ///< kept free beyond every write, for HDF5's own tables
+
+hdf5::Handle row_type(const RowLayout& layout) {
+    hdf5::Handle type(H5Tcreate(H5T_COMPOUND, layout.bytes()), H5Tclose, "cannot make a type");
+    for (std::size_t i = 0; i < layout.columns().size(); ++i) {
+        const CaseColumn& column = layout.columns()[i];
+        std::optional<hdf5::Handle> text;
+        if (column.type == CaseColumnType::text) text.emplace(hdf5::text_type(static_cast<std::size_t>(column.width)));
+        const hid_t cell = text ? text->id() : column.type == CaseColumnType::real ? H5T_IEEE_F64LE : H5T_STD_I64LE;
+        hdf5::check(H5Tinsert(type.id(), column.name.c_str(), layout.offset(i), cell), "cannot make a type");
+    }
+    hdf5::check(H5Tinsert(type.id(), "check", layout.bytes() - sizeof(std::uint64_t), H5T_STD_U64LE), "cannot make a type");
+    return type;
+}
+
+/// Adds rows at the end of the dataset.
+void append_rows(hid_t dataset, hid_t type, std::size_t before, std::size_t count, const void* rows) {
+    const hsize_t total = before + count, first = before, many = count;
+    hdf5::check(H5Dset_extent(dataset, &total), "cannot write");
+    const hdf5::Handle file_rows(H5Dget_space(dataset), H5Sclose, "cannot write");
+    hdf5::check(H5Sselect_hyperslab(file_rows.id(), H5S_SELECT_SET, &first, nullptr, &many, nullptr), "cannot write");
+    const hdf5::Handle memory(H5Screate_simple(1, &many, nullptr), H5Sclose, "cannot write");
+    hdf5::check(H5Dwrite(dataset, type, memory.id(), file_rows.id(), H5P_DEFAULT, rows), "cannot write");
+}
+
+using FillRows = std::function<void(std::size_t first, std::span<std::byte> rows)>;
+
+void create_table(const std::string& path, const CaseTable& table, std::size_t rows, const FillRows& fill) {
+    const hdf5::Handle created(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, hdf5::file_access().id()), H5Fclose, "cannot create");
+    for (const Attribute& attribute : table.attributes) hdf5::write_attribute(created.id(), attribute);
+    hdf5::write_attribute(created.id(), {"format", cases_format});
+    hdf5::write_attribute(created.id(), {"format_version", cases_version});
+    const hdf5::Handle type = row_type(table.layout);
+    const hdf5::Handle dataset = hdf5::create_series(created.id(), {"/cases", type.id(), 1, true, 0, rows_per_chunk});
+    std::vector<std::string> names, units, descriptions;
+    for (const CaseColumn& column : table.layout.columns()) {
+        names.push_back(column.name);
+        units.push_back(column.unit);
+        descriptions.push_back(column.description);
+    }
+    hdf5::write_texts(dataset.id(), "columns", names);
+    hdf5::write_texts(dataset.id(), "units", units);
+    hdf5::write_texts(dataset.id(), "descriptions", descriptions);
+    std::vector<std::byte> some;
+    for (std::size_t first = 0; first < rows; first += rows_per_write) {
+        const std::size_t count = std::min(rows_per_write, rows - first);
+        some.resize(count * table.layout.bytes());
+        fill(first, some);
+        append_rows(dataset.id(), type.id(), first, count, some.data());
+    }
+    hdf5::check(H5Fflush(created.id(), H5F_SCOPE_GLOBAL), "cannot write");
+}
+
+/// Columns as the file has them.
+RowLayout read_layout(hid_t dataset) {
+    const hdf5::Handle type(H5Dget_type(dataset), H5Tclose, "cannot read the columns");
+    const auto names = hdf5::read_texts(dataset, "columns");
+    const auto units = hdf5::read_texts(dataset, "units");
+    const auto descriptions = hdf5::read_texts(dataset, "descriptions");
+    const int members = hdf5::require_record_type(type.id(), "cannot read the columns");
+    if (static_cast<std::size_t>(members) != names.size() + 1 || units.size() != names.size() || descriptions.size() != names.size()) throw hdf5::Failure("cannot read the columns: they do not fit");
+    std::vector<CaseColumn> columns;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const hdf5::Handle cell(H5Tget_member_type(type.id(), static_cast<unsigned>(i)), H5Tclose, "cannot read the columns");
+        const H5T_class_t kind = H5Tget_class(cell.id());
+        const CaseColumnType what = kind == H5T_STRING ? CaseColumnType::text : kind == H5T_FLOAT ? CaseColumnType::real : CaseColumnType::integer;
+        columns.push_back({names[i], units[i], descriptions[i], what, static_cast<int>(H5Tget_size(cell.id()))});
+    }
+    return RowLayout(std::move(columns));
+}
+
+}  // namespace
+
+struct CaseReader::Impl {
+    hdf5::OpenFile open;
+    std::optional<hdf5::Series> cases;
+    hdf5::Handle type;
+};
+
+CaseReader::CaseReader(std::string path) : path_(std::move(path)), impl_(std::make_unique<Impl>()) {
+    impl_->open = hdf5::open_for_reading(path_, {cases_format, cases_version, false});
+    hdf5::guarded(path_, [&] {
+        const hid_t file = impl_->open.file.id();
+        head_.attributes = hdf5::read_attributes(file);
+        std::erase_if(head_.attributes, [](const Attribute& each) { return each.name == "format" || each.name == "format_version"; });
+        impl_->cases.emplace(file, "/cases", hdf5::Cells::records);
+        head_.layout = read_layout(impl_->cases->id());
+        impl_->type = row_type(head_.layout);
+        size_ = impl_->cases->rows();
+    });
+}
+
+CaseReader::~CaseReader() = default;
+
+void CaseReader::read(std::size_t first, std::span<std::byte> rows) const {
+    const std::size_t bytes = head_.layout.bytes();
+    hdf5::guarded(path_, [&] {
+        impl_->cases->read(impl_->type.id(), first, rows.size() / bytes, rows.data(), rows.size());
+        for (std::size_t at = 0; at < rows.size(); at += bytes) {
+            if (!head_.layout.sound(rows.subspan(at, bytes))) throw hdf5::Failure("row " + std::to_string(first + at / bytes) + " is damaged: it does not have the check that it was written with");
+        }
+    });
+}
+
+CaseTable read_cases(const std::string& path) {
+    const CaseReader reader(path);
+    CaseTable table = reader.head();
+    table.rows.resize(reader.size() * table.layout.bytes());
+    reader.read(0, table.rows);
+    return table;
+}
+
+namespace {
+
+/// The table in `<path>.part`, checked to have room; not yet under its name.
+void write_part(PartFile& part, const CaseTable& table, std::size_t rows, const FillRows& fill) {
+    if (const int reason = part.reserve(rows * table.layout.bytes() + spare_bytes); reason != 0) {
+        part.discard();
+        throw RecordError(part.final_path() + ": cannot write: " + std::strerror(reason));
+    }
+    hdf5::guarded(part.final_path(), [&] { create_table(part.path(), table, rows, fill); });
+}
+
+FillRows rows_of(const CaseTable& table) {
+    return [&table](std::size_t first, std::span<std::byte> rows) { std::copy_n(table.row(first).data(), rows.size(), rows.data()); };
+}
+
+}  // namespace
+
+void write_cases(const std::string& path, const CaseTable& head, std::size_t rows, const FillRows& fill) {
+    PartFile part(path, true);
+    write_part(part, head, rows, fill);
+    if (const int reason = part.seal(); reason != 0) {
+        part.discard();
+        throw RecordError(path + ": cannot write: " + std::strerror(reason));
+    }
+    part.publish();
+}
+
+void write_cases(const std::string& path, const CaseTable& table) { write_cases(path, table, table.size(), rows_of(table)); }
+
+struct CaseWriter::Impl {
+    std::string path;
+    PartFile part;
+    hdf5::Handle type, file, dataset;
+    std::size_t rows = 0;
+    std::size_t row_bytes = 0;
+    std::string damage;
+
+    Impl(std::string where, const CaseTable& begin) : path(std::move(where)), part(path, true), rows(begin.size()), row_bytes(begin.layout.bytes()) {
+        write_part(part, begin, begin.size(), rows_of(begin));
+        part.publish();   // `part` keeps its descriptor: the same file under its new name
+        hdf5::guarded(path, [&] {
+            type = row_type(begin.layout);
+            file = {H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, hdf5::file_access().id()), H5Fclose, "cannot open for writing"};
+            dataset = hdf5::open_series(file.id(), "/cases");
+        });
+    }
+
+    [[noreturn]] void fail(const std::string& reason) {
+        damage = reason;
+        throw RecordError(path + ": cannot write: " + reason + "; " + std::to_string(rows) + " cases are saved");
+    }
+
+    void append(std::span<const std::byte> row) {
+        if (!damage.empty()) fail(damage);
+        hsize_t size = 0;
+        hdf5::check(H5Fget_filesize(file.id(), &size), "cannot tell the file's size");
+        if (const int reason = part.reserve(size + rows_per_chunk * row_bytes + spare_bytes); reason != 0) fail(std::strerror(reason));
+        try {
+            append_rows(dataset.id(), type.id(), rows, 1, row.data());
+            hdf5::check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "cannot write");
+        } catch (const hdf5::Failure& failure) {
+            fail(failure.what());
+        }
+        ++rows;
+    }
+};
+
+CaseWriter::CaseWriter(std::string path, const CaseTable& begin) : impl_(std::make_unique<Impl>(std::move(path), begin)) {}
+
+CaseWriter::~CaseWriter() {
+    const hdf5::QuietErrors quiet;
+    if (!impl_->damage.empty()) hdf5::divert_writes(impl_->file.id());
+    impl_->dataset.release();
+    impl_->file.release();
+    impl_->part.trim();
+}
+
+void CaseWriter::append(std::span<const std::byte> row) {
+    hdf5::guarded(impl_->path, [&] { impl_->append(row); });
+}
+
+void CaseWriter::sync() {
+    if (const int reason = impl_->part.sync(); reason != 0) throw RecordError(impl_->path + ": cannot write: " + std::strerror(reason));
+}
+
+FolderLock::FolderLock(const std::string& folder) {
+    std::error_code error;
+    std::filesystem::create_directory(folder, error);
+    if (!std::filesystem::is_directory(folder)) throw RecordError(folder + ": cannot create: " + (error ? error.message() : "a file of that name is in the way"));
+    descriptor_ = open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (descriptor_ < 0) throw RecordError(folder + ": cannot write into it: " + std::strerror(errno));
+    struct flock whole {};
+    whole.l_type = F_WRLCK;
+    whole.l_whence = SEEK_SET;
+    for (int attempt = 0; fcntl(descriptor_, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES); ++attempt) {
+        if (attempt == 100) {   // a sweep that was killed is gone before that
+            close(descriptor_);
+            throw RecordError(folder + ": another sweep is writing into it");
+        }
+        usleep(10'000);
+    }
+}
+
+FolderLock::~FolderLock() { close(descriptor_); }
+
+}  // namespace cvtflow::engine

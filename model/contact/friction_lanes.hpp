@@ -1,0 +1,286 @@
+#pragma once
+/// Friction of all contacts as a function of velocities, lanes over links. (model/EQUATIONS.md sections 4 to 7)
+/// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
+
+#include "model/contact/friction_sinks.hpp"
+#include "model/contact/mirrored.hpp"
+#include "model/force/link_frame.hpp"
+#include "model/force/tips.hpp"
+#include "model/law/sliding.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// W links side by side. Column numbers count from the first link of the range.
+template <int P, int W, bool Steepest>
+class FrictionLanes {
+public:
+    using V = Lanes<W>;
+    using Joint = ContactComponents::Joint;
+    using Tip = ContactComponents::Tip;
+    static constexpr int n = P + 1;
+    /// Rows of a joint's force: x_0…x_p, y_0…y_p, z, e, moment before, moment after.
+    static constexpr int joint_rows = 2 * n + 4;
+
+    FrictionLanes(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range) noexcept
+        : friction_(friction), c_(friction.chain().coefficients()), field_(field), range_(range), joint_stride_(FrictionOperator::joint_stride(range.last - range.first)) {}
+
+    /// Joint of the rear pins of links first + own … + W - 1, to scratch.
+    void joints(int own) const noexcept {
+        JointRates rates;
+        for (int m = 0; m < n; ++m) {
+            rates.x[m] = velocity(at<P>.x(End::front, m), own - 1) - velocity(at<P>.x(End::rear, m), own);
+            rates.y[m] = velocity(at<P>.y(End::front, m), own - 1) - velocity(at<P>.y(End::rear, m), own);
+        }
+        rates.z = velocity(at<P>.z(End::front), own - 1) - velocity(at<P>.z(End::rear), own);
+        rates.e = velocity(at<P>.e(End::front), own - 1) - velocity(at<P>.e(End::rear), own);
+        rates.before = turning(own - 1);
+        rates.after = turning(own);
+        V force[joint_rows];
+        for (V& row : force) row = V(0.0);
+        const int points = field_.components.joint_points;
+        for (int g = 0; g < points / 2; ++g) mirrored_points(own, g, rates, force);
+        if (points % 2 == 1) middle_point(own, points / 2, rates, force);
+        for (int row = 0; row < joint_rows; ++row) store(force[row], range_.scratch + row * joint_stride_ + own);
+    }
+
+    /// Slopes of links first + own … + W - 1; their joints must be in scratch.
+    void links(int own, const FrictionStage& stage) const noexcept {
+        V f[at<P>.link_size()];
+        add_joints(own, f);
+        V moment = joint(2 * n + 3, own) + joint(2 * n + 2, own + 1);
+        plates(own, f);
+        if (touching(own)) tips(own, f, moment, stage);
+        const V couple = moment * contact(ContactComponents::inverse_length, own);
+        const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
+        f[at<P>.x(End::front, 0)] = f[at<P>.x(End::front, 0)] - couple * ty;
+        f[at<P>.y(End::front, 0)] += couple * tx;
+        f[at<P>.x(End::rear, 0)] += couple * ty;
+        f[at<P>.y(End::rear, 0)] = f[at<P>.y(End::rear, 0)] - couple * tx;
+        accelerate(own, f, stage);
+    }
+
+private:
+    /// Relative velocities in a joint: of the axes, and how fast the links before and after it turn.
+    struct JointRates {
+        V x[n], y[n], z, e, before, after;
+    };
+    /// Legendre modes of even and of odd order summed apart, so that they serve the points at ξ and at -ξ.
+    struct Halves {
+        V even, odd;
+    };
+    struct PointForce {
+        V x, y, along;
+    };
+
+    [[nodiscard]] Halves halves_at(const V* modes, int g) const noexcept {
+        Halves sum{modes[0], V(0.0)};
+        if constexpr (n > 1) sum.odd = basis(c_.joint_points, 1, g) * modes[1];
+        if constexpr (n > 2) sum.even += basis(c_.joint_points, 2, g) * modes[2];
+        if constexpr (n > 3) sum.odd += basis(c_.joint_points, 3, g) * modes[3];
+        return sum;
+    }
+
+    /// Sliding of point g across the axis.
+    [[nodiscard]] V slip_of(int own, int g, const V& x, const V& y, const JointRates& rates) const noexcept {
+        const int row = field_.components.joint(g);
+        return contact(row + Joint::normal_x, own) * y - contact(row + Joint::normal_y, own) * x + rates.before * contact(row + Joint::lever_before, own) +
+               rates.after * contact(row + Joint::lever_after, own);
+    }
+
+    /// Force at point g that slides with slip and axial; moments to force.
+    [[nodiscard]] PointForce point_force(int own, int g, const V& slip, const V& axial, const V& factor, V* force) const noexcept {
+        const int row = field_.components.joint(g);
+        const V grip = contact(row + Joint::grip, own) * factor;
+        const V across = grip * slip;   // against the motion: signs below
+        force[2 * n + 2] = force[2 * n + 2] - across * contact(row + Joint::lever_before, own);
+        force[2 * n + 3] = force[2 * n + 3] - across * contact(row + Joint::lever_after, own);
+        return {across * contact(row + Joint::normal_y, own), -(across * contact(row + Joint::normal_x, own)), -(grip * axial)};
+    }
+
+    /// Points g and count - 1 - g, at ξ and -ξ.
+    void mirrored_points(int own, int g, const JointRates& rates, V* force) const noexcept {
+        const int h = field_.components.joint_points - 1 - g;
+        const double xi = c_.joint_points.position[static_cast<std::size_t>(g)];
+        const Halves x = halves_at(rates.x, g), y = halves_at(rates.y, g);
+        const V slip_g = slip_of(own, g, x.even + x.odd, y.even + y.odd, rates), slip_h = slip_of(own, h, x.even - x.odd, y.even - y.odd, rates);
+        const V tilt = xi * rates.e;
+        const V axial_g = rates.z + tilt, axial_h = rates.z - tilt;
+        const auto [factor_g, factor_h] = sliding_factors<W, Steepest>(c_.joint.friction, slip_g * slip_g + axial_g * axial_g, slip_h * slip_h + axial_h * axial_h);
+        const PointForce a = point_force(own, g, slip_g, axial_g, factor_g, force), b = point_force(own, h, slip_h, axial_h, factor_h, force);
+        spread(g, a.x + b.x, a.x - b.x, force);
+        spread(g, a.y + b.y, a.y - b.y, force + n);
+        force[2 * n] += a.along + b.along;
+        force[2 * n + 1] += xi * (a.along - b.along);
+    }
+
+    /// The point at ξ = 0.
+    void middle_point(int own, int g, const JointRates& rates, V* force) const noexcept {
+        const V slip = slip_of(own, g, halves_at(rates.x, g).even, halves_at(rates.y, g).even, rates);
+        const PointForce f = point_force(own, g, slip, rates.z, sliding_factor<W, Steepest>(c_.joint.friction, slip * slip + rates.z * rates.z), force);
+        spread(g, f.x, V(0.0), force);
+        spread(g, f.y, V(0.0), force + n);
+        force[2 * n] += f.along;
+    }
+
+    /// Adds the forces at two mirrored points, as sum and difference, to the modes.
+    void spread(int g, const V& sum, const V& difference, V* modes) const noexcept {
+        modes[0] += sum;
+        if constexpr (n > 1) modes[1] += basis(c_.joint_points, 1, g) * difference;
+        if constexpr (n > 2) modes[2] += basis(c_.joint_points, 2, g) * sum;
+        if constexpr (n > 3) modes[3] += basis(c_.joint_points, 3, g) * difference;
+    }
+
+    static void store(const V& lanes, double* to) noexcept { lanes.copy_to(to); }
+    [[nodiscard]] int column(int own) const noexcept { return range_.first + own + 1; }
+    [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
+    [[nodiscard]] V contact(int row, int own) const noexcept { return load<W>(field_.columns.at(row, column(own))); }
+    [[nodiscard]] V joint(int row, int own) const noexcept { return load<W>(range_.scratch + row * joint_stride_ + own); }
+    template <int Most>
+    [[nodiscard]] static double basis(const PointLanes<Most>& points, int m, int point) noexcept {
+        return points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(point)];
+    }
+
+    [[nodiscard]] V turning(int own) const noexcept {
+        const V vx = velocity(at<P>.x(End::front, 0), own) - velocity(at<P>.x(End::rear, 0), own);
+        const V vy = velocity(at<P>.y(End::front, 0), own) - velocity(at<P>.y(End::rear, 0), own);
+        return (contact(ContactComponents::frame_x, own) * vy - contact(ContactComponents::frame_y, own) * vx) * contact(ContactComponents::inverse_length, own);
+    }
+
+    void add_joints(int own, V* f) const noexcept {
+        for (int m = 0; m < n; ++m) {
+            f[at<P>.x(End::rear, m)] = -joint(m, own);
+            f[at<P>.y(End::rear, m)] = -joint(n + m, own);
+            f[at<P>.x(End::front, m)] = joint(m, own + 1);
+            f[at<P>.y(End::front, m)] = joint(n + m, own + 1);
+        }
+        f[at<P>.z(End::rear)] = -joint(2 * n, own);
+        f[at<P>.e(End::rear)] = -joint(2 * n + 1, own);
+        f[at<P>.z(End::front)] = joint(2 * n, own + 1);
+        f[at<P>.e(End::front)] = joint(2 * n + 1, own + 1);
+    }
+
+    void plates(int own, V* f) const noexcept {
+        const V gap_z = velocity(at<P>.z(End::front), own) - velocity(at<P>.z(End::rear), own);
+        const V gap_e = velocity(at<P>.e(End::front), own) - velocity(at<P>.e(End::rear), own);
+        V fz(0.0), fe(0.0);
+        for (int j = 0; j < field_.components.plates; ++j) {
+            const double xi = c_.plates.position[static_cast<std::size_t>(j)];
+            const V sliding = gap_z + xi * gap_e;
+            const V slide = contact(field_.components.plate(j), own) * held<W, Steepest>(c_.plate_friction, sliding);
+            fz += slide;
+            fe += xi * slide;
+        }
+        f[at<P>.z(End::front)] = f[at<P>.z(End::front)] - fz;
+        f[at<P>.e(End::front)] = f[at<P>.e(End::front)] - fe;
+        f[at<P>.z(End::rear)] += fz;
+        f[at<P>.e(End::rear)] += fe;
+    }
+
+    /// Whether a tip of the links side by side touches.
+    [[nodiscard]] bool touching(int own) const noexcept {
+        const Phase* phases = range_.phases + tips_per_link * (range_.first + own);
+        std::uint32_t any = 0;
+        for (int link = 0; link < W; ++link) any |= phase_word(phases + tips_per_link * link);
+        return any != 0;
+    }
+
+    void tips(int own, V* f, V& moment, const FrictionStage& stage) const noexcept {
+        const V turn = turning(own);
+        for (const End end : {End::rear, End::front}) {
+            Halves x{velocity(at<P>.x(end, 0), own), V(0.0)}, y{velocity(at<P>.y(end, 0), own), V(0.0)};
+            for (int m = 1; m < n; ++m) {
+                (m % 2 == 0 ? x.even : x.odd) += velocity(at<P>.x(end, m), own);
+                (m % 2 == 0 ? y.even : y.odd) += velocity(at<P>.y(end, m), own);
+            }
+            const V z = velocity(at<P>.z(end), own), e = velocity(at<P>.e(end), own);
+            const int low = 2 * static_cast<int>(end), high = low + 1;   // at ξ = -1 and at ξ = 1
+            const TipSlip a = tip_slip(own, low, x.even - x.odd, y.even - y.odd, z - e, turn), b = tip_slip(own, high, x.even + x.odd, y.even + y.odd, z + e, turn);
+            const auto [factor_a, factor_b] = tip_factors(own, low, a.square(), b.square());
+            const PointForce below = tip_force(own, low, a, factor_a, moment, stage), above = tip_force(own, high, b, factor_b, moment, stage);
+            const V sum_x = below.x + above.x, sum_y = below.y + above.y, difference_x = above.x - below.x, difference_y = above.y - below.y;
+            for (int m = 0; m < n; ++m) {
+                f[at<P>.x(end, m)] += m % 2 == 0 ? sum_x : difference_x;
+                f[at<P>.y(end, m)] += m % 2 == 0 ? sum_y : difference_y;
+            }
+            f[at<P>.z(end)] += below.along + above.along;
+            f[at<P>.e(end)] += above.along - below.along;
+        }
+    }
+
+    /// Velocity of a tip along its sheave's surface.
+    struct TipSlip {
+        V x, y, z;
+        [[nodiscard]] V square() const noexcept { return x * x + y * y + z * z; }
+    };
+
+    [[nodiscard]] TipSlip tip_slip(int own, int corner, const V& pin_x, const V& pin_y, const V& pin_z, const V& turn) const noexcept {
+        const int row = field_.components.tip(corner);
+        const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
+        V vx = pin_x - turn * contact(row + Tip::lever_y, own), vy = pin_y + turn * contact(row + Tip::lever_x, own), vz = pin_z;
+        if constexpr (!Steepest) {
+            vx = vx - contact(row + Tip::sheave, own) - range_.time * contact(row + Tip::drift, own);
+            vy = vy - contact(row + Tip::sheave + 1, own) - range_.time * contact(row + Tip::drift + 1, own);
+            vz = vz - contact(row + Tip::sheave + 2, own) - range_.time * contact(row + Tip::drift + 2, own);
+        }
+        const V along = vx * gx + vy * gy + vz * gz;
+        return {vx - along * gx, vy - along * gy, vz - along * gz};
+    }
+
+    [[nodiscard]] PointForce tip_force(int own, int corner, const TipSlip& slip, const V& factor, V& moment, const FrictionStage& stage) const noexcept {
+        const int row = field_.components.tip(corner);
+        const V grip = -contact(row + Tip::grip, own) * factor;
+        const PointForce force{grip * slip.x, grip * slip.y, grip * slip.z};
+        moment += contact(row + Tip::lever_x, own) * force.y - contact(row + Tip::lever_y, own) * force.x;
+        if (stage.impulses != nullptr) {
+            add(stage.weight * force.x, stage.impulses->at(3 * corner, column(own)));
+            add(stage.weight * force.y, stage.impulses->at(3 * corner + 1, column(own)));
+            add(stage.weight * force.along, stage.impulses->at(3 * corner + 2, column(own)));
+        }
+        return force;
+    }
+
+    /// Of tips `low` and low + 1.
+    [[nodiscard]] std::pair<V, V> tip_factors(int own, int low, const V& first, const V& second) const noexcept {
+        if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(c_.tip.friction, first, second);
+        return {1.0 / bounded_speed(own, low, first), 1.0 / bounded_speed(own, low + 1, second)};
+    }
+
+    /// Within the branch of the law that the tip's phase stands for.
+    [[nodiscard]] V bounded_speed(int own, int corner, const V& square) const noexcept {
+        const int row = field_.components.tip(corner);
+        return larger<W>(smaller<W>(sqrt(square), contact(row + Tip::most, own)), contact(row + Tip::least, own));
+    }
+
+    static void add(const V& lanes, double* to) noexcept { store(load<W>(to) + lanes, to); }
+
+    void accelerate(int own, const V* f, const FrictionStage& stage) const noexcept {
+        if (stage.next == nullptr) return accelerate(f, SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride()});
+        if (stage.next->terms <= 2) return accelerate(f, RowSink<W, 2>(stage, *stage.next, column(own)));
+        accelerate(f, RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own)));
+    }
+
+    template <class Sink>
+    void accelerate(const V* f, const Sink& to) const noexcept {
+        const MirroredInverse& lateral = friction_.lateral_inverse();
+        for (int axis = 0; axis < 2; ++axis) accelerate_ends<n>(lateral, f + 2 * n * axis, 2 * n * axis, to);
+        accelerate_ends<2>(friction_.axial_inverse(), f + 4 * n, 4 * n, to);
+    }
+
+    /// Rows row … row + 2 size - 1: `size` modes of the rear pin, then of the front pin.
+    template <int size, class Sink>
+    static void accelerate_ends(const MirroredInverse& inverse, const V* force, int row, const Sink& to) noexcept {
+        V product[2 * size];
+        multiply_ends<size>(inverse, force, product);
+        for (int k = 0; k < 2 * size; ++k) to.put(row + k, product[k]);
+    }
+
+    const FrictionOperator& friction_;
+    const Coefficients& c_;
+    const ContactField& field_;
+    const FrictionRange& range_;
+    std::ptrdiff_t joint_stride_;
+};
+
+}  // namespace
+}  // namespace cvtflow::model

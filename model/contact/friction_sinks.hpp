@@ -1,0 +1,55 @@
+#pragma once
+/// What becomes of an acceleration by friction: a slope, or a row of a table. All addresses are at hand: looking them up for every number would
+/// take longer than the sums.
+
+#include <algorithm>
+#include <array>
+
+#include "model/basis/lanes.hpp"
+#include "model/contact/contact_field.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+template <int W>
+struct SlopeSink {
+    double* slope;
+    std::ptrdiff_t stride;
+
+    void put(int row, const Lanes<W>& value) const noexcept { value.copy_to(slope + row * stride); }
+};
+
+/// @tparam Terms of the row; fewer are filled up with the last one, weight 0
+template <int W, std::size_t Terms>
+class RowSink {
+public:
+    RowSink(const FrictionStage& stage, const VelocityRow& next, int column) noexcept
+        : now_(stage.base->now->at(0, column)), before_(stage.base->before->at(0, column)), lean_(stage.base->lean), slope_weight_(next.slope_weight),
+          slope_(stage.slope != nullptr ? stage.slope->at(0, column) : nullptr), to_(next.to->at(0, column)), stride_(next.to->stride()) {
+        for (std::size_t k = 0; k < Terms; ++k) {
+            from_[k] = next.from[std::min(k, next.terms - 1)]->at(0, column);
+            weight_[k] = k < next.terms ? next.weight[k] : 0.0;
+        }
+    }
+
+    void put(int row, Lanes<W> value) const noexcept {
+        const std::ptrdiff_t at_row = row * stride_;
+        const Lanes<W> base = load<W>(now_ + at_row);
+        value += base + lean_ * (base - load<W>(before_ + at_row));
+        if (slope_ != nullptr) value.copy_to(slope_ + at_row);
+        Lanes<W> sum = weight_[0] * load<W>(from_[0] + at_row);
+        for (std::size_t k = 1; k < Terms; ++k) sum += weight_[k] * load<W>(from_[k] + at_row);
+        (sum + slope_weight_ * value).copy_to(to_ + at_row);
+    }
+
+private:
+    const double *now_, *before_;   ///< forces of the base
+    double lean_, slope_weight_;
+    double *slope_, *to_;
+    std::ptrdiff_t stride_;
+    std::array<const double*, Terms> from_;
+    std::array<double, Terms> weight_;
+};
+
+}  // namespace
+}  // namespace cvtflow::model

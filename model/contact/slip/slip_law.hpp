@@ -1,0 +1,112 @@
+#pragma once
+/// The friction law at a contact with two slips: force, its derivative as a product of roots, lanes over links. (model/EQUATIONS.md section 7)
+
+#include "model/contact/slip/slip_rows.hpp"
+#include "model/law/friction.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// φ(w) and R with φ'(w) = R Rᵀ, row by row.
+struct SlipLaw {
+    SlipV force[2];
+    FloatLanes root[4];
+};
+
+template <int Points>
+class SlipLaws : public SlipRows<Points> {
+public:
+    using Base = SlipRows<Points>;
+    using typename Base::Point;
+    using typename Base::Tip;
+    using V = SlipV;
+    using Base::Base;
+
+    /// Rooted: with R, else only the force. @param w the contact's two slips
+    template <bool Rooted>
+    [[nodiscard]] SlipLaw law(int contact, const V* w) const noexcept {
+        if (this->g_.widening == 1.0) return usual<Rooted>(contact, w);
+        const double inverse = 1.0 / this->g_.widening;
+        const V less[2] = {inverse * w[0], inverse * w[1]};
+        SlipLaw wide = usual<Rooted>(contact, less);
+        if (!Rooted) return wide;
+        for (FloatLanes& root : wide.root) root = FloatLanes(static_cast<float>(__builtin_sqrt(inverse))) * root;
+        return wide;
+    }
+
+private:
+    /// The law with the saturation speeds that it has.
+    template <bool Rooted>
+    [[nodiscard]] SlipLaw usual(int contact, const V* w) const noexcept {
+        if (contact == SlipContacts::plates) return of_plates<Rooted>(w);
+        if (contact < SlipContacts::first_joint) return of_tip<Rooted>(contact - SlipContacts::first_tip, w);
+        const int number = contact - SlipContacts::first_joint;
+        const V grip = number < this->points() ? this->point(End::rear, number, Point::grip) : this->point(End::front, number - this->points(), Point::grip);
+        return isotropic<Rooted>(this->c_.joint.friction, grip, w, V(0.0));
+    }
+
+    /// Secant and tangent of s(v/v0) over speed.
+    struct Slopes {
+        V secant, tangent;
+    };
+    [[nodiscard]] static Slopes slopes(const FrictionCurve& curve, const V& speed) noexcept {
+        return {slip_factor<slip_lanes>(curve, speed), tangent_of(curve, speed, larger<slip_lanes>(speed - curve.proportional_speed, V(0.0)))};
+    }
+    /// @param beyond the proportional speed
+    [[nodiscard]] static V tangent_of(const FrictionCurve& curve, const V& speed, const V& beyond) noexcept {
+        return select_greater<slip_lanes>(speed, V(curve.full_speed), V(0.0), curve.inverse_saturation_speed - 2.0 * curve.curvature * beyond);
+    }
+
+    /// Along the slip the tangent counts, across it the secant.
+    template <bool Rooted>
+    [[nodiscard]] static SlipLaw isotropic(const FrictionCurve& curve, const V& grip, const V* w, const V& sticks) noexcept {
+        const V speed = sqrt(w[0] * w[0] + w[1] * w[1]), half(0.5);
+        Slopes s = slopes(curve, speed);
+        s.secant = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.secant);
+        s.tangent = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.tangent);
+        const V held = grip * s.secant;
+        if constexpr (!Rooted) return {{held * w[0], held * w[1]}, {}};
+        const FloatLanes along = sqrt(narrow(grip * s.tangent)), across = sqrt(narrow(held)), rough = narrow(speed), least(1e-30f);
+        const FloatLanes inverse = 1.0f / larger(rough, least);
+        const FloatLanes x = select_greater(rough, least, inverse * narrow(w[0]), 1.0f), y = select_greater(rough, least, inverse * narrow(w[1]), 0.0f);
+        return {{held * w[0], held * w[1]}, {along * x, -(across * y), along * y, across * x}};
+    }
+
+    template <bool Rooted>
+    [[nodiscard]] SlipLaw of_tip(int corner, const V* w) const noexcept {
+        return isotropic<Rooted>(this->space_.tip_curve(), this->tip_value(corner, Tip::grip), w, this->tip_value(corner, Tip::sticks));
+    }
+
+    /// Plates slide by w_0 + ξ w_1 each.
+    template <bool Rooted>
+    [[nodiscard]] SlipLaw of_plates(const V* w) const noexcept {
+        const FrictionCurve& curve = this->c_.plate_friction;
+        SlipLaw all{{V(0.0), V(0.0)}, {0.0f, 0.0f, 0.0f, 0.0f}};
+        V k00(0.0), k10(0.0), k11(0.0);
+        for (int plate = 0; plate < this->c_.plates.count; ++plate) {
+            const double xi = this->c_.plates.position[static_cast<std::size_t>(plate)];
+            const V sliding = w[0] + xi * w[1];
+            const V grip = get(this->g_.plates, plate);
+            const V speed = abs(sliding), beyond = larger<slip_lanes>(speed - curve.proportional_speed, V(0.0));
+            const V rising = curve.inverse_saturation_speed * speed - curve.curvature * (beyond * beyond);   // s, without a division
+            const V share = select_greater<slip_lanes>(speed, V(curve.full_speed), V(1.0), rising);
+            const V force = grip * select_greater<slip_lanes>(sliding, V(0.0), share, -share), tangent = grip * tangent_of(curve, speed, beyond);
+            all.force[0] += force;
+            all.force[1] += xi * force;
+            if constexpr (!Rooted) continue;
+            k00 += tangent;
+            k10 += xi * tangent;
+            k11 += xi * (xi * tangent);
+        }
+        if constexpr (!Rooted) return all;
+        const FloatLanes top = sqrt(narrow(k00));
+        const FloatLanes below = narrow(k10) / larger(top, 1e-30f);
+        all.root[0] = top;
+        all.root[2] = below;
+        all.root[3] = sqrt(larger(narrow(k11) - below * below, 0.0f));
+        return all;
+    }
+};
+
+}  // namespace
+}  // namespace cvtflow::model

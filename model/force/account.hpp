@@ -1,0 +1,29 @@
+#pragma once
+/// What an observing evaluation adds up besides forces: stored energies [J] and dissipated powers [W] by kind.
+
+#include <array>
+#include <cstddef>
+
+#include "model/parameters/chain_layout.hpp"
+
+namespace cvtflow::model {
+
+/// Kinds of stored energy.
+enum class Energy { kinetic, inner, pack, plates, joints, tips, supports };
+inline constexpr int energy_kinds = 7;
+
+/// What of a link an account belongs to. Each link has one account per part, so that sums do not depend on who computed which part when.
+enum class AccountPart { joint, link, tips };
+inline constexpr int account_parts = 3;
+
+struct Account {
+    std::array<double, loss_kinds> loss{};      ///< [W], each ≥ 0
+    std::array<double, energy_kinds> energy{};  ///< [J]
+
+    void lose(Loss kind, double power) noexcept { loss[static_cast<std::size_t>(kind)] += power; }
+    void store(Energy kind, double joules) noexcept { energy[static_cast<std::size_t>(kind)] += joules; }
+    [[nodiscard]] double operator[](Loss kind) const noexcept { return loss[static_cast<std::size_t>(kind)]; }
+    [[nodiscard]] double operator[](Energy kind) const noexcept { return energy[static_cast<std::size_t>(kind)]; }
+};
+
+}  // namespace cvtflow::model

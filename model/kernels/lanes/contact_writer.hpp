@@ -1,0 +1,151 @@
+#pragma once
+/// Writes a contact field while forces are computed, links side by side in lanes: what LanePass hands over on its way.
+
+#include <algorithm>
+#include <limits>
+
+#include "model/chain_model.hpp"
+#include "model/contact/contact_field.hpp"
+#include "model/force/joint.hpp"
+#include "model/force/tips.hpp"
+#include "model/kernels/lanes/link_lanes.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Nobody looks: forces are all that is wanted.
+struct NoContacts {
+    static constexpr bool wanted = false;
+};
+
+/// Groups of W links; `own` counts from the range's first, `count` of the lanes stand for links.
+template <int P, int W>
+class ContactWriter {
+public:
+    using V = Lanes<W>;
+    using Joint = ContactComponents::Joint;
+    using Tip = ContactComponents::Tip;
+    static constexpr bool wanted = true;
+
+    /// @param real coefficients with friction in them
+    ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, ContactField& field, Columns& push) noexcept
+        : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), push_(push) {}
+
+    void frame(int own, int count, const LinkFrameOf<V>& frame) const noexcept {
+        put(ContactComponents::frame_x, own, count, frame.tx);
+        put(ContactComponents::frame_y, own, count, frame.ty);
+        put(ContactComponents::inverse_length, own, count, frame.inverse_length);
+    }
+
+    void joint(int own, int count, int point, const JointMotion<W>& m) const noexcept {
+        const int row = field_.components.joint(point);
+        const auto line = line_contact<W>(c_.joint, V(c_.joint_points.weight[static_cast<std::size_t>(point)]), m.depth);
+        const V closing = -(m.nx * m.vx + m.ny * m.vy);
+        put(row + Joint::normal_x, own, count, m.nx);
+        put(row + Joint::normal_y, own, count, m.ny);
+        put(row + Joint::lever_before, own, count, m.lever_before);
+        put(row + Joint::lever_after, own, count, m.lever_after);
+        put(row + Joint::grip, own, count, c_.joint.friction.coefficient * positive_part<W>(line.elastic * (1.0 + c_.joint.damping * closing)));
+    }
+
+    void plate(int own, int count, int plate, const V& tension) const noexcept {
+        put(field_.components.plate(plate), own, count, c_.plate_friction.coefficient * positive_part<W>(tension));
+    }
+
+    /// Links that touch nowhere.
+    void no_tips(int own, int count) const noexcept {
+        for (int corner = 0; corner < tips_per_link; ++corner) put(field_.components.tip(corner) + Tip::grip, own, count, V(0.0));
+    }
+
+    /// @param sheave of the tip's side for every link, shaft its number
+    template <class Geometry>
+    void tip(int own, int count, int corner, const Geometry& g, const TipMotion<V>& m, const V& normal, const SheaveMotionLanes<W>& sheave, const V& shaft) const noexcept {
+        const int row = field_.components.tip(corner);
+        put(row + Tip::normal, own, count, g.normal.x);
+        put(row + Tip::normal + 1, own, count, g.normal.y);
+        put(row + Tip::normal + 2, own, count, g.normal.z);
+        put(row + Tip::lever_x, own, count, m.lever_x);
+        put(row + Tip::lever_y, own, count, m.lever_y);
+        put(row + Tip::grip, own, count, c_.tip.friction.coefficient * normal);
+        surface(own, count, corner, m.sheave_arm, sheave, shaft);
+        keep_arms(own, count, corner, m.sheave_arm);
+        if (by_phase_) branches(own, count, corner);
+    }
+
+    /// Accelerations of a group, rows of the coordinates.
+    void accelerations(int own, int count, const V* rows) const noexcept {
+        for (int row = 0; row < at<P>.link_size(); ++row) put_to(push_, row, own, count, rows[row]);
+    }
+
+    /// Ghost columns next to the range's own, where it holds the link that they repeat.
+    void repeat(int links) const noexcept {
+        const auto copy = [&](int from, int to) {
+            for (int row = 0; row < field_.components.count(); ++row) *field_.columns.at(row, to) = *field_.columns.at(row, from);
+        };
+        if (range_.first == 0) copy(1, links + 1);
+        if (range_.last == links) copy(links, 0);
+    }
+
+private:
+    void put(int row, int own, int count, const V& lanes) const noexcept { put_to(field_.columns, row, own, count, lanes); }
+
+    void put_to(Columns& columns, int row, int own, int count, const V& lanes) const noexcept {
+        double* to = columns.at(row, range_.first + own + 1);
+        if (count >= W) return lanes.copy_to(to);
+        alignas(64) double buffer[W];
+        lanes.copy_to(buffer);
+        std::copy_n(buffer, count, to);
+    }
+
+    /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
+    void surface(int own, int count, int corner, const Vector3<V>& p, const SheaveMotionLanes<W>& s, const V& shaft) const noexcept {
+        const SheaveMotion& first = drift_.change[corner % 2];
+        const SheaveMotion& second = drift_.change[2 + corner % 2];
+        const auto change = [&](double SheaveMotion::*number) { return select_greater<W>(shaft, V(0.5), V(second.*number), V(first.*number)); };
+        const V x = s.spin_y * p.z - s.spin_z * p.y, y = s.spin_z * p.x - s.spin_x * p.z, z = s.spin_x * p.y - s.spin_y * p.x;
+        const V cx = change(&SheaveMotion::spin_x), cy = change(&SheaveMotion::spin_y), cz = change(&SheaveMotion::spin_z);
+        const double h = drift_.step;
+        const int row = field_.components.tip(corner);
+        put(row + Tip::sheave, own, count, s.vx + x);
+        put(row + Tip::sheave + 1, own, count, s.vy + y);
+        put(row + Tip::sheave + 2, own, count, s.vz + z);
+        put(row + Tip::drift, own, count, change(&SheaveMotion::vx) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
+        put(row + Tip::drift + 1, own, count, change(&SheaveMotion::vy) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
+        put(row + Tip::drift + 2, own, count, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
+    }
+
+    void keep_arms(int own, int count, int corner, const Vector3<V>& p) const noexcept {
+        alignas(64) double x[W], y[W], z[W];
+        p.x.copy_to(x);
+        p.y.copy_to(y);
+        p.z.copy_to(z);
+        for (int lane = 0; lane < count; ++lane) {
+            TipArms& arms = field_.arms[static_cast<std::size_t>(range_.first + own + lane)];
+            arms.x[corner] = x[lane];
+            arms.y[corner] = y[lane];
+            arms.z[corner] = z[lane];
+        }
+    }
+
+    /// Speeds between which the branch of the law that a tip's phase stands for has its kink.
+    void branches(int own, int count, int corner) const noexcept {
+        const int row = field_.components.tip(corner);
+        const double v0 = c_.tip.friction.saturation_speed;
+        for (int lane = 0; lane < count; ++lane) {
+            const int link = range_.first + own + lane;
+            const Phase phase = range_.phases[tips_per_link * link + corner];
+            *field_.columns.at(row + Tip::least, link + 1) = phase == Phase::slip ? std::numeric_limits<double>::min() : v0;
+            *field_.columns.at(row + Tip::most, link + 1) = phase == Phase::stick ? v0 : std::numeric_limits<double>::max();
+        }
+    }
+
+    const Coefficients& c_;
+    const ChainRange& range_;
+    const ContactDrift& drift_;
+    bool by_phase_;
+    ContactField& field_;
+    Columns& push_;
+};
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,141 @@
+#pragma once
+/// Links side by side: lanes run over as many links as the processor's vectors hold. Every lane does what model/kernels/chain_parts.hpp does for one
+/// link, in the same order (sums over plates, points and tips in the same trees), so that it gives the same bits whoever its neighbours are.
+
+#include <array>
+#include <cstring>
+
+#include "model/basis/lanes.hpp"
+#include "model/force/link_frame.hpp"
+#include "model/force/sheave_motion.hpp"
+#include "model/machine/coefficients.hpp"
+#include "model/machine/link_inertia.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Rows of numbers of W links: number j of link k comes from from[k][j] and goes to lane k of rows[j]. `count` is a multiple of W.
+template <int W, int count>
+inline void load_rows(const std::array<const double*, W>& from, Lanes<W>* rows) noexcept {
+    static_assert(count % W == 0);
+    for (int begin = 0; begin < count; begin += W) {
+        for (int lane = 0; lane < W; ++lane) rows[begin + lane] = load<W>(from[static_cast<std::size_t>(lane)] + begin);
+        transpose<W>(rows + begin);
+    }
+}
+
+/// The other way round, to the first `links` of `to`.
+template <int W, int count>
+inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, int links) noexcept {
+    constexpr int rest = count % W, whole = count - rest;
+    std::array<Lanes<W>, W> block;
+    const auto turn = [&](int begin, int height) {
+        for (int row = 0; row < W; ++row) block[static_cast<std::size_t>(row)] = row < height ? rows[begin + row] : Lanes<W>(0.0);
+        transpose<W>(block.data());
+    };
+    for (int begin = 0; begin < whole; begin += W) {
+        turn(begin, W);
+        for (std::size_t link = 0; link < static_cast<std::size_t>(links); ++link) block[link].copy_to(to[link] + begin);
+    }
+    if constexpr (rest != 0) {
+        turn(whole, rest);
+        for (std::size_t link = 0; link < static_cast<std::size_t>(links); ++link) std::memcpy(to[link] + whole, &block[link], rest * sizeof(double));
+    }
+}
+
+template <int W, std::size_t rows>
+inline void add_rows(std::array<Lanes<W>, rows>& total, const std::array<Lanes<W>, rows>& terms) noexcept {
+    for (std::size_t row = 0; row < rows; ++row) total[row] += terms[row];
+}
+
+/// Sum of terms_at(0) … terms_at(count - 1) in the tree of sums() over `width` lanes: pairs that lie width/2 apart first.
+/// @param width a power of two ≥ count, at most 16
+template <int W, std::size_t rows, class Body>
+inline void pairwise_sum(int count, int width, const Body& terms_at, std::array<Lanes<W>, rows>& total) noexcept {
+    std::array<std::array<Lanes<W>, rows>, 5> partial;   // of the finished branches, the largest first
+    std::array<bool, 5> present{};
+    std::size_t height = 0;
+    int point = 0;
+    for (int leaf = 0; leaf < width; ++leaf) {
+        const bool here = point < count;
+        if ((leaf & 1) == 0) {
+            present[height] = here;
+            if (here) partial[height] = terms_at(point);
+            ++height;
+        } else {
+            if (here) add_rows<W>(partial[height - 1], terms_at(point));
+            for (int ones = leaf >> 1; (ones & 1) != 0; ones >>= 1) {
+                if (present[--height]) add_rows<W>(partial[height - 1], partial[height]);
+            }
+        }
+        int bit = width / 2;   // next in the order of reversed bits
+        for (; (point & bit) != 0; bit /= 2) point -= bit;
+        point += bit;
+    }
+    total = partial[0];
+}
+
+/// States of W links.
+template <int P, int W>
+struct LinkColumns {
+    static constexpr int size = at<P>.link_size();
+    std::array<Lanes<W>, 2 * size> state;   ///< [q | v]
+    LinkFrameOf<Lanes<W>> frame;
+
+    [[nodiscard]] const Lanes<W>* q() const noexcept { return state.data(); }
+    [[nodiscard]] const Lanes<W>* v() const noexcept { return state.data() + size; }
+};
+
+/// Numbers that differ between links, in the order of LinkKind.
+template <int W>
+struct KindLanes {
+    struct SpringLanes {
+        Lanes<W> stiffness, damping;
+    };
+    Lanes<W> free_length, inverse_length;
+    SpringLanes bending, shear, torsion;
+};
+
+/// One of the two sheaves of each link's pulley, in the order of SheaveMotion.
+template <int W>
+struct SheaveMotionLanes {
+    Lanes<W> x, y, z, tilt_x, tilt_y, vx, vy, vz, spin_x, spin_y, spin_z;
+};
+
+/// The two sheaves of every link's pulley; returns the shafts' numbers. @param motions of all four
+template <int P, int W>
+[[nodiscard]] inline Lanes<W> pulleys_of(const Coefficients& c, const SheaveMotion* motions, const LinkColumns<P, W>& columns,
+                                         std::array<SheaveMotionLanes<W>, 2>& sheaves) noexcept {
+    using V = Lanes<W>;
+    const V middle = columns.state[static_cast<std::size_t>(at<P>.x(End::rear, 0))] + columns.state[static_cast<std::size_t>(at<P>.x(End::front, 0))];
+    const auto by_shaft = [&](double first, double second) { return select_greater<W>(V(c.centre_distance), middle, V(first), V(second)); };
+    constexpr std::size_t numbers = sizeof(SheaveMotion) / sizeof(double);
+    for (std::size_t side = 0; side < 2; ++side) {
+        std::array<double, numbers> first, second;
+        std::memcpy(first.data(), &motions[side], sizeof first);
+        std::memcpy(second.data(), &motions[2 + side], sizeof second);
+        std::array<V, numbers> rows;
+        static_assert(sizeof rows == sizeof sheaves[side]);
+        for (std::size_t k = 0; k < numbers; ++k) rows[k] = by_shaft(first[k], second[k]);
+        std::memcpy(static_cast<void*>(&sheaves[side]), rows.data(), sizeof rows);
+    }
+    return by_shaft(0.0, 1.0);
+}
+
+/// Product of the inverse with `blocks` vectors of N numbers, N apart, in place; sums in the order of the columns.
+template <int N, int blocks, int W>
+inline void multiply(const SmallInverse& inverse, Lanes<W>* f) noexcept {
+    constexpr int stride = padded(N);
+    std::array<Lanes<W>, blocks * N> product;
+    for (int row = 0; row < N; ++row) {
+        for (int block = 0; block < blocks; ++block) {
+            Lanes<W> total = f[block * N] * inverse.column[static_cast<std::size_t>(row)];
+            for (int k = 1; k < N; ++k) total += f[block * N + k] * inverse.column[static_cast<std::size_t>(k * stride + row)];
+            product[static_cast<std::size_t>(block * N + row)] = total;
+        }
+    }
+    std::memcpy(static_cast<void*>(f), product.data(), sizeof product);
+}
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,135 @@
+#include "model/machine/coefficients.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/basis/legendre.hpp"
+#include "model/basis/portable_math.hpp"
+
+namespace cvtflow::model {
+
+Spring damped_spring(double stiffness, double effective_mass, double damping_ratio) noexcept {
+    return {stiffness, 2.0 * damping_ratio * std::sqrt(stiffness * effective_mass)};
+}
+
+std::vector<double> plate_positions(const Parameters& parameters) {
+    const int n = parameters.plate.count;
+    const double outermost = 2.0 * parameters.plate.span / parameters.half.length;
+    std::vector<double> each;
+    for (int j = 0; j < n; ++j) each.push_back(n == 1 ? 0.0 : outermost * (2.0 * j / (n - 1) - 1.0));
+    if (parameters.detail.plates == PlateDetail::each) return each;
+    if (parameters.detail.order == 0) return {0.0};
+    double square = 0.0;
+    for (const double xi : each) square += xi * xi;
+    const double radius = std::sqrt(square / n);
+    return {-radius, radius};
+}
+
+namespace {
+
+/// Mass that a spring of the chain sees: half of a pin half with its share of plates.
+double chain_mass(const Parameters& p) noexcept { return 0.5 * (p.half.mass + 0.5 * p.plate.count * p.plate.mass); }
+
+int lane_width(int count) noexcept {
+    int width = 1;
+    while (width < count && width < 16) width *= 2;
+    return width;
+}
+
+template <int Most>
+PointLanes<Most> lanes_at(const std::vector<double>& positions) {
+    PointLanes<Most> lanes;
+    lanes.count = static_cast<int>(positions.size());
+    lanes.width = lane_width(lanes.count);
+    for (std::size_t j = 0; j < lanes.position.size(); ++j) {
+        const double xi = j < positions.size() ? positions[j] : 0.0;
+        lanes.position[j] = xi;
+        for (int m = 0; m < most_lateral; ++m) lanes.basis[static_cast<std::size_t>(m)][j] = legendre(m, xi);
+    }
+    return lanes;
+}
+
+PointLanes<most_plate_lanes> plate_lanes(const Parameters& p) {
+    const std::vector<double> positions = plate_positions(p);
+    auto lanes = lanes_at<most_plate_lanes>(positions);
+    const double total = p.plate.count * p.plate.stiffness;
+    const double damping = damped_spring(total, chain_mass(p), p.chain.damping_ratio).damping;
+    for (std::size_t j = 0; j < positions.size(); ++j) {
+        lanes.weight[j] = total / static_cast<double>(positions.size());
+        lanes.damping[j] = damping / static_cast<double>(positions.size());
+    }
+    return lanes;
+}
+
+PointLanes<most_joint_lanes> joint_lanes(const Parameters& p) {
+    const Quadrature rule = gauss_legendre(p.detail.joint_points);
+    auto lanes = lanes_at<most_joint_lanes>(rule.position);
+    std::copy(rule.weight.begin(), rule.weight.end(), lanes.weight.begin());
+    return lanes;
+}
+
+BendingLanes bending_lanes(const Parameters& p, double rigidity) {
+    const double cube = p.half.length * p.half.length * p.half.length;
+    const Spring second = damped_spring(144.0 * rigidity / cube, p.half.mass / 5.0, p.chain.damping_ratio);
+    const Spring third = damped_spring(1200.0 * rigidity / cube, p.half.mass / 7.0, p.chain.damping_ratio);
+    const Spring lane1 = p.detail.order >= 3 ? third : second;   // order 2 has one mode per half
+    return {{second.stiffness, lane1.stiffness, second.stiffness, third.stiffness}, {second.damping, lane1.damping, second.damping, third.damping}};
+}
+
+LinkKind link_kind(const Parameters& p, double pitch) {
+    const double length = pitch + p.half.width;
+    const double stiffness = p.plate.count * p.plate.bending_stiffness / length;
+    const double tilt_inertia = 0.5 * p.half.mass / 3.0 * 0.25 * p.half.length * p.half.length;
+    const double shear_inertia = p.detail.order >= 1 ? tilt_inertia : 0.25 * chain_mass(p) * length * length;
+    const double zeta = p.chain.damping_ratio;
+    return {length, 1.0 / length, damped_spring(stiffness, tilt_inertia, zeta), damped_spring(3.0 * stiffness, shear_inertia, zeta),
+            damped_spring(p.plate.count * p.plate.torsion_stiffness, tilt_inertia, zeta)};
+}
+
+JointCoefficients joint_coefficients(const Parameters& p) {
+    const double zeta = p.chain.damping_ratio;
+    const double mass = chain_mass(p);
+    const auto& j = p.joint;
+    return {j.radius - 0.5 * p.half.width, 2.0 * j.radius, p.half.width * (4.0 * j.radius - p.half.width), j.stiffness, 2.0 * zeta * std::sqrt(mass / j.stiffness) / j.reference_depth,
+            j.law == JointLaw::palmgren, j.reference_depth, j.clearance, j.clearance_stiffness,
+            2.0 * zeta * std::sqrt(mass / j.clearance_stiffness) / j.clearance, FrictionCurve(j.friction, p.detail)};
+}
+
+TipCoefficients tip_coefficients(const Parameters& p) {
+    const auto& t = p.tip;
+    const double root = std::sqrt(t.reference_depth);
+    const double critical = 2.0 * std::sqrt(1.5 * t.hertz * root * p.half.mass);
+    const double sine = portable_sin(t.angle);
+    const double cosine = portable_cos(t.angle);
+    return {sine, cosine, t.radius, p.pulley.arc_radius + t.radius, p.pulley.arc_position + t.radius * sine, t.hertz, p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
+            FrictionCurve(t.friction, p.detail)};
+}
+
+}  // namespace
+
+Coefficients::Coefficients(const Parameters& p)
+    : layout(layout_of(p)),
+      half_length(0.5 * p.half.length),
+      slope_scale(2.0 / p.half.length),
+      plates(plate_lanes(p)),
+      plate_friction(p.plate.friction, p.detail),
+      joint_points(joint_lanes(p)),
+      joint(joint_coefficients(p)),
+      tip(tip_coefficients(p)),
+      middle(0.5 * p.pulley.centre_distance),
+      centre_distance(p.pulley.centre_distance) {
+    extension = damped_spring(4.0 * p.chain.young_modulus * p.half.area / p.half.length, p.half.mass / 3.0, p.chain.damping_ratio);
+    travel = bending_lanes(p, p.half.bending_travel);
+    height = bending_lanes(p, p.half.bending_height);
+    std::vector<double> pitches;
+    for (int link = 0; link < p.chain.pins; ++link) {
+        const double pitch = p.chain.pitch[static_cast<std::size_t>(link) % p.chain.pitch.size()];
+        const auto known = std::find(pitches.begin(), pitches.end(), pitch);
+        kind_of.push_back(static_cast<int>(known - pitches.begin()));
+        if (known != pitches.end()) continue;
+        pitches.push_back(pitch);
+        kinds.push_back(link_kind(p, pitch));
+    }
+}
+
+}  // namespace cvtflow::model

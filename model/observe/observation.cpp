@@ -1,0 +1,147 @@
+#include "model/observe/observation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/basis/portable_math.hpp"
+
+namespace cvtflow::model {
+
+Observer::Observer(const Variator& variator) : variator_(variator), scratch_(variator.layout()), slope_(static_cast<std::size_t>(variator.layout().size())) {
+    const std::size_t links = static_cast<std::size_t>(variator.layout().links);
+    observation_.tension.resize(links);
+    observation_.tip_axial.resize(tips_per_link * links);
+}
+
+const Observation& Observer::observe(double t, const double* state, const Phase* phases) noexcept {
+    const ChainLayout& at = variator_.layout();
+    Observation& o = observation_;
+    o.time = t;
+    o.account = {};
+    std::fill(scratch_.accounts.begin(), scratch_.accounts.end(), Account{});
+    if (at.pulley_size != 0) variator_.pulleys().motions(state + at.pulley_begin(), scratch_.sheaves);
+    fill_window(variator_, state, scratch_);
+    variator_.chain().observed_slopes({0, at.links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(), scratch_.loads.data(), scratch_.accounts.data());
+    for (const Account& account : scratch_.accounts) {
+        for (std::size_t kind = 0; kind < loss_kinds; ++kind) o.account.loss[kind] += account.loss[kind];
+        for (std::size_t kind = 0; kind < energy_kinds; ++kind) o.account.energy[kind] += account.energy[kind];
+    }
+    observe_links(state, phases);
+    observe_strands(state, phases);
+    if (at.pulley_size != 0) {
+        observe_radii(state, phases);
+        observe_pulleys(t, state, phases);
+    }
+    o.account.store(Energy::kinetic, kinetic(state));
+    return o;
+}
+
+void Observer::observe_links(const double* state, const Phase* phases) noexcept {
+    const ChainLayout& at = variator_.layout();
+    Observation& o = observation_;
+    o.touching = 0;
+    o.deepest = 0.0;
+    double speed = 0.0;
+    for (int link = 0; link < at.links; ++link) {
+        const double* block = state + at.link_begin(link);
+        LinkContact contact;
+        variator_.chain().contact(link, block, scratch_.sheaves, phases + tips_per_link * link, contact);
+        o.tension[static_cast<std::size_t>(link)] = contact.tension;
+        const double* v = block + at.link_size();
+        speed += portable_hypot(v[at.x(End::rear, 0)], v[at.y(End::rear, 0)]);
+        TipProbe probe{};
+        if (at.pulley_size != 0) variator_.chain().probe(block, scratch_.sheaves, false, probe);
+        for (int tip = 0; tip < tips_per_link; ++tip) {
+            o.tip_axial[static_cast<std::size_t>(tips_per_link * link + tip)] = contact.axial[tip];
+            if (phases[tips_per_link * link + tip] == Phase::free) continue;
+            ++o.touching;
+            o.deepest = std::max(o.deepest, probe.depth[tip]);
+        }
+    }
+    o.chain_speed = speed / at.links;
+}
+
+namespace {
+
+/// Whether no tip of a link touches.
+[[nodiscard]] bool loose(const Phase* phases, int link) noexcept {
+    return std::all_of(phases + tips_per_link * link, phases + tips_per_link * (link + 1), [](Phase phase) { return phase == Phase::free; });
+}
+
+}  // namespace
+
+void Observer::observe_strands(const double* state, const Phase* phases) noexcept {
+    const ChainLayout& at = variator_.layout();
+    double sum[2] = {0.0, 0.0};
+    int count[2] = {0, 0};
+    for (int link = 0; link < at.links; ++link) {
+        // A strand's inner links: their neighbours are loose as well.
+        if (!loose(phases, link) || !loose(phases, at.previous(link)) || !loose(phases, at.next(link))) continue;
+        const int strand = at.pulley_size != 0 && state[at.link_begin(link) + at.y(End::rear, 0)] < 0.0 ? 1 : 0;
+        sum[strand] += observation_.tension[static_cast<std::size_t>(link)];
+        ++count[strand];
+    }
+    observation_.tight = count[0] > 0 ? sum[0] / count[0] : 0.0;
+    observation_.slack = count[1] > 0 ? sum[1] / count[1] : (at.pulley_size == 0 ? observation_.tight : 0.0);
+}
+
+void Observer::observe_radii(const double* state, const Phase* phases) noexcept {
+    const ChainLayout& at = variator_.layout();
+    const auto middle = [&](const double* rear, const double* front, int offset_rear, int offset_front) { return 0.5 * (rear[offset_rear] + front[offset_front]); };
+    double radius[2] = {0.0, 0.0};
+    double turning[2] = {0.0, 0.0};
+    int count[2] = {0, 0};
+    for (int pin = 0; pin < at.links; ++pin) {
+        if (loose(phases, pin) || loose(phases, at.previous(pin))) continue;
+        const double* rear = state + at.link_begin(pin);
+        const double* front = state + at.link_begin(at.previous(pin));
+        const int shaft = variator_.chain().shaft_of(rear);
+        const double x = middle(rear, front, at.x(End::rear, 0), at.x(End::front, 0)) - shaft * variator_.chain().coefficients().centre_distance;
+        const double y = middle(rear, front, at.y(End::rear, 0), at.y(End::front, 0));
+        const double vx = middle(rear, front, at.link_size() + at.x(End::rear, 0), at.link_size() + at.x(End::front, 0));
+        const double vy = middle(rear, front, at.link_size() + at.y(End::rear, 0), at.link_size() + at.y(End::front, 0));
+        radius[shaft] += portable_hypot(x, y);
+        turning[shaft] += (x * vy - y * vx) / (x * x + y * y);
+        ++count[shaft];
+    }
+    for (std::size_t shaft = 0; shaft < 2; ++shaft) {
+        observation_.radius[shaft] = count[shaft] > 0 ? radius[shaft] / count[shaft] : 0.0;
+        observation_.pin_speed[shaft] = count[shaft] > 0 ? turning[shaft] / count[shaft] : 0.0;
+    }
+}
+
+void Observer::observe_pulleys(double t, const double* state, const Phase* phases) noexcept {
+    const ChainLayout& at = variator_.layout();
+    const PulleyModel& pulleys = variator_.pulleys();
+    const double* block = state + at.pulley_begin();
+    Observation& o = observation_;
+    const Inputs inputs = pulleys.inputs(t, block, at.control ? state[at.control_begin()] : 0.0);
+    const SheaveForces forces = variator_.sheave_forces(phases, scratch_.loads.data());
+    pulleys.slope(block, inputs, forces, slope_.data() + at.pulley_begin(), &o.account);
+    o.work = pulleys.works(block, inputs);
+    o.torque = {inputs.drive_torque, inputs.load_torque};
+    o.clamping = inputs.clamping;
+    o.control_limited = inputs.control_limited;
+    for (std::size_t sheave = 0; sheave < 4; ++sheave) o.axial_force[sheave] = forces[sheave][4];
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        const std::size_t k = static_cast<std::size_t>(shaft);
+        o.speed[k] = pulleys.shaft_speed(block, shaft);
+        o.angle[k] = block[pulleys.rotation(shaft)];
+        o.sheave_position[k] = pulleys.clamped_position(block, shaft);
+        o.chain_torque[k] = forces[2 * k][5] + forces[2 * k + 1][5];
+    }
+    o.ratio = o.speed[0] / o.speed[1];
+    const double grip = o.speed[0] * o.pin_speed[1];
+    o.slip = grip != 0.0 ? 1.0 - o.pin_speed[0] * o.speed[1] / grip : 0.0;
+}
+
+double Observer::kinetic(const double* state) const noexcept {
+    const ChainLayout& at = variator_.layout();
+    double energy = 0.0;
+    for (int link = 0; link < at.links; ++link) {
+        energy += kinetic_energy(variator_.chain().inertia(), state + at.link_begin(link) + at.link_size(), 2 * at.lateral());
+    }
+    return at.pulley_size != 0 ? energy + variator_.pulleys().kinetic(state + at.pulley_begin()) : energy;
+}
+
+}  // namespace cvtflow::model

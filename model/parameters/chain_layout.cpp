@@ -1,0 +1,18 @@
+#include "model/parameters/chain_layout.hpp"
+
+namespace cvtflow::model {
+
+ChainLayout layout_of(const Parameters& parameters) noexcept {
+    const auto pulley_size = [&] {
+        switch (parameters.detail.pulleys) {
+            case PulleyDetail::elastic: return 36;
+            case PulleyDetail::rigid: return 4;
+            case PulleyDetail::absent: break;
+        }
+        return 0;
+    }();
+    const bool has_pulleys = pulley_size != 0;
+    return {parameters.detail.order, parameters.chain.pins, pulley_size, parameters.control.enabled && has_pulleys, parameters.ledger};
+}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,67 @@
+#pragma once
+/// The only index arithmetic of the state vector.
+///
+///     link 0: [q (link_size) | v (link_size)]  link 1: …  link N-1  pulleys: [q (pulley_size) | v (pulley_size)]  control: [I]  ledger: [losses, works]
+///     q of a link: [a.x_0…a.x_p  b.x_0…b.x_p | a.y…  b.y… | a.z a.e b.z b.e],  a = rear half (R_link), b = front half (L_{link+1})
+///
+/// A slope (time derivative of a state) has the same layout: [v | acceleration] per block.
+
+#include "model/parameters/parameters.hpp"
+
+namespace cvtflow::model {
+
+/// Kinds of dissipation; the order of the ledger.
+enum class Loss { inner, plate_damping, plate_friction, joint_damping, joint_friction, tip_damping, tip_friction, supports, cylinder };
+/// Kinds of external work; the ledger's second part.
+enum class Work { drive, load, clamping };
+inline constexpr int loss_kinds = 9;
+inline constexpr int work_kinds = 3;
+
+/// Which half of a link.
+enum class End { rear = 0, front = 1 };
+
+struct ChainLayout {
+    int order = 3;          ///< p
+    int links = 84;         ///< N = number of pins
+    int pulley_size = 36;   ///< generalized coordinates of shafts and sheaves: 36, 4 or 0
+    bool control = false;
+    bool ledger = false;
+
+    [[nodiscard]] constexpr int lateral() const noexcept { return order + 1; }
+    [[nodiscard]] constexpr int link_size() const noexcept { return 4 * lateral() + 4; }
+    [[nodiscard]] constexpr int link_block() const noexcept { return 2 * link_size(); }
+    /// First index of a link's block: its q; its v follows at + link_size().
+    [[nodiscard]] constexpr int link_begin(int link) const noexcept { return link * link_block(); }
+    [[nodiscard]] constexpr int pulley_begin() const noexcept { return links * link_block(); }
+    [[nodiscard]] constexpr int pulley_block() const noexcept { return 2 * pulley_size; }
+    [[nodiscard]] constexpr int control_begin() const noexcept { return pulley_begin() + pulley_block(); }
+    [[nodiscard]] constexpr int ledger_begin() const noexcept { return control_begin() + (control ? 1 : 0); }
+    /// Number of unknowns.
+    [[nodiscard]] constexpr int size() const noexcept { return ledger_begin() + (ledger ? loss_kinds + work_kinds : 0); }
+    /// Number of generalized coordinates (half of the second-order unknowns).
+    [[nodiscard]] constexpr int coordinates() const noexcept { return links * link_size() + pulley_size; }
+
+    /// Offsets inside a link's q (or v).
+    [[nodiscard]] constexpr int x(End end, int m) const noexcept { return static_cast<int>(end) * lateral() + m; }
+    [[nodiscard]] constexpr int y(End end, int m) const noexcept { return 2 * lateral() + static_cast<int>(end) * lateral() + m; }
+    [[nodiscard]] constexpr int z(End end) const noexcept { return 4 * lateral() + 2 * static_cast<int>(end); }
+    [[nodiscard]] constexpr int e(End end) const noexcept { return z(end) + 1; }
+
+    [[nodiscard]] constexpr int next(int link) const noexcept { return link + 1 == links ? 0 : link + 1; }
+    [[nodiscard]] constexpr int previous(int link) const noexcept { return link == 0 ? links - 1 : link - 1; }
+
+    bool operator==(const ChainLayout&) const = default;
+};
+
+[[nodiscard]] ChainLayout layout_of(const Parameters& parameters) noexcept;
+
+/// Offsets inside the pulleys' q of elastic pulleys: body 0…5 = shaft 1, shaft 2, sheave 1-, 1+, 2-, 2+; freedom 0…5 = u_x, u_y, τ_x, τ_y, w, φ.
+[[nodiscard]] constexpr int body_freedom(int body, int freedom) noexcept { return 6 * body + freedom; }
+/// Body number of the sheave on shaft 0 or 1 and side 0 (-z) or 1 (+z).
+[[nodiscard]] constexpr int sheave_body(int shaft, int side) noexcept { return 2 + 2 * shaft + side; }
+
+/// Phase of a tip, one byte per tip; tip number = 4 link + 2 end + side (side 0 is -z).
+enum class Phase : unsigned char { free = 0, touching = 1, stick = 2, slip = 3 };
+inline constexpr int tips_per_link = 4;
+
+}  // namespace cvtflow::model

@@ -1,0 +1,82 @@
+#include "model/start/belt.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "model/basis/portable_math.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+constexpr double pi = std::numbers::pi;
+}
+
+double belt_length(const BeltRadii& radii, double centre_distance) noexcept {
+    const double lean = portable_asin((radii.driven - radii.driving) / centre_distance);
+    return 2.0 * centre_distance * portable_cos(lean) + pi * (radii.driving + radii.driven) + 2.0 * lean * (radii.driven - radii.driving);
+}
+
+std::optional<BeltRadii> belt_radii(double length, double ratio, double centre_distance) noexcept {
+    const auto pair = [ratio](double driving) { return BeltRadii{driving, ratio * driving}; };
+    double low = 0.0;
+    double high = centre_distance / (1.0 + ratio);   // the pulleys touch
+    if (!(belt_length(pair(low), centre_distance) < length) || !(belt_length(pair(high), centre_distance) > length)) return std::nullopt;
+    for (int iteration = 0; iteration < 200; ++iteration) {
+        const double middle = 0.5 * (low + high);
+        (belt_length(pair(middle), centre_distance) < length ? low : high) = middle;
+    }
+    return pair(0.5 * (low + high));
+}
+
+PitchPath::PitchPath(const BeltRadii& radii, double centre_distance) noexcept
+    : ring_(false), radii_(radii), centre_distance_(centre_distance), lean_(portable_asin((radii.driven - radii.driving) / centre_distance)),
+      strand_(centre_distance * portable_cos(lean_)), driven_arc_(radii.driven * (pi + 2.0 * lean_)), driving_arc_(radii.driving * (pi - 2.0 * lean_)),
+      length_(2.0 * strand_ + driven_arc_ + driving_arc_) {}
+
+PitchPath::PitchPath(double radius) noexcept
+    : ring_(true), radii_{radius, radius}, centre_distance_(0.0), lean_(0.0), strand_(0.0), driven_arc_(0.0), driving_arc_(0.0), length_(2.0 * pi * radius) {}
+
+Point PitchPath::at(double s) const noexcept {
+    s -= length_ * std::floor(s / length_);
+    if (ring_) return {radii_.driving * portable_cos(s / radii_.driving), radii_.driving * portable_sin(s / radii_.driving)};
+    const double sine = portable_sin(lean_);
+    const double cosine = portable_cos(lean_);
+    if (s < strand_) return {-radii_.driving * sine + s * cosine, -radii_.driving * cosine - s * sine};
+    s -= strand_;
+    if (s < driven_arc_) {
+        const double angle = -0.5 * pi - lean_ + s / radii_.driven;
+        return {centre_distance_ + radii_.driven * portable_cos(angle), radii_.driven * portable_sin(angle)};
+    }
+    s -= driven_arc_;
+    if (s < strand_) return {centre_distance_ - radii_.driven * sine - s * cosine, radii_.driven * cosine - s * sine};
+    const double angle = 0.5 * pi + lean_ + (s - strand_) / radii_.driving;
+    return {radii_.driving * portable_cos(angle), radii_.driving * portable_sin(angle)};
+}
+
+double PitchPath::side_at(double s) const noexcept {
+    s -= length_ * std::floor(s / length_);
+    if (ring_) return 0.0;
+    if (s < strand_) return s / strand_;
+    s -= strand_;
+    if (s < driven_arc_) return 1.0;
+    s -= driven_arc_;
+    return s < strand_ ? 1.0 - s / strand_ : 0.0;
+}
+
+double PitchPath::advance(double s, double chord) const noexcept {
+    constexpr int most = 60;
+    const Point from = at(s);
+    double to = s + chord, before = s;
+    for (int iteration = 1; iteration <= most; ++iteration) {   // the chord grows almost as fast as the arc: a contraction
+        const Point reached = at(to);
+        const double error = chord - portable_hypot(reached.x - from.x, reached.y - from.y);
+        const double next = to + error;
+        if (std::abs(error) < 1e-17 || next == to) return next;
+        if (next == before) return (most - iteration) % 2 == 0 ? next : to;   // to and fro between two neighbouring numbers until the last iteration
+        before = std::exchange(to, next);
+    }
+    return to;
+}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,198 @@
+#include "model/start/start_state.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <stdexcept>
+
+#include "model/chain_model.hpp"
+#include "model/force/pulley.hpp"
+#include "model/start/chain_placer.hpp"
+
+namespace cvtflow::model {
+
+double link_mass(const Parameters& p) noexcept { return 2.0 * p.half.mass + p.plate.count * p.plate.mass; }
+
+namespace {
+
+/// Calls put(link block, end, pin) for every half.
+template <class Put>
+void for_every_half(const ChainLayout& at, std::vector<double>& state, const Put& put) {
+    for (int link = 0; link < at.links; ++link) {
+        double* block = state.data() + at.link_begin(link);
+        put(block, End::rear, static_cast<std::size_t>(link));
+        put(block, End::front, static_cast<std::size_t>(at.next(link)));
+    }
+}
+
+void fill_positions(const ChainLayout& at, const PlacedChain& now, std::vector<double>& state) {
+    for_every_half(at, state, [&](double* block, End end, std::size_t pin) {
+        const Point here = (end == End::rear ? now.rear : now.front)[pin];
+        block[at.x(end, 0)] = here.x;
+        block[at.y(end, 0)] = here.y;
+    });
+}
+
+/// Velocities as differences of two placements; axially the strands climb by `rise`.
+void fill_velocities(const ChainLayout& at, const PlacedChain& before, const PlacedChain& after, double rate, double rise, std::vector<double>& state) {
+    for_every_half(at, state, [&](double* block, End end, std::size_t pin) {
+        const Point moved = (end == End::rear ? after.rear : after.front)[pin] - (end == End::rear ? before.rear : before.front)[pin];
+        double* v = block + at.link_size();
+        v[at.x(end, 0)] = rate * moved.x;
+        v[at.y(end, 0)] = rate * moved.y;
+        v[at.z(end)] = rate * rise * (after.along[pin] - before.along[pin]);
+    });
+}
+
+/// Moves the arcs axially onto the fixed sheaves and the movable sheaves onto the arcs, until the deepest tip just touches.
+class SheaveFitter {
+public:
+    SheaveFitter(const Parameters& p, std::vector<double>& state, const std::vector<double>& along)
+        : model_(p), pulleys_(p), state_(state), along_(along) {}
+
+    /// Axial distance from the driving to the driven arc [m].
+    double fit() {
+        for (int iteration = 0; iteration < 30; ++iteration) {
+            for (int shaft = 0; shaft < 2; ++shaft) shift_[shaft] -= fixed_sign(shaft) * deepest(shaft, shaft == 0 ? 0 : 1);
+            place_axially();
+        }
+        for (int iteration = 0; iteration < 30; ++iteration) {
+            for (int shaft = 0; shaft < 2; ++shaft) {
+                const double overlap = deepest(shaft, shaft == 0 ? 1 : 0);
+                state_[static_cast<std::size_t>(model_.layout().pulley_begin() + pulleys_.movable(shaft))] -= fixed_sign(shaft) * overlap;
+            }
+        }
+        return shift_[1] - shift_[0];
+    }
+
+private:
+    [[nodiscard]] static double fixed_sign(int shaft) { return shaft == 0 ? -1.0 : 1.0; }
+
+    void place_axially() {
+        const ChainLayout& at = model_.layout();
+        for_every_half(at, state_, [&](double* block, End end, std::size_t pin) { block[at.z(end)] = shift_[0] + along_[pin] * (shift_[1] - shift_[0]); });
+    }
+
+    /// Largest depth of tips on one side of one shaft.
+    [[nodiscard]] double deepest(int shaft, int side) const {
+        const ChainLayout& at = model_.layout();
+        SheaveMotion sheaves[4];
+        pulleys_.motions(state_.data() + at.pulley_begin(), sheaves);
+        double depth = -1.0;
+        for (int link = 0; link < at.links; ++link) {
+            const double* block = state_.data() + at.link_begin(link);
+            if (model_.shaft_of(block) != shaft) continue;
+            TipProbe probe;
+            model_.probe(block, sheaves, false, probe);
+            depth = std::max({depth, probe.depth[side], probe.depth[2 + side]});
+        }
+        return depth;
+    }
+
+    ChainModel model_;
+    PulleyModel pulleys_;
+    std::vector<double>& state_;
+    const std::vector<double>& along_;
+    double shift_[2] = {0.0, 0.0};
+};
+
+/// Mean angular speed, per path speed, of the pins on the driving (along = 0) or the driven arc (along = 1) [1/m]. A bent chain is shorter
+/// than its path, so pins turn a little slower than path speed over radius.
+[[nodiscard]] double turning_of_arc(const PlacedChain& before, const PlacedChain& now, const PlacedChain& after, double step, double along, Point axis) {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t pin = 0; pin < now.along.size(); ++pin) {
+        if (before.along[pin] != along || after.along[pin] != along) continue;
+        const auto middle = [pin](const PlacedChain& chain) { return 0.5 * (chain.front[pin] + chain.rear[pin]); };
+        const Point arm = middle(now) - axis;
+        const Point moved = middle(after) - middle(before);
+        sum += (arm.x * moved.y - arm.y * moved.x) / (2.0 * step * (arm.x * arm.x + arm.y * arm.y));
+        ++count;
+    }
+    return sum / std::max(1, count);
+}
+
+void spin_shafts(const Parameters& p, const ChainLayout& at, const double* turning, std::vector<double>& state) {
+    const PulleyModel pulleys(p);
+    double* q = state.data() + at.pulley_begin();
+    const auto turn = [&](int coordinate, double rate) {
+        q[at.pulley_size + coordinate] = rate;
+        q[coordinate] = -rate * p.start.settling_time;   // angles count from t = 0
+    };
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        const double rate = turning[shaft];
+        turn(pulleys.rotation(shaft), rate);
+        if (at.pulley_size != 36) continue;
+        for (int side = 0; side < 2; ++side) turn(body_freedom(sheave_body(shaft, side), 5), rate);
+    }
+}
+
+/// Path, pre-tension and speed that a scene asks for.
+struct StartPlan {
+    BeltRadii radii;     ///< nominal, of a belt as long as the sum of pitches
+    PathOf path_of;
+    double turning;      ///< of the driving shaft or the ring [rad/s]
+    double pretension;   ///< σ v²: what the chain's own motion pulls [N]
+    double mean_pitch;   ///< [m]
+};
+
+[[nodiscard]] StartPlan plan_start(const Parameters& p) {
+    const double a = p.pulley.centre_distance;
+    const double ratio = p.start.ratio;
+    const double length = chain_length(p.chain);
+    const bool ring = p.start.layout == StartLayout::ring;
+    StartPlan plan;
+    plan.mean_pitch = length / p.chain.pins;
+    if (ring) {
+        plan.radii = {length / (2.0 * std::numbers::pi), length / (2.0 * std::numbers::pi)};
+        plan.path_of = [](double r) { return PitchPath(r); };
+        plan.turning = p.start.ring_speed;
+    } else {
+        const auto radii = belt_radii(length, ratio, a);
+        if (!radii) throw std::invalid_argument("start: the chain does not close around the pulleys at the wanted ratio");
+        plan.radii = *radii;
+        plan.path_of = [=](double r) { return PitchPath(BeltRadii{r, ratio * r}, a); };
+        plan.turning = p.drive.mode == DriveMode::speed ? p.drive.speed.at(0.0) : p.control.reference_speed;
+    }
+    const double speed = plan.radii.driving * plan.turning;
+    plan.pretension = link_mass(p) / plan.mean_pitch * speed * speed;
+    // Tension grows with the radius, P = P0 (1 + ε) for a stretch of ε pitches, and Hooke's law gives P = K p ε: none fits where P0 ≥ K p.
+    if (plan.pretension >= p.plate.count * p.plate.stiffness * plan.mean_pitch) {
+        throw std::invalid_argument("start: at this speed the chain bursts, as its own motion pulls harder than any stretch of its links");
+    }
+    return plan;
+}
+
+}  // namespace
+
+StartState start_state(const Parameters& p) {
+    const ChainLayout at = layout_of(p);
+    const StartPlan plan = plan_start(p);
+    const ChainPlacer placer(p, plan.pretension, plan.path_of, plan.radii.driving);
+    const double phase = 0.25 * plan.mean_pitch;
+    const double step = 1e-3 * plan.mean_pitch;   // velocities: how the placed chain moves with its phase
+    PlacedChain now = placer.place(phase, 0.0);
+    StartState start;
+    start.state.assign(static_cast<std::size_t>(at.size()), 0.0);
+    start.phases.assign(static_cast<std::size_t>(tips_per_link * at.links), Phase::free);
+    fill_positions(at, now, start.state);
+    double rise = 0.0;
+    for (int iteration = 0; iteration < 3 && at.pulley_size != 0; ++iteration) {   // the climb of strands shortens them in second order only
+        rise = SheaveFitter(p, start.state, now.along).fit();
+        now = placer.place(phase, rise);
+        fill_positions(at, now, start.state);
+    }
+    start.radii = {now.radius, p.start.layout == StartLayout::ring ? now.radius : p.start.ratio * now.radius};
+    const PlacedChain before = placer.place(phase - step, rise);
+    const PlacedChain after = placer.place(phase + step, rise);
+    const double driving = turning_of_arc(before, now, after, step, 0.0, {0.0, 0.0});
+    start.speed = plan.turning / driving;
+    fill_velocities(at, before, after, start.speed / (2.0 * step), rise, start.state);
+    if (at.pulley_size == 0) return start;
+    const double turning[] = {plan.turning, start.speed * turning_of_arc(before, now, after, step, 1.0, {p.pulley.centre_distance, 0.0})};
+    spin_shafts(p, at, turning, start.state);
+    return start;
+}
+
+}  // namespace cvtflow::model

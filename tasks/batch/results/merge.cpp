@@ -1,0 +1,95 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+
+#include "tasks/batch/batch.hpp"
+#include "tasks/batch/results/results.hpp"
+
+namespace cvtflow::tasks {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Number of shards that the folders' names tell. @throws SimulationError
+int shard_count(const std::string& folder) {
+    std::set<int> counts;
+    std::error_code unreadable;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
+        int number = 0, of = 0;
+        if (std::sscanf(entry.path().filename().c_str(), "shard-%9d-of-%9d", &number, &of) == 2 && Shard{number, of}.valid()) counts.insert(of);
+    }
+    if (counts.empty()) throw SimulationError(folder + ": there are no shards to merge");
+    if (counts.size() > 1) throw SimulationError(fmt::format("{}: shards of several cuts ({}): remove those that do not belong", folder, fmt::join(counts, ", ")));
+    return *counts.begin();
+}
+
+class Merge {
+public:
+    explicit Merge(const std::string& folder) : folder_(folder) { report_.file = (fs::path(folder) / "cases.h5").string(); }
+
+    MergeReport run(bool partial) {
+        const int shards = shard_count(folder_);
+        for (int number = 1; number <= shards; ++number) add(shard_folder(folder_, {number, shards}));
+        if (!table_) throw SimulationError(folder_ + ": no shard has results");
+        find_missing();
+        const bool whole = report_.missing_cases.empty() && report_.missing_shards.empty();
+        if (whole || partial) write(whole);
+        return report_;
+    }
+
+private:
+    void add(const std::string& shard) {
+        const std::string file = (fs::path(shard) / "cases.h5").string();
+        std::error_code missing;
+        if (!fs::exists(file, missing)) return report_.missing_shards.push_back(shard);
+        const engine::CaseTable part = read_results(file);
+        if (!table_) {
+            table_ = part;
+            table_->rows.clear();
+        }
+        require_same_sweep(file, part, *table_);
+        if (const std::string error = part.attribute("continuation_error"); !error.empty()) errors_.push_back(error);
+        const std::size_t number = part.layout.column("case"), status = part.layout.column("status");
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            const auto row = part.row(i);
+            if (!seen_.insert(part.layout.integer(row, number)).second) throw SimulationError(fmt::format("{}: case {} is in two shards", file, part.layout.integer(row, number)));
+            ++report_.statuses[part.layout.text(row, status)];
+            table_->rows.insert(table_->rows.end(), row.begin(), row.end());
+        }
+    }
+
+    void find_missing() {
+        report_.cases = cases_of(*table_, folder_);
+        report_.rows = static_cast<long>(table_->size());
+        for (long number = 0; number < report_.cases; ++number) {
+            if (!seen_.contains(number)) report_.missing_cases.push_back(number);
+        }
+    }
+
+    void write(bool whole) {
+        sort_rows(*table_);
+        report_.results_hash = results_hash(*table_);
+        table_->set({"shard", "1/1"});
+        table_->set({"continuation_error", fmt::format("{}", fmt::join(errors_, "; "))});
+        table_->set({"status", whole ? "finished" : "incomplete"});
+        table_->set({"missing_cases", fmt::format("{}", fmt::join(report_.missing_cases, " "))});
+        table_->set({"results_hash", report_.results_hash});
+        engine::write_cases(report_.file, *table_);
+    }
+
+    std::string folder_;
+    MergeReport report_;
+    std::optional<engine::CaseTable> table_;
+    std::set<std::int64_t> seen_;
+    std::vector<std::string> errors_;
+};
+
+}  // namespace
+
+MergeReport merge(const std::string& folder, bool partial) { return Merge(folder).run(partial); }
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,248 @@
+#include "tasks/batch/results/results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <sstream>
+#include <tuple>
+
+#include "engine/base/hash.hpp"
+#include "engine/base/provenance.hpp"
+#include "model/start/start_state.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+using engine::CaseColumn;
+using Type = engine::CaseColumnType;
+
+constexpr int error_width = 240;
+
+std::string column_of(const Parameter& key) {
+    std::string name(key.key);
+    std::replace(name.begin(), name.end(), '.', '_');
+    return name;
+}
+
+/// Choices, texts, lists and tables are texts in the table.
+[[nodiscard]] Type type_of(const Parameter& key) {
+    if (key.kind() == Kind::integer) return Type::integer;
+    return continuous(key) ? Type::real : Type::text;
+}
+
+[[nodiscard]] bool only_numbers(const Axis& axis, std::size_t key) {
+    for (std::size_t row = 0; row < axis.rows(); ++row) {
+        if (!std::holds_alternative<double>(axis.at(row, key))) return false;
+    }
+    return true;
+}
+
+CaseColumn key_column(const Axis& axis, std::size_t key) {
+    const Parameter& parameter = *axis.keys[key];
+    const Type type = only_numbers(axis, key) ? type_of(parameter) : Type::text;
+    std::size_t width = 8;
+    for (std::size_t row = 0; type == Type::text && row < axis.rows(); ++row) width = std::max(width, axis_text(parameter, axis.at(row, key)).size());
+    return {column_of(parameter), std::string(parameter.unit), std::string(parameter.meaning), type, static_cast<int>(std::min<std::size_t>(width, 256))};
+}
+
+constexpr std::string_view unsteady[] = {"wall", "threads"};   // columns that differ from run to run
+
+}  // namespace
+
+engine::RowLayout result_layout(const Sweep& sweep) {
+    std::vector<CaseColumn> columns{{"case", "1", "number of the case", Type::integer}, {"status", "", "ok, unreliable, diverged, budget, bad_parameters, crashed or undefined", Type::text, 16}};
+    for (const Axis& axis : sweep.axes) {
+        for (std::size_t key = 0; key < axis.keys.size(); ++key) columns.push_back(key_column(axis, key));
+    }
+    for (const Scalar& scalar : sweep.scalars) columns.push_back({scalar.column, scalar.unit(), scalar.description()});
+    columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on"});
+    columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
+    columns.push_back({"energy_suspicion", "1", "residual over what an honest integration may leave, settling included; above 1 the status is unreliable"});
+    columns.push_back({"notes", "", "what is odd: gross_slip, control_limit, slack_strand, efficiency, unsteady", Type::text, 64});
+    columns.push_back({"start", "", "where the case began: scene, geometric, settled, shared or continued", Type::text, 16});
+    for (const auto& [name, what] : {std::pair{"steps", "accepted steps"}, {"evaluations", "evaluations of the right-hand side"}, {"transitions", "changes of phase of tips"},
+                                     {"truncated", "steps cut at a transition"}, {"settling_evaluations", "evaluations while this case settled"}}) {
+        columns.push_back({name, "1", what, Type::integer});
+    }
+    columns.push_back({"wall", "s", "wall time of this case, all sessions"});
+    columns.push_back({"threads", "1", "most threads that worked on it at once", Type::integer});
+    columns.push_back({"hash", "", "of the final state and phases", Type::text, 16});
+    columns.push_back({"error", "", "what went wrong", Type::text, error_width});
+    return engine::RowLayout(std::move(columns));
+}
+
+namespace {
+
+/// Hash of the right-hand side at the sweep's geometric or given start: another model, or one rounded differently, gives another.
+std::string model_hash(const Sweep& sweep) {
+    try {
+        const model::Variator variator(sweep.scene.parameters);
+        const model::StartState start = model::start_state(sweep.scene.parameters);
+        model::EvaluationScratch scratch(variator.layout());
+        std::vector<double> slope(start.state.size());
+        const std::vector<model::Phase> phases(start.phases.size(), model::Phase::touching);
+        model::right_hand_side(variator, 0.0, start.state.data(), phases.data(), slope.data(), scratch);
+        return engine::hex(engine::state_hash(slope));
+    } catch (const std::invalid_argument&) {
+        return "none";   // the base scene's chain does not close; that of a case may
+    }
+}
+
+}  // namespace
+
+engine::CaseTable empty_table(const Sweep& sweep) {
+    engine::CaseTable table;
+    table.layout = result_layout(sweep);
+    table.attributes = engine::attributes_of(engine::current_provenance());
+    table.set({"sweep", sweep.name});
+    table.set({"description", sweep.description});
+    table.set({"sweep_path", std::filesystem::absolute(sweep.path).lexically_normal().string()});
+    table.set({"sweep_text", sweep.text});
+    table.set({"parameters", write_scene(sweep.scene)});
+    table.set({"definition", sweep.definition() + fmt::format("model = hash {}\n", model_hash(sweep))});
+    table.set({"cases", static_cast<std::int64_t>(sweep.cases())});
+    table.set({"status", "running"});
+    return table;
+}
+
+engine::CaseTable read_results(const std::string& path) {
+    engine::CaseTable table = engine::read_cases(path);
+    for (const auto& [name, type, kind] : {std::tuple{"case", Type::integer, "integers"}, {"status", Type::text, "texts"}, {"hash", Type::text, "texts"}}) {
+        if (table.layout.has(name) && table.layout.columns()[table.layout.column(name)].type == type) continue;
+        throw engine::RecordError(fmt::format("{}: a table, but not of a sweep: it has no column '{}' of {}", path, name, kind));
+    }
+    return table;
+}
+
+long cases_of(const engine::CaseTable& table, const std::string& path) {
+    constexpr long most = 1'000'000'000;
+    const std::string text = table.attribute("cases");
+    long cases = -1;
+    const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), cases);
+    if (wrong != std::errc() || end != text.data() + text.size() || cases < 0 || cases > most) {
+        throw engine::RecordError(fmt::format("{}: it does not say how many cases there are: '{}'", path, text));
+    }
+    return cases;
+}
+
+void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseResult& r, std::span<std::byte> row) {
+    std::size_t column = 0;
+    layout.put(row, column++, static_cast<std::int64_t>(r.number));
+    layout.put(row, column++, status_name(r.status));
+    for (std::size_t a = 0; a < sweep.axes.size(); ++a) {
+        const Axis& axis = sweep.axes[a];
+        for (std::size_t key = 0; key < axis.keys.size(); ++key, ++column) {
+            const AxisValue& value = axis.at(sweep.row(r.number, a), key);
+            const Type type = layout.columns()[column].type;
+            if (type == Type::real) layout.put(row, column, std::get<double>(value));
+            else if (type == Type::integer) layout.put(row, column, static_cast<std::int64_t>(std::llround(std::get<double>(value))));
+            else layout.put(row, column, std::string_view(axis_text(*axis.keys[key], value)));
+        }
+    }
+    for (const double scalar : r.scalars) layout.put(row, column++, scalar);
+    for (const double number : {r.efficiency, r.residual, r.suspicion}) layout.put(row, column++, number);
+    layout.put(row, column++, std::string_view(r.notes));
+    layout.put(row, column++, r.start);
+    for (const long count : {r.counters.steps, r.counters.evaluations, r.counters.detected, r.counters.truncated, r.settling.evaluations}) layout.put(row, column++, static_cast<std::int64_t>(count));
+    layout.put(row, column++, r.wall);
+    layout.put(row, column++, static_cast<std::int64_t>(r.threads));
+    layout.put(row, column++, std::string_view(engine::hex(r.hash)));
+    layout.put(row, column++, std::string_view(r.error));
+    layout.seal(row);
+}
+
+namespace {
+
+std::map<std::string, std::string> lines_of(const std::string& text) {
+    std::map<std::string, std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) {
+        const auto equals = line.find(" = ");
+        if (equals != std::string::npos) lines[line.substr(0, equals)] = line.substr(equals + 3);
+    }
+    return lines;
+}
+
+}  // namespace
+
+void require_same_sweep(const std::string& path, const engine::CaseTable& there, const engine::CaseTable& here) {
+    const auto was = lines_of(there.attribute("definition"));
+    const auto is = lines_of(here.attribute("definition"));
+    std::vector<std::string> lines;
+    const auto value = [](const auto& all, const std::string& key) { return all.contains(key) ? all.at(key) : std::string("nothing"); };
+    for (const auto& [key, text] : was) {
+        if (value(is, key) != text) lines.push_back(fmt::format("  {} = {} there, {} here", key, text, value(is, key)));
+    }
+    for (const auto& [key, text] : is) {
+        if (!was.contains(key)) lines.push_back(fmt::format("  {} = nothing there, {} here", key, text));
+    }
+    if (lines.empty() && there.layout.columns() != here.layout.columns()) lines.emplace_back("  the columns differ");
+    if (!lines.empty()) throw SimulationError(fmt::format("{}: results of another sweep:\n{}", path, fmt::join(lines, "\n")));
+}
+
+namespace {
+
+/// Numbers of the rows in the order of their cases.
+std::vector<std::size_t> case_order(const engine::CaseTable& table) {
+    const std::size_t number = table.layout.column("case");
+    std::vector<std::size_t> order(table.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return table.layout.integer(table.row(a), number) < table.layout.integer(table.row(b), number); });
+    return order;
+}
+
+}  // namespace
+
+/// In place, since the table is the largest thing in memory: row i takes what has been swapped to where its content is now.
+void sort_rows(engine::CaseTable& table) {
+    const std::vector<std::size_t> order = case_order(table);
+    const std::size_t bytes = table.layout.bytes();
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        std::size_t from = order[i];
+        while (from < i) from = order[from];
+        if (from == i) continue;
+        std::byte *a = table.rows.data() + i * bytes, *b = table.rows.data() + from * bytes;
+        std::swap_ranges(a, a + bytes, b);
+    }
+}
+
+void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row) {
+    for (std::size_t c = 0; c < layout.columns().size(); ++c) {
+        const CaseColumn& column = layout.columns()[c];
+        if (std::find(std::begin(unsteady), std::end(unsteady), column.name) != std::end(unsteady)) continue;
+        hash.add(row.subspan(layout.offset(c), static_cast<std::size_t>(column.width)));
+    }
+}
+
+std::string results_hash(const engine::CaseTable& table) {
+    engine::Hash hash;
+    for (const std::size_t row : case_order(table)) add_result(hash, table.layout, table.row(row));
+    return hash.hex();
+}
+
+std::string csv_text(const engine::CaseTable& table) {
+    engine::CaseTable sorted = table;
+    sort_rows(sorted);
+    std::string text;
+    for (const CaseColumn& column : sorted.layout.columns()) text += (text.empty() ? "" : ",") + column.name;
+    text += "\n";
+    for (std::size_t row = 0; row < sorted.size(); ++row) {
+        for (std::size_t c = 0; c < sorted.layout.columns().size(); ++c) {
+            std::string cell = sorted.layout.cell(sorted.row(row), c);
+            if (cell.find_first_of(",\"\n") != std::string::npos) {
+                for (std::size_t at = 0; (at = cell.find('"', at)) != std::string::npos; at += 2) cell.insert(at, "\"");
+                cell = "\"" + cell + "\"";
+            }
+            text += (c == 0 ? "" : ",") + cell;
+        }
+        text += "\n";
+    }
+    return text;
+}
+
+}  // namespace cvtflow::tasks

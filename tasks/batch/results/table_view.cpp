@@ -1,0 +1,89 @@
+#include "tasks/batch/results/table_view.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/base/spelling.hpp"
+#include "tasks/scene/units.hpp"
+
+namespace cvtflow::tasks {
+
+TableView::TableView(std::string name, const Node::Table& table, Position position, const std::vector<std::string>& known, std::vector<Problem>& problems)
+    : name_(std::move(name)), table_(table), position_(position), problems_(problems) {
+    for (const Entry& entry : table) {
+        if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
+        problem(entry.position, fmt::format("{}: unknown key{}", entry.key, engine::did_you_mean(engine::closest(entry.key, known))));
+    }
+}
+
+void TableView::problem(Position position, const std::string& message) const { problems_.push_back({position, fmt::format("{}.{}", name_, message)}); }
+
+const Node* TableView::find(std::string_view key) const {
+    const auto entry = std::find_if(table_.begin(), table_.end(), [&](const Entry& each) { return each.key == key; });
+    return entry == table_.end() ? nullptr : &entry->node;
+}
+
+bool TableView::require(std::string_view key) const {
+    if (has(key)) return true;
+    problem(position_, fmt::format("{}: is missing", key));
+    return false;
+}
+
+std::optional<std::string> TableView::text(std::string_view key) const {
+    const Node* node = find(key);
+    if (node == nullptr) return {};
+    if (const auto* value = std::get_if<std::string>(&node->value)) return *value;
+    problem(node->position, fmt::format("{}: not a text", key));
+    return {};
+}
+
+std::optional<std::int64_t> TableView::integer(std::string_view key, std::int64_t min, std::int64_t max) const {
+    const Node* node = find(key);
+    if (node == nullptr) return {};
+    const auto* value = std::get_if<std::int64_t>(&node->value);
+    if (value != nullptr && *value >= min && *value <= max) return *value;
+    problem(node->position, value == nullptr ? fmt::format("{}: not an integer", key) : fmt::format("{}: {} is outside [{}, {}]", key, *value, min, max));
+    return {};
+}
+
+std::optional<bool> TableView::boolean(std::string_view key) const {
+    const Node* node = find(key);
+    if (node == nullptr) return {};
+    if (const auto* value = std::get_if<bool>(&node->value)) return *value;
+    problem(node->position, fmt::format("{}: neither true nor false", key));
+    return {};
+}
+
+const Node::Array* TableView::list(std::string_view key) const {
+    const Node* node = find(key);
+    if (node == nullptr) return nullptr;
+    const auto* value = std::get_if<Node::Array>(&node->value);
+    if (value != nullptr && !value->empty()) return value;
+    problem(node->position, fmt::format("{}: {}", key, value == nullptr ? "not a list" : "the list is empty"));
+    return nullptr;
+}
+
+std::optional<int> TableView::choice(std::string_view key, const std::vector<std::string>& choices) const {
+    const Node* node = find(key);
+    const auto value = text(key);
+    if (!value) return {};
+    const auto found = std::find(choices.begin(), choices.end(), *value);
+    if (found != choices.end()) return static_cast<int>(found - choices.begin());
+    problem(node->position, fmt::format("{}: {} is not one of {}{}", key, toml_text(*value), fmt::join(choices, ", "), engine::did_you_mean(engine::closest(*value, choices))));
+    return {};
+}
+
+std::optional<double> TableView::time(std::string_view key) const {
+    const Node* node = find(key);
+    if (node == nullptr) return {};
+    if (const auto* text = std::get_if<std::string>(&node->value)) {
+        const auto parsed = parse_quantity(*text);
+        const auto* quantity = std::get_if<Quantity>(&parsed);
+        if (quantity != nullptr && quantity->has_unit && quantity->dimension == dimension_of("s") && quantity->value >= 0.0) return quantity->value;
+    }
+    problem(node->position, fmt::format("{}: not a time such as \"1 ms\"", key));
+    return {};
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,175 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/base/spelling.hpp"
+#include "tasks/batch/results/table_view.hpp"
+#include "tasks/batch/sweep/axis_reader.hpp"
+#include "tasks/batch/sweep/sweep.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/scene/cross_checks.hpp"
+#include "tasks/scene/value_reader.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+using FindScene = std::function<std::filesystem::path(const std::string&)>;
+
+class SweepReader {
+public:
+    SweepReader(const std::filesystem::path& path, std::string text, const FindScene& find_scene) : find_scene_(find_scene) {
+        sweep_.path = path;
+        sweep_.name = path.stem().string();
+        sweep_.text = std::move(text);
+    }
+
+    Sweep read() {
+        const auto parsed = parse_toml(sweep_.text);
+        if (const auto* wrong = std::get_if<Problem>(&parsed)) problems_.push_back(*wrong);
+        else document(std::get<Node::Table>(std::get<Node>(parsed).value));
+        if (problems_.empty()) return std::move(sweep_);
+        std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) { return a.position < b.position; });
+        std::vector<std::string> lines;
+        for (const Problem& p : problems_) lines.push_back(fmt::format("{}:{}:{}: {}", sweep_.path.string(), p.position.line, p.position.column, p.message));
+        throw SceneError(fmt::format("{}", fmt::join(lines, "\n")));
+    }
+
+private:
+    void document(const Node::Table& sections) {
+        const std::vector<std::string> known{"sweep", "set", "axes", "outputs", "budget", "start"};
+        for (const Entry& section : sections) {
+            if (std::find(known.begin(), known.end(), section.key) != known.end()) continue;
+            problems_.push_back({section.position, fmt::format("{}: unknown section{}", section.key, engine::did_you_mean(engine::closest(section.key, known)))});
+        }
+        head(sections);
+        for (const Entry& section : sections) {
+            if (section.key == "set") settings("", section);
+            if (section.key == "axes") axes(section);
+            if (section.key == "outputs") outputs(section);
+            if (section.key == "budget") budget(section);
+        }
+        for (const Entry& section : sections) {
+            if (section.key == "start") start(section);
+        }
+        consistent();
+    }
+
+    [[nodiscard]] const Node::Table* table(const Entry& section) {
+        const auto* found = std::get_if<Node::Table>(&section.node.value);
+        if (found == nullptr) problems_.push_back({section.position, fmt::format("{0}: not a section; write [{0}]", section.key)});
+        return found;
+    }
+
+    void head(const Node::Table& sections) {
+        const auto section = std::find_if(sections.begin(), sections.end(), [](const Entry& each) { return each.key == "sweep"; });
+        if (section == sections.end()) return problems_.push_back({{}, "sweep: this section is missing; [sweep] names the scene"});
+        const Node::Table* rows = table(*section);
+        if (rows == nullptr) return;
+        const TableView view("sweep", *rows, section->position, {"name", "description", "scene", "detail"}, problems_);
+        sweep_.name = view.text("name").value_or(sweep_.name);
+        sweep_.description = view.text("description").value_or("");
+        if (!view.require("scene")) return;
+        const auto name = view.text("scene");
+        if (name) scene(*name, view);
+    }
+
+    void scene(const std::string& name, const TableView& view) {
+        try {
+            const auto beside = sweep_.path.parent_path() / name;
+            std::error_code unreadable;
+            sweep_.scene = read_scene(std::filesystem::is_regular_file(beside, unreadable) ? beside : find_scene_(name));
+            if (const auto preset = view.text("detail")) apply_detail(sweep_.scene, *preset);
+        } catch (const SceneError& error) {
+            view.problem(view.find("scene")->position, fmt::format("scene: {}", error.what()));
+        }
+    }
+
+    /// Keys of the scene, also in tables of their section.
+    void settings(const std::string& section, const Entry& entry) {
+        const Node::Table* rows = table(entry);
+        if (rows == nullptr) return;
+        for (const Entry& row : *rows) {
+            const std::string key = section.empty() ? row.key : section + "." + row.key;
+            if (section.empty() && std::holds_alternative<Node::Table>(row.node.value)) settings(row.key, row);
+            else if (const Parameter* parameter = find_parameter(key)) setting(*parameter, row.node);
+            else problems_.push_back({row.position, fmt::format("set.{}: unknown key{}", key, engine::did_you_mean(nearest_key(key)))});
+        }
+    }
+
+    void setting(const Parameter& parameter, const Node& node) {
+        read_value(parameter, node, sweep_.scene, problems_);
+        if (parameter.key != "start.state" || sweep_.scene.state_file.empty()) return;
+        sweep_.scene.state_file = std::filesystem::absolute(sweep_.path.parent_path() / sweep_.scene.state_file).lexically_normal().string();
+    }
+
+    void axes(const Entry& section) {
+        const auto* list = std::get_if<Node::Array>(&section.node.value);
+        if (list == nullptr) return problems_.push_back({section.position, "axes: not a list of tables; write [[axes]]"});
+        for (const Node& node : *list) {
+            Axis axis = read_axis(section, node, sweep_.path.parent_path(), problems_);
+            if (!axis.keys.empty()) sweep_.axes.push_back(std::move(axis));
+        }
+    }
+
+    void outputs(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("outputs", *rows, section.position, {"scalars", "from", "records"}, problems_);
+        const Node::Array* list = view.list("scalars");
+        for (const Node& node : list != nullptr ? *list : Node::Array{}) {
+            const auto* text = std::get_if<std::string>(&node.value);
+            if (text == nullptr) { view.problem(node.position, "scalars: not a text such as \"slip mean\""); continue; }
+            sweep_.scalars.push_back(parse_scalar(*text, node.position, problems_));
+        }
+        sweep_.from = view.time("from").value_or(0.0);
+        sweep_.records = view.boolean("records").value_or(false);
+    }
+
+    void budget(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("budget", *rows, section.position, {"steps", "wall"}, problems_);
+        if (const auto steps = view.integer("steps", 1, std::int64_t{1} << 53)) sweep_.scene.run.max_steps = static_cast<long>(*steps);
+        if (const auto wall = view.time("wall")) sweep_.scene.run.max_wall = *wall;
+    }
+
+    void start(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("start", *rows, section.position, {"mode", "continuation", "check"}, problems_);
+        sweep_.start = static_cast<StartMode>(view.choice("mode", {"scene", "settle", "shared"}).value_or(0));
+        if (const auto checked = view.integer("check", 0, 1'000'000)) sweep_.checked = static_cast<int>(*checked);
+        const auto key = view.text("continuation");
+        if (!key) return;
+        sweep_.continuation = *key;
+        const bool last = !sweep_.axes.empty() && std::any_of(sweep_.axes.back().keys.begin(), sweep_.axes.back().keys.end(), [&](const Parameter* p) { return p->key == *key; });
+        if (!last) view.problem(view.find("continuation")->position, fmt::format("continuation: {} is not a key of the last axis", toml_text(*key)));
+    }
+
+    void consistent() {
+        if (!problems_.empty()) return;
+        if (sweep_.axes.empty()) problems_.push_back({{}, "axes: there are none; nothing varies"});
+        if (sweep_.scalars.empty()) problems_.push_back({{}, "outputs.scalars: there are none"});
+        std::vector<std::string_view> seen;
+        for (const Axis& axis : sweep_.axes) {
+            for (const Parameter* key : axis.keys) {
+                if (std::find(seen.begin(), seen.end(), key->key) != seen.end()) problems_.push_back({{}, fmt::format("axes: {} varies on two axes", key->key)});
+                seen.push_back(key->key);
+            }
+        }
+        if (!plan_for(sweep_.scene.run.method)) problems_.push_back({{}, fmt::format("run.method: there is no method {}", toml_text(sweep_.scene.run.method))});
+    }
+
+    const FindScene& find_scene_;
+    Sweep sweep_;
+    std::vector<Problem> problems_;
+};
+
+}  // namespace
+
+Sweep read_sweep(const std::filesystem::path& path, const FindScene& find_scene) {
+    return SweepReader(path, read_toml_text(path), find_scene).read();
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,101 @@
+#include "tasks/method/auto_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "engine/executor/tbb/job_pool.hpp"
+#include "engine/method/analysis/stability.hpp"
+#include "engine/method/catalogue.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/method/program_stability.hpp"
+#include "tasks/step/method_memory.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr double forever = std::numeric_limits<double>::infinity();
+/// Elastic oscillations are damped by this share of the critical damping at least.
+constexpr double least_damping = 1e-3;
+
+/// Numerical damping of an oscillation in a step, over h ω, that is taken: a hundredth of what the chain's own damping of a hundredth does.
+constexpr double most_damping = 1e-4;
+
+/// Largest h ω up to which a table damps oscillations by no more than that.
+[[nodiscard]] double accurate_oscillation(const engine::StagePlan& plan, double stable) {
+    constexpr double fine = 0.01;
+    const auto function = engine::stability_function(plan);
+    double y = fine;
+    while (y < stable && std::abs(function({0.0, y})) >= 1.0 - most_damping * y) y += fine;
+    return y;
+}
+
+[[nodiscard]] MethodReach reach_of_table(const engine::StagePlan& plan) {
+    MethodReach reach{engine::stability_reach(plan, {-least_damping, std::sqrt(1.0 - least_damping * least_damping)}, 1e-6), engine::real_stability(plan), 0.0};
+    reach.accurate = accurate_oscillation(plan, reach.oscillation);
+    return reach;
+}
+
+[[nodiscard]] MethodReach found_reach(std::string_view method) {
+    if (const MethodProgram* program = find_program(method)) {
+        if (program->stability == nullptr) return {forever, forever, forever};
+        const ProgramStability stability = program->stability();
+        if (stability.equation == TestEquation::oscillator) return {limit_with_any_friction(stability).oscillation, stability.longest_decay, forever};
+        return {reach(stability, 0.0, 0.0, -least_damping, std::sqrt(1.0 - least_damping * least_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0), forever};
+    }
+    const auto plan = engine::make_method(method);
+    return plan ? reach_of_table(*plan) : MethodReach{forever, forever, forever};
+}
+
+}  // namespace
+
+MethodReach reach_of(std::string_view method) {
+    static engine::Gate gate;
+    static std::map<std::string, MethodReach, std::less<>> known;
+    return gate.through([&] {
+        const auto found = known.find(method);
+        return found != known.end() ? found->second : known.emplace(method, found_reach(method)).first->second;
+    });
+}
+
+AutoStep::AutoStep(const model::Variator& variator, std::string_view method) : reach_(reach_of(method)), bound_(variator) {}
+
+void AutoStep::restart() noexcept {
+    bound_.forget();
+    looked_ = begun_ = -1e300;
+    stable_ = 0.0;
+    evaluations_ = 0;
+}
+
+double AutoStep::longest(double time, const double* state, const model::Phase* phases) noexcept {
+    if (begun_ == -1e300) begun_ = time;
+    if (time - looked_ >= std::min(look_interval, looked_ - begun_) * (1.0 - 1e-9)) {
+        evaluations_ += bound_.estimate_at_rest(time, state, phases);
+        looked_ = time;
+        const auto within = [](double reach, double extent) { return extent > 0.0 ? reach / extent : forever; };
+        stable_ = std::min(within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()));
+    }
+    const double accurate = bound_.imaginary() > 0.0 ? reach_.accurate / bound_.imaginary() : forever;
+    return std::min({longest_step, margin * stable_, accurate});
+}
+
+void AutoStep::save(std::vector<double>& memory) const {
+    memory.assign({looked_, begun_, stable_, static_cast<double>(evaluations_)});
+    bound_.save(memory);
+}
+
+void AutoStep::load(std::span<const double> memory) {
+    restart();
+    if (memory.empty()) return;
+    const auto own = taken(memory, 3);
+    looked_ = own[0];
+    begun_ = own[1];
+    stable_ = own[2];
+    evaluations_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
+    (void)bound_.load(memory);
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,58 @@
+#pragma once
+/// `run.step = "auto"`: the longest step within the method's stability at the present state, with a margin, and within the error that the default promises.
+
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "tasks/method/spectral_bound.hpp"
+#include "tasks/step/control/step_choice.hpp"
+
+namespace cvtflow::tasks {
+
+/// How far a method is stable, by its own test equation.
+struct MethodReach {
+    double oscillation;   ///< largest h ω of an elastic oscillation, whatever the friction beside it
+    double decay;         ///< largest h |λ| of friction and damping
+    double accurate;      ///< largest h ω that it does not damp much more than the chain does itself
+};
+
+/// Of any method of the catalogue; computed once per name. Infinite where linear stability sets no limit, or where the method
+/// sees to it by itself (methods that choose among polynomials).
+[[nodiscard]] MethodReach reach_of(std::string_view method);
+
+class AutoStep final : public StepChoice {
+public:
+    /// Share of the stable step that is taken. The spectrum is found from below, to some per cent, and moves between two looks; friction
+    /// beside an oscillation is not the worst one. DECISIONS 75 has what was measured.
+    static constexpr double margin = 0.85;
+    /// Time after which the spectrum is looked at again [s]; sooner in the beginning, when tips come to the sheaves and loads rise: whenever the time
+    /// since the beginning has doubled.
+    static constexpr double look_interval = 1e-3;
+
+    /// `variator` must outlive it. Takes all its memory here.
+    AutoStep(const model::Variator& variator, std::string_view method);
+
+    void restart() noexcept override;
+    /// Looks at the spectrum if the last look is too old.
+    [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
+
+    /// Largest stable step as last estimated [s]; infinite: no limit.
+    [[nodiscard]] double stable_step() const noexcept { return stable_; }
+    /// Evaluations of the right-hand side that looking has taken.
+    [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
+    [[nodiscard]] const SpectralBound& bound() const noexcept { return bound_; }
+
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
+
+private:
+    MethodReach reach_;
+    SpectralBound bound_;
+    double looked_ = -1e300, begun_ = -1e300;   ///< when [s]
+    double stable_ = 0.0;
+    long evaluations_ = 0;
+};
+
+}  // namespace cvtflow::tasks

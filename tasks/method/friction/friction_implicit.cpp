@@ -1,0 +1,125 @@
+#include <algorithm>
+#include <string>
+
+#include "tasks/method/friction/friction_solve.hpp"
+#include "tasks/step/assembly/link_accesses.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+[[nodiscard]] FrictionImplicit& method_of(void* workspace) noexcept { return static_cast<FrictionImplicit&>(*static_cast<Workspace*>(workspace)->method); }
+
+void record_task(void* w, int segment) noexcept { method_of(w).record(segment); }
+void gather_task(void* w, int group) noexcept { method_of(w).gather(group); }
+void base_task(void* w, int group) noexcept { method_of(w).base(group); }
+void eliminate_task(void* w, int group) noexcept { method_of(w).solve().eliminate(group); }
+void join_task(void* w, int) noexcept { method_of(w).solve().join(); }
+void substitute_task(void* w, int group) noexcept { method_of(w).solve().substitute(group); }
+void look_task(void* w, int group) noexcept { method_of(w).solve().look(group); }
+void stage_task(void* w, int group) noexcept { method_of(w).stage(group); }
+void finish_task(void* w, int group) noexcept { method_of(w).finish(group); }
+
+/// Fields of these cycles, numbered behind those of the step graph. Units: group, but link for slopes and states.
+enum FrictionField { group_field = 2000, own_field, joints_field, element_field };
+
+[[nodiscard]] std::string numbered(const char* name, int number) { return std::string(name) + "[" + std::to_string(number) + "]"; }
+
+/// Groups with the neighbours of a group's links, itself among them.
+[[nodiscard]] std::vector<int> near(int group, const model::SlipStretches& stretches) {
+    std::vector<int> all{group};
+    for (int lane = 0; lane < stretches.count(); ++lane) {
+        for (const int other : {stretches.before({group, lane}).group, stretches.after({group, lane}).group}) {
+            if (std::find(all.begin(), all.end(), other) == all.end()) all.push_back(other);
+        }
+    }
+    return all;
+}
+
+/// A group, its own parts of slips, and those of its neighbours.
+[[nodiscard]] std::vector<engine::Access> sharing(int group, const std::vector<int>& near) {
+    std::vector<engine::Access> all{{group_field, group, group + 1, true}};
+    for (const int other : near) all.push_back({own_field, other, other + 1, false});
+    return all;
+}
+
+/// Accesses to groups, and to the links of one.
+class GroupAccesses {
+public:
+    GroupAccesses(const model::SlipGroup& group, int number) : group_(group), number_(number) {}
+    GroupAccesses& links(Field field, bool writes) {
+        for (const model::SlipGroup::Link& link : group_.links) all_.push_back({static_cast<int>(field), link.number, link.number + 1, writes});
+        return *this;
+    }
+    GroupAccesses& own(FrictionField field) {
+        all_.push_back({field, number_, number_ + 1, true});
+        return *this;
+    }
+    GroupAccesses& all(int field, int count) {
+        all_.push_back({field, 0, count, false});
+        return *this;
+    }
+    [[nodiscard]] std::vector<engine::Access> list() const { return all_; }
+
+private:
+    const model::SlipGroup& group_;
+    int number_;
+    std::vector<engine::Access> all_;
+};
+
+}  // namespace
+
+FrictionImplicit::FrictionImplicit(Workspace& workspace)
+    : w_(workspace), solve_(workspace), field_(workspace.variator.chain()), normal_loads_(static_cast<std::size_t>(workspace.layout().links)) {}
+
+void FrictionImplicit::add_tasks(engine::TaskGraph& graph) {
+    for (int s = 0; s < w_.partition.size(); ++s) {
+        graph.add({numbered("record", s), record_cycle, record_task, s,
+                   LinkAccesses(w_, s).with_halo(Field::states_read).with_halo(Field::slopes_read).with_halo(Field::stage_state).own(Field::phase, false)
+                       .segment(Field::window, true).own(Field::contact, true).own(Field::force, true).list()});
+    }
+    const int groups = solve_.groups();
+    const int join = graph.add({"join", iterate_cycle, join_task, 0, {{element_field, 0, groups, false}, {joints_field, 0, 1, true}}});
+    std::vector<int> gathers, substitutes;
+    for (int k = 0; k < groups; ++k) {
+        const auto accesses = [&] { return GroupAccesses(solve_.group(k), k).own(group_field); };
+        gathers.push_back(graph.add({numbered("gather", k), gather_cycle, gather_task, k,
+                                     accesses().all(static_cast<int>(Field::contact), w_.layout().links).links(Field::states_read, false).links(Field::slopes_read, false).own(own_field).list()}));
+        const int eliminate = graph.add({numbered("eliminate", k), iterate_cycle, eliminate_task, k, accesses().own(element_field).list()});
+        substitutes.push_back(graph.add({numbered("substitute", k), iterate_cycle, substitute_task, k, accesses().all(joints_field, 1).own(own_field).list()}));
+        graph.order(eliminate, join);
+        graph.order(join, substitutes.back());
+        graph.add({numbered("look", k), search_cycle, look_task, k, accesses().list()});
+        graph.add({numbered("stage", k), stage_cycle, stage_task, k,
+                   accesses().links(Field::states_read, false).links(Field::slopes_read, false).own(own_field).links(Field::state_kept, true).list()});
+        graph.add({numbered("finish", k), finish_cycle, finish_task, k,
+                   accesses().links(Field::states_read, false).links(Field::state_kept, true).links(Field::load, true).list()});
+    }
+    for (int k = 0; k < groups; ++k) {
+        const std::vector<int> others = near(k, solve_.stretches());
+        std::vector<engine::Access> forces = GroupAccesses(solve_.group(k), k).links(Field::force, false).list(), shared = sharing(k, others);
+        forces.insert(forces.end(), shared.begin(), shared.end());
+        const int base = graph.add({numbered("base", k), gather_cycle, base_task, k, forces});
+        const int look = graph.add({numbered("look", k), iterate_cycle, look_task, k, sharing(k, others)});
+        for (const int other : others) {
+            graph.order(gathers[static_cast<std::size_t>(other)], base);
+            graph.order(substitutes[static_cast<std::size_t>(other)], look);
+        }
+    }
+}
+
+void FrictionImplicit::record_window(int segment, const double* window, const model::ContactDrift& drift) noexcept {
+    const Segment& own = w_.partition[segment];
+    solve_.space().friction().record({own.first, own.last, window, w_.sheaves, w_.phases.data()}, drift, field_, normal_loads_.data() + own.first);
+}
+
+void FrictionImplicit::read(const double* vector, int offset, int number, model::LaneRows& rows) noexcept {
+    const model::ChainLayout& at = w_.layout();
+    const model::SlipGroup& g = solve_.group(number);
+    for (const auto& [link, lane] : g.links) {
+        const double* from = vector + at.link_begin(link) + offset;
+        for (int row = 0; row < at.link_size(); ++row) rows.at(row)[lane] = from[row];
+    }
+}
+
+}  // namespace cvtflow::tasks

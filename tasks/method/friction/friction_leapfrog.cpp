@@ -1,0 +1,143 @@
+#include "tasks/method/friction/friction_leapfrog.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "tasks/step/assembly/link_accesses.hpp"
+#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_graph.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+enum FrictionCycle : int { push_cycle = method_cycles, kick_cycle, finish_kick_cycle };
+
+/// The spectrum moves with the tension: it is looked at every so many steps.
+constexpr long steps_between_estimates = 64;
+constexpr int first_iterations = 50, next_iterations = 4;
+
+[[nodiscard]] FrictionLeapfrog& leapfrog_of(void* workspace) noexcept {
+    return *static_cast<FrictionLeapfrog*>(static_cast<Workspace*>(workspace)->method);
+}
+
+/// The first link with an unknown that is not finite, -1: none of the links.
+[[nodiscard]] int first_not_finite(const Workspace& w) noexcept {
+    const model::ChainLayout& at = w.layout();
+    for (int link = 0; link < at.links; ++link) {
+        const double* begin = w.states[0] + at.link_begin(link);
+        if (!std::all_of(begin, begin + 2 * at.link_size(), [](double x) { return std::isfinite(x); })) return link;
+    }
+    return -1;
+}
+
+}  // namespace
+
+FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, Kick kick)
+    : w_(workspace), frame_(workspace), system_(workspace), tables_(kick) {}
+
+void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
+    for (int s = 0; s < w_.partition.size(); ++s) {
+        const std::string number = "[" + std::to_string(s) + "]";
+        const auto own = [&] { return LinkAccesses(w_, s); };
+        graph.add({"push" + number, push_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).push(segment); }, s,
+                   own().with_halo(Field::states_read).with_halo(Field::slopes_read).own(Field::phase, false).segment(Field::window, true).own(Field::contact, true)
+                       .own(Field::velocity_read, true).own(Field::force, true).list()});
+        graph.add({"friction" + number, kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).stage(segment); }, s,
+                   own().with_halo(Field::contact).with_halo(Field::velocity_read).own(Field::force, false).own(Field::phase, false)
+                       .own(Field::velocity_kept, true).own(Field::velocity_slope, true).own(Field::impulse, true).list()});
+        graph.add({"finish" + number, finish_kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).finish(segment); }, s,
+                   own().own(Field::velocity_read, false).own(Field::impulse, false).own(Field::contact, false)
+                       .own(Field::phase, false).own(Field::states_read, false).own(Field::state_kept, true).own(Field::load, true).list()});
+    }
+}
+
+void FrictionLeapfrog::restart() noexcept {
+    frame_.restart();
+    steps_ = 0;
+    system_.restart();
+}
+
+int FrictionLeapfrog::begin() {
+    if (frame_.is_new()) {
+        frame_.turn_over();
+        system_.turn_over();
+    }
+    frame_.begin();
+    if (!w_.layout().ledger) {
+        state_ = State::pushing;
+        return push_cycle;
+    }
+    state_ = State::evaluating;   // accounts need the forces with friction
+    return evaluate_cycle;
+}
+
+int FrictionLeapfrog::next() {
+    switch (state_) {
+        case State::evaluating: state_ = State::pushing; return push_cycle;
+        case State::pushing: return start_kick();
+        case State::finishing: frame_.end(); return done;
+        case State::stages: break;
+    }
+    if (stage_ + 1 < table_->plan.stages()) return start_stage(stage_ + 1);
+    state_ = State::finishing;
+    return finish_kick_cycle;
+}
+
+int FrictionLeapfrog::start_kick() {
+    if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
+    ++steps_;
+    table_ = tables_.reaching(margin * radius_ * w_.h);
+    if (table_ == nullptr) {
+        fault_ = std::isfinite(radius_) ? Fault{FaultKind::too_stiff, w_.time, -1, radius_ * w_.h, tables_.longest_reach() / margin}
+                                        : Fault{FaultKind::non_finite, w_.time, first_not_finite(w_), 0.0, 0.0};
+        return failed;
+    }
+    state_ = State::stages;
+    return start_stage(0);
+}
+
+int FrictionLeapfrog::start_stage(int stage) {
+    stage_ = stage;
+    row_ = table_->row(stage);
+    lean_ = table_->lean(row_.here.time, frame_.rise());
+    return kick_cycle;
+}
+
+void FrictionLeapfrog::save(std::vector<double>& memory) const {
+    memory.assign({radius_, static_cast<double>(steps_)});
+    frame_.save(memory);
+    system_.save(memory);
+}
+
+void FrictionLeapfrog::load(std::span<const double> memory) {
+    if (memory.empty()) return;
+    radius_ = taken(memory, 1)[0];
+    steps_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
+    system_.load(frame_.load(memory));
+}
+
+void FrictionLeapfrog::push(int segment) noexcept {
+    system_.push(w_, frame_.drift(), segment);
+    system_.begin_from(w_, w_.states[0], segment);
+}
+
+void FrictionLeapfrog::stage(int segment) noexcept { system_.stage(w_, row_, w_.h, lean_, segment); }
+
+void FrictionLeapfrog::finish(int segment) noexcept {
+    system_.react(w_, segment);
+    const model::ChainLayout& at = w_.layout();
+    const model::Columns& velocity = system_.result();
+    for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) {
+        const int q = at.link_begin(link);
+        const int v = q + at.link_size();
+        for (int k = 0; k < at.link_size(); ++k) {
+            w_.states[1][v + k] = *velocity.at(k, link + 1);
+            w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.h * (w_.states[0][v + k] + w_.states[1][v + k]);
+        }
+    }
+}
+
+}  // namespace cvtflow::tasks

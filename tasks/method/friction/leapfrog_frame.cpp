@@ -1,0 +1,99 @@
+#include "tasks/method/friction/leapfrog_frame.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_method.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+[[nodiscard]] model::SheaveMotion change_of(const model::SheaveMotion& now, const model::SheaveMotion& before, double factor) noexcept {
+    model::SheaveMotion change{};
+    change.vx = factor * (now.vx - before.vx);
+    change.vy = factor * (now.vy - before.vy);
+    change.vz = factor * (now.vz - before.vz);
+    change.spin_x = factor * (now.spin_x - before.spin_x);
+    change.spin_y = factor * (now.spin_y - before.spin_y);
+    change.spin_z = factor * (now.spin_z - before.spin_z);
+    return change;
+}
+
+}  // namespace
+
+void LeapfrogFrame::restart() noexcept {
+    continues_ = false;
+    begun_ = -1e300;
+    length_ = 0.0;
+}
+
+/// Slope slot 1: [v | mean acceleration of the step before], the acceleration zero where there is none.
+void LeapfrogFrame::extrapolate() {
+    if (continues_) {
+        std::swap(w_.slopes[1], w_.end_slope);   // made by the last detect cycle
+        return;
+    }
+    const model::ChainLayout& at = w_.layout();
+    std::fill_n(w_.slopes[1], at.size(), 0.0);
+    for (int link = 0; link < at.links; ++link) {
+        const int q = at.link_begin(link);
+        std::copy_n(w_.states[0] + q + at.link_size(), at.link_size(), w_.slopes[1] + q);
+    }
+    std::copy_n(w_.states[0] + at.pulley_begin() + at.pulley_size, at.pulley_size, w_.slopes[1] + at.pulley_begin());
+}
+
+void LeapfrogFrame::turn_over() {
+    extrapolate();
+    std::copy(std::begin(w_.sheaves), std::end(w_.sheaves), sheaves_before_);
+    length_before_ = continues_ ? length_ : 0.0;
+    begun_ = w_.time;
+    continues_ = true;
+}
+
+void LeapfrogFrame::begin() {
+    length_ = w_.h;
+    rise_ = length_before_ > 0.0 ? 2.0 * length_ / (length_ + length_before_) : 0.0;
+    static constexpr engine::Term from{0, 1.0}, along{1, 0.5};
+    w_.evaluate_end = false;
+    w_.row = {{&from, 1}, {&along, 1}, -1, 2, 0.5};
+    w_.slope_out = w_.slopes[2];
+    const model::ChainLayout& at = w_.layout();
+    engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.tail.data());
+    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    drift_.step = w_.h;
+    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.sheaves[k], sheaves_before_[k], rise_);
+}
+
+void LeapfrogFrame::end() {
+    const model::ChainLayout& at = w_.layout();
+    const int begin = at.pulley_begin(), half = at.pulley_size;
+    close_evaluation(w_, w_.time + 0.5 * w_.h, w_.tail.data(), w_.variator.sheave_forces(w_.phases.data(), w_.loads.data()), w_.slopes[2]);
+    for (int k = begin + half; k < at.size(); ++k) w_.states[1][k] = w_.states[0][k] + w_.h * w_.slopes[2][k];
+    for (int k = begin; k < begin + half; ++k) w_.states[1][k] = w_.states[0][k] + 0.5 * w_.h * (w_.states[0][k + half] + w_.states[1][k + half]);
+    static constexpr engine::Term end{1, 1.0};
+    w_.row = {{&end, 1}, {}, -1, -1, 1.0};
+}
+
+void LeapfrogFrame::save(std::vector<double>& memory) const {
+    memory.insert(memory.end(), {continues_ ? 1.0 : 0.0, length_});
+    for (const model::SheaveMotion& s : w_.sheaves) memory.insert(memory.end(), {s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z});
+    memory.insert(memory.end(), w_.end_slope, w_.end_slope + w_.layout().size());
+}
+
+std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
+    const auto own = taken(memory, 2);
+    continues_ = own[0] != 0.0;
+    length_ = own[1];
+    begun_ = -1e300;
+    for (model::SheaveMotion& s : w_.sheaves) {
+        const auto motion = taken(memory, 6);
+        s.vx = motion[0], s.vy = motion[1], s.vz = motion[2];
+        s.spin_x = motion[3], s.spin_y = motion[4], s.spin_z = motion[5];
+    }
+    std::ranges::copy(taken(memory, static_cast<std::size_t>(w_.layout().size())), w_.end_slope);
+    return memory;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,55 @@
+#pragma once
+/// What leapfrogs with friction inside the step share: the step outside friction.
+///
+///     q ← q + h/2 v;   velocities extrapolated to the middle, where contacts and all other forces are taken;   …;   q ← q + h/2 v
+///
+/// and what is kept from the step before: its mean acceleration, the motion of the sheaves in its middle, its length.
+
+#include <span>
+#include <vector>
+
+#include "model/contact/contact_field.hpp"
+#include "tasks/step/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+class LeapfrogFrame {
+public:
+    /// Slots of the workspace that it uses.
+    static constexpr int state_slots = 2, slope_slots = 3;
+
+    explicit LeapfrogFrame(Workspace& workspace) : w_(workspace) {}
+
+    /// There is no step before.
+    void restart() noexcept;
+    /// Whether the step that begins follows another or none; else it is the same step once more, only shorter.
+    [[nodiscard]] bool is_new() const noexcept { return w_.time != begun_ || !continues_; }
+    /// Of a new step, before begin(): what the step before has left becomes history.
+    void turn_over();
+    /// workspace.row for the middle of the step, and the sheaves there.
+    void begin();
+    /// Pulleys, from the loads of all links; workspace.row for the result, whose links are in state slot 1.
+    void end();
+
+    [[nodiscard]] const model::ContactDrift& drift() const noexcept { return drift_; }
+    /// How much a force changes over the step, in units of the difference between its last two values; 0 without a step before.
+    [[nodiscard]] double rise() const noexcept { return rise_; }
+
+    void save(std::vector<double>& memory) const;
+    /// @returns what of the memory is not its own
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
+
+private:
+    void extrapolate();
+
+    Workspace& w_;
+    bool continues_ = false;      ///< there is a step before the one at hand
+    double begun_ = -1e300;       ///< where the step at hand began [s]
+    double length_ = 0.0;         ///< of the step at hand [s]
+    double length_before_ = 0.0;  ///< of the one before, 0: none [s]
+    double rise_ = 0.0;
+    model::ContactDrift drift_;
+    model::SheaveMotion sheaves_before_[4]{};
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,144 @@
+#include "tasks/method/implicit/implicit_method.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "tasks/step/method_memory.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+/// Shares of a Jacobian: coarse tasks, some more than there are cores in a workstation.
+constexpr int most_batches = 32;
+
+[[nodiscard]] ImplicitMethod& method_of(void* workspace) noexcept { return static_cast<ImplicitMethod&>(*static_cast<Workspace*>(workspace)->method); }
+
+void prepare_segment(void* workspace, int segment) noexcept {
+    const Segment& own = static_cast<Workspace*>(workspace)->partition[segment];
+    method_of(workspace).prepare(own.first, own.last);
+}
+void update_segment(void* workspace, int segment) noexcept {
+    const Segment& own = static_cast<Workspace*>(workspace)->partition[segment];
+    method_of(workspace).update(own.first, own.last);
+}
+void jacobian_task(void* workspace, int batch) noexcept { method_of(workspace).jacobian_batch(batch); }
+void corner_task(void* workspace, int) noexcept { method_of(workspace).jacobian_corner(); }
+void eliminate_task(void* workspace, int chunk) noexcept { method_of(workspace).eliminate(chunk); }
+void join_task(void* workspace, int) noexcept { method_of(workspace).join(); }
+void forward_task(void* workspace, int chunk) noexcept { method_of(workspace).forward(chunk); }
+void join_solution_task(void* workspace, int) noexcept { method_of(workspace).join_solution(); }
+void backward_task(void* workspace, int chunk) noexcept { method_of(workspace).backward(chunk); }
+
+/// Fields of these cycles, numbered behind those of the step graph. Units: link, batch or chunk.
+enum ImplicitField { jacobian_field = 1000, chunk_field, joint_field, right_side_field, increment_field };
+
+[[nodiscard]] std::string numbered(const char* name, int number) { return std::string(name) + "[" + std::to_string(number) + "]"; }
+
+}  // namespace
+
+ImplicitMethod::ImplicitMethod(Workspace& workspace)
+    : w_(workspace), size_(w_.layout().link_size()), half_(w_.layout().pulley_size), border_size_(half_ + (w_.layout().control ? 1 : 0)),
+      q_tail_(w_.layout().pulley_begin()), jacobian_(w_.layout()), matrix_(w_.variator), shafts_(static_cast<std::size_t>(w_.layout().links), -1), right_side_(static_cast<std::size_t>(matrix_.unknowns())),
+      solution_(right_side_), differences_(w_.variator, most_batches), derivatives_(w_.variator) {}
+
+void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
+    const int links = w_.layout().links, batches = differences_.batches(), chunks = matrix_.chunks();
+    for (int s = 0; s < w_.partition.size(); ++s) {
+        const Segment& own = w_.partition[s];
+        graph.add({numbered("prepare", s), prepare_cycle, prepare_segment, s, {{right_side_field, own.first, own.last, true}}});
+        graph.add({numbered("update", s), update_cycle, update_segment, s, {{jacobian_field, own.first, own.last, true}}});
+    }
+    const int corner = graph.add({"corner", jacobian_cycle, corner_task, 0, {{jacobian_field, 0, links, true}}});
+    for (int b = 0; b < batches; ++b) graph.order(graph.add({numbered("jacobian", b), jacobian_cycle, jacobian_task, b, {{jacobian_field, b, b + 1, true}}}), corner);
+    const int join = graph.add({"join", factor_cycle, join_task, 0, {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
+    const int join_solution = graph.add({"join", solve_cycle, join_solution_task, 0, {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
+    for (int c = 0; c < chunks; ++c) {
+        const auto& own = matrix_.range(c);
+        graph.order(graph.add({numbered("eliminate", c), factor_cycle, eliminate_task, c, {{jacobian_field, 0, links, false}, {chunk_field, c, c + 1, true}}}), join);
+        graph.order(graph.add({numbered("forward", c), solve_cycle, forward_task, c, {{right_side_field, own.first, own.last, false}, {chunk_field, c, c + 1, true}}}),
+                    join_solution);
+        graph.order(join_solution, graph.add({numbered("backward", c), solve_cycle, backward_task, c,
+                                              {{chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, own.first, own.last, true}}}));
+    }
+}
+
+void ImplicitMethod::jacobian_batch(int batch) noexcept {
+    if (!exact_) return differences_.evaluate(batch, base_, jacobian_);
+    const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(w_.layout().links) * k / differences_.batches()); };
+    derivatives_.links(base_.state, base_.phases, cut(batch), cut(batch + 1), jacobian_);
+}
+
+void ImplicitMethod::jacobian_corner() noexcept {
+    if (exact_) derivatives_.corner(base_.time, base_.state, base_.phases, jacobian_);
+}
+
+void ImplicitMethod::eliminate(int chunk) noexcept { matrix_.eliminate(chunk, theta_, jacobian_, shafts_.data()); }
+
+void ImplicitMethod::join() noexcept { matrix_.join(theta_, jacobian_); }
+
+void ImplicitMethod::backward(int chunk) noexcept {
+    matrix_.backward(chunk, solution_.data());
+    if (finish_in_tasks_) finish(matrix_.range(chunk).first, matrix_.range(chunk).last);
+}
+
+double ImplicitMethod::link_energy(const double* v) const noexcept {
+    const model::LinkInertia& inertia = w_.variator.chain().inertia();
+    const auto form = [](const double* matrix, int size, const double* x) {
+        double sum = 0.0;
+        for (int row = 0; row < size; ++row) {
+            for (int column = 0; column < size; ++column) sum += matrix[row * size + column] * x[row] * x[column];
+        }
+        return sum;
+    };
+    const int lateral = 2 * w_.layout().lateral();
+    return form(inertia.lateral_matrix.data(), lateral, v) + form(inertia.lateral_matrix.data(), lateral, v + lateral) +
+           form(inertia.axial_matrix.data(), 4, v + 2 * lateral);
+}
+
+int ImplicitMethod::evaluate(std::span<const engine::Term> states, double c, int slope_slot, int keep) noexcept {
+    w_.evaluate_end = false;
+    w_.row = {states, {}, keep, slope_slot, c};
+    w_.slope_out = slope(slope_slot);
+    const model::ChainLayout& at = w_.layout();
+    engine::combine(w_.row, w_.h, w_.slots(), q_tail_, at.size(), w_.tail.data());
+    if (keep >= 0) std::copy(w_.tail.begin(), w_.tail.end(), state(keep) + q_tail_);
+    if (half_ != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    return evaluate_cycle;
+}
+
+void ImplicitMethod::close_evaluate() noexcept { close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.sheave_forces(), w_.slope_out); }
+
+int ImplicitMethod::take_jacobian(double c, int state_slot, int slope_slot) noexcept {
+    base_ = {w_.time + c * w_.h, state(state_slot), slope(slope_slot), w_.phases.data(), w_.loads.data(), w_.accounts.data()};
+    ++jacobians_;
+    if (!exact_) w_.evaluations += differences_.groups();
+    return jacobian_cycle;
+}
+
+int ImplicitMethod::factorise(double theta) noexcept {
+    theta_ = theta;
+    const ContactMap contacts{w_.phases.data(), w_.loads.data()};
+    for (int link = 0; link < w_.layout().links; ++link) shafts_[static_cast<std::size_t>(link)] = contacts.shaft(link);
+    ++factorisations_;
+    return factor_cycle;
+}
+
+void ImplicitMethod::save_factors(std::vector<double>& memory) const {
+    const std::span<const double> numbers = jacobian_.numbers();
+    memory.push_back(theta_);
+    memory.insert(memory.end(), shafts_.begin(), shafts_.end());
+    memory.insert(memory.end(), numbers.begin(), numbers.end());
+}
+
+std::span<const double> ImplicitMethod::load_factors(std::span<const double> memory) {
+    theta_ = taken(memory, 1)[0];
+    for (int& shaft : shafts_) shaft = whole_taken(memory, -1, 1);
+    const std::span<double> numbers = jacobian_.numbers();
+    std::ranges::copy(taken(memory, numbers.size()), numbers.begin());
+    for (int chunk = 0; chunk < matrix_.chunks(); ++chunk) eliminate(chunk);
+    join();
+    return memory;
+}
+
+}  // namespace cvtflow::tasks

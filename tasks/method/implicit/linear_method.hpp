@@ -1,0 +1,54 @@
+#pragma once
+/// A step of a linearly implicit method: one Jacobian at the step's start, then per stage an evaluation and a linear solve.
+///
+///     evaluate ─► [jacobian] ─► factor ─► prepare ─► solve ─► evaluate ─► prepare ─► solve ─► …
+///
+/// Coordinates are eliminated: with the right-hand side (r_q, r_v), u_v solves (I - θ D - θ² K) u_v = r_v + θ K r_q, and u_q = r_q + θ u_v.
+/// The ledger is a quadrature: no column of J sees it, and its rows are left out of J, which a W-method may do.
+
+#include "tasks/method/implicit/implicit_method.hpp"
+#include "tasks/method/implicit/linear_plan.hpp"
+
+namespace cvtflow::tasks {
+
+class LinearMethod final : public ImplicitMethod {
+public:
+    LinearMethod(Workspace& workspace, const LinearPlan& plan);
+    /// State slots of a workspace for this plan: the start and one increment per stage. One slope slot beside the controller's.
+    [[nodiscard]] static int state_slots(const LinearPlan& plan) noexcept { return static_cast<int>(plan.stages.size()) + 1; }
+
+    [[nodiscard]] int begin() override;
+    [[nodiscard]] int next() override;
+    void restart() noexcept override { has_jacobian_ = false; }
+    [[nodiscard]] std::string report() const override;
+
+    void prepare(int first, int last) noexcept override;
+    void finish(int first, int last) noexcept override;
+
+private:
+    enum class At { evaluate, jacobian, factor, prepare, solve };
+    static constexpr int stage_slope = 1;
+
+    int begin_stage() noexcept;
+    int after_evaluation() noexcept;
+    int begin_factor() noexcept;
+    int begin_solve() noexcept;
+    int finish_stage() noexcept;
+    void coordinates_right(int begin, int size, double* out) const noexcept;
+    void prepare_link(int link) noexcept;
+    void prepare_tail() noexcept;
+    [[nodiscard]] double theta() const noexcept;
+
+    const LinearPlan plan_;
+    const LinearTimes times_;
+    std::vector<std::vector<engine::Term>> states_, rights_;   ///< [stage] in state slots
+    std::vector<engine::Term> result_;
+    At at_ = At::evaluate;
+    std::size_t stage_ = 0;
+    bool has_jacobian_ = false;
+    double time_of_jacobian_ = 0.0;
+    std::vector<double> right_q_;        ///< r_q, link by link, then pulleys
+    std::vector<double> reactions_;      ///< [links][border]: K r_q of the pulleys' rows
+};
+
+}  // namespace cvtflow::tasks

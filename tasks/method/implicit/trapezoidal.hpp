@@ -1,0 +1,90 @@
+#pragma once
+/// The trapezoidal rule:  v⁺ = v + h/2 (a + a⁺), q⁺ = q + h/2 (v + v⁺), solved by Newton's method in velocities alone.
+///
+///     predict ─► evaluate ─► residual ─► [jacobian ─► factor] ─► solve ─► evaluate ─► residual ─► …
+///
+/// Iterates keep q⁺ = q + h/2 (v + v⁺) exactly, so the residual  r = v⁺ - v - h/2 (a + a⁺)  has velocities only. Friction laws have kinks:
+/// the iteration starts from the velocities of the step's start, and steps are halved until the residual falls in energy. A step that does
+/// not converge goes on with the best iterate and is counted.
+
+#include "tasks/method/implicit/broyden.hpp"
+#include "tasks/method/implicit/implicit_method.hpp"
+#include "tasks/method/implicit/newton.hpp"
+
+namespace cvtflow::tasks {
+
+class TrapezoidalMethod final : public ImplicitMethod {
+public:
+    static constexpr int state_slots = 4;   ///< start, iterate, increment, trial
+    static constexpr int slope_slots = 3;   ///< of the controller, of the trial, of the start
+
+    TrapezoidalMethod(Workspace& workspace, const NewtonOptions& options);
+
+    [[nodiscard]] int begin() override;
+    [[nodiscard]] int next() override;
+    void restart() noexcept override;
+    void transition() noexcept override { start_slope_ = end_slope_ = false; }   // a kept Jacobian may still serve
+    /// Slope at the end of the last step; with a matrix that is kept over steps, its Jacobian and updates.
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
+
+    void prepare(int first, int last) noexcept override;
+    void finish(int first, int last) noexcept override;
+    void update(int first, int last) noexcept override;
+
+    [[nodiscard]] NewtonStatistics statistics() const noexcept;
+    [[nodiscard]] std::string report() const override;
+
+private:
+    enum class At { start_slope, predict, evaluate, residual, jacobian, update, factor, solve };
+
+    [[nodiscard]] double theta() const noexcept { return 0.5 * w_.h; }
+    [[nodiscard]] bool keeps_over_steps() const noexcept { return options_.matrix >= NewtonMatrix::frozen; }
+    int predict() noexcept;
+    int evaluate_trial(double lambda) noexcept;
+    int judge() noexcept;
+    int accept_trial(double norm) noexcept;
+    int iterate() noexcept;
+    int begin_jacobian() noexcept;
+    int begin_factor() noexcept;
+    int begin_update() noexcept;
+    int begin_solve() noexcept;
+    int finish_solve() noexcept;
+    int stuck() noexcept;
+    int give_up() noexcept;
+    int finish_step() noexcept;
+    void start_link(int link) noexcept;
+    void residual_of_link(int link) noexcept;
+    void start_tail() noexcept;
+    [[nodiscard]] double residual_of_tail() noexcept;
+    void broyden_direction() noexcept;
+    [[nodiscard]] double border_factor(int row, double seen) noexcept;
+    void update_border_rows(int link, int shaft) noexcept;
+    void update_corner() noexcept;
+
+    const NewtonOptions options_;
+    const double link_mass_;
+    NewtonStatistics statistics_;
+    Broyden broyden_;
+    At at_ = At::predict;
+    int iterate_ = 1, trial_ = 3;            ///< state slots; slot 2 holds the increment
+    engine::Term terms_[2]{};
+    double time_of_start_ = 0.0;
+    bool start_slope_ = false;               ///< slope slot 2 is that of the last step's start …
+    bool end_slope_ = false;                 ///< … and slope slot 1 that of its end
+    bool has_jacobian_ = false;
+    bool renew_ = false;                     ///< the iterate is evaluated once more for a new Jacobian
+    bool first_ = true;                      ///< the trial is the start of the iteration
+    bool direction_ = false;                 ///< step_ belongs to the matrix at hand
+    bool refreshed_ = false;                 ///< a Jacobian beyond the rule in this step
+    int iterations_ = 0, since_jacobian_ = 0;
+    double norm_ = 0.0, lambda_ = 1.0, contraction_ = 0.0;
+    std::vector<double> energies_;           ///< [links] of the residual
+    std::vector<double> residual_;           ///< of the trial, [unknowns]
+    std::vector<double> residual_before_;    ///< of the iterate before
+    std::vector<double> step_;               ///< Newton direction
+    std::vector<double> change_;             ///< step taken
+    double squares_[3]{};                    ///< of the change: links on shaft 0, on shaft 1, border
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,94 @@
+#include "tasks/method/method_choice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "engine/base/spelling.hpp"
+#include "engine/method/analysis/order.hpp"
+#include "engine/method/catalogue.hpp"
+#include "engine/method/compiled_plan.hpp"
+#include "tasks/method/friction/friction_methods.hpp"
+#include "tasks/method/implicit/catalogue.hpp"
+#include "tasks/method/spectral_method.hpp"
+#include "tasks/method/stability/step_map.hpp"
+#include "tasks/step/stage_method.hpp"
+
+namespace cvtflow::tasks {
+
+const std::vector<MethodProgram>& method_programs() {
+    static const std::vector<MethodProgram> all = [] {
+        std::vector<MethodProgram> programs{
+            {"dumka3", "DUMKA3, polynomial and step by the spectrum", "Medovikov, BIT 38 (1998) 372-390", 3, 0, 3, 5, dumka3_by_spectrum,
+             "none", nullptr, dumka3_step},
+            {"rkc", "Runge-Kutta-Chebyshev, stages by the spectrum", "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326", 2, 0, 4, 3,
+             rkc_by_spectrum, "none", nullptr, rkc_step},
+            {"rock2", "ROCK2, stages by the spectrum", "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18", 2, 0, 5, 4, rock2_by_spectrum,
+             "none", nullptr, rock2_step},
+            {"fitted", "polynomial fitted to the spectrum, again when it moves", "weights by Lawson's iteration", 3, 0, FittedMethod::most_stages + 1, 3,
+             fitted_by_spectrum, "none", nullptr, fitted_step},
+        };
+        for (const auto& family : {friction_methods(), implicit_programs()}) programs.insert(programs.end(), family.begin(), family.end());
+        return programs;
+    }();
+    return all;
+}
+
+const MethodProgram* find_program(std::string_view name) {
+    for (const MethodProgram& program : method_programs()) {
+        if (program.name == name) return &program;
+    }
+    return nullptr;
+}
+
+namespace {
+
+/// The estimate y - ŷ falls like the step to the lower order of both, plus one.
+int error_power_of(const engine::StagePlan& plan) { return plan.error ? std::min(engine::order_of(plan), engine::embedded_order_of(plan)) + 1 : 0; }
+
+}  // namespace
+
+std::optional<engine::StagePlan> plan_for(std::string_view method) {
+    const MethodProgram* program = find_program(method);
+    if (program == nullptr) return engine::make_method(method);
+    engine::StagePlan plan = *engine::find_method("euler");
+    plan.name = program->name;
+    plan.description = program->description;
+    plan.source = program->source;
+    plan.state_slots = program->state_slots;
+    plan.slope_slots = program->slope_slots;
+    return plan;
+}
+
+bool may_be_method(std::string_view name) { return find_program(name) != nullptr || engine::family_of(name) != nullptr || engine::find_method(name) != nullptr; }
+
+std::vector<std::string> method_names() {
+    std::vector<std::string> names;
+    for (const engine::StagePlan& plan : engine::methods()) names.push_back(plan.name);
+    for (const MethodProgram& program : method_programs()) names.push_back(program.name);
+    return names;
+}
+
+std::string no_method(std::string_view method) {
+    if (const engine::MethodFamily* family = engine::family_of(method))
+        return fmt::format("no method '{}': {} takes {}", method, family->form, family->limits);
+    const std::string near = engine::closest(method, method_names());
+    return fmt::format("no method '{}' ({})", method, near.empty() ? "cvtflow list methods" : fmt::format("did you mean '{}'?", near));
+}
+
+int evaluations_per_step(std::string_view method) {
+    if (const MethodProgram* program = find_program(method)) return program->evaluations;
+    const auto plan = engine::make_method(method);
+    if (!plan) return 0;
+    return static_cast<int>(plan->stages.size()) - (engine::CompiledPlan(*plan).last_is_result() ? 1 : 0);
+}
+
+std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace) {
+    if (const MethodProgram* program = find_program(method)) return program->make(workspace);
+    const auto plan = engine::make_method(method);
+    if (!plan) throw std::invalid_argument(no_method(method));
+    return std::make_unique<StageMethod>(workspace, error_power_of(*plan));
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,119 @@
+#include "tasks/method/spectral_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "model/basis/portable_math.hpp"
+#include "tasks/step/method_memory.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr int cold_iterations = 150, warm_iterations = 15;
+constexpr double converged = 3e-4;   ///< relative change of the estimate
+
+/// A direction with something of every mode; the same everywhere.
+double seed(int index) { return model::portable_sin(1.0 + 2.399963 * index) + 0.3 * ((index % 2 == 0) ? 1.0 : -1.0); }
+
+}  // namespace
+
+SpectralBound::SpectralBound(const model::Variator& variator) : variator_(variator), scratch_(variator.layout()) {
+    const auto size = static_cast<std::size_t>(variator.layout().size());
+    rest_phases_.resize(static_cast<std::size_t>(model::tips_per_link * variator.layout().links));
+    for (auto* field : {&velocity_.direction, &coordinate_.direction, &base_, &moved_, &slope_, &rest_}) field->assign(size, 0.0);
+    velocity_.size = 1e-9;
+    coordinate_.size = 1e-11;
+}
+
+double SpectralBound::imaginary() const noexcept { return std::sqrt(coordinate_.value); }
+
+/// Calls action(coordinate's index, velocity's index) for links and pulleys.
+template <class Action>
+void SpectralBound::for_each_unknown(Action action) const noexcept {
+    const model::ChainLayout& at = variator_.layout();
+    for (int link = 0; link < at.links; ++link) {
+        for (int k = 0; k < at.link_size(); ++k) action(at.link_begin(link) + k, at.link_begin(link) + at.link_size() + k);
+    }
+    for (int k = 0; k < at.pulley_size; ++k) action(at.pulley_begin() + k, at.pulley_begin() + at.pulley_size + k);
+}
+
+int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases) noexcept {
+    std::vector<double>& direction = iteration.direction;
+    const int most = cold_ ? cold_iterations : warm_iterations;
+    int evaluations = 0;
+    for (bool settled = false; !settled && evaluations < most;) {
+        double largest = 0.0;
+        for (const double entry : direction) largest = std::max(largest, std::abs(entry));
+        if (!(largest > 0.0)) return evaluations;
+        const double scale = iteration.size / largest;
+        double before = 0.0, after = 0.0;
+        for (std::size_t k = 0; k < direction.size(); ++k) {
+            moved_[k] = state[k] + scale * direction[k];
+            before += (moved_[k] - state[k]) * (moved_[k] - state[k]);
+        }
+        model::right_hand_side(variator_, t, moved_.data(), phases, slope_.data(), scratch_);
+        ++evaluations;
+        for_each_unknown([&](int q, int v) {
+            const auto acceleration = static_cast<std::size_t>(v);
+            const double change = slope_[acceleration] - base_[acceleration];
+            direction[of_velocities ? acceleration : static_cast<std::size_t>(q)] = change;
+            after += change * change;
+        });
+        const double value = std::sqrt(after / before);
+        settled = std::abs(value - iteration.value) < converged * value;
+        iteration.value = value;
+    }
+    return evaluations;
+}
+
+void SpectralBound::begin() noexcept {
+    if (!cold_) return;
+    for_each_unknown([&](int q, int v) {
+        coordinate_.direction[static_cast<std::size_t>(q)] = seed(q);
+        velocity_.direction[static_cast<std::size_t>(v)] = seed(v);
+    });
+}
+
+int SpectralBound::estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept {
+    begin();
+    std::copy_n(state, rest_.size(), rest_.begin());
+    for_each_unknown([&](int, int v) { rest_[static_cast<std::size_t>(v)] = 0.0; });
+    std::transform(phases, phases + rest_phases_.size(), rest_phases_.begin(), [](model::Phase phase) { return phase == model::Phase::slip ? model::Phase::stick : phase; });
+    model::right_hand_side(variator_, t, rest_.data(), rest_phases_.data(), base_.data(), scratch_);
+    int evaluations = 2 + iterate(velocity_, true, t, rest_.data(), rest_phases_.data());
+    model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
+    evaluations += iterate(coordinate_, false, t, state, phases);
+    cold_ = false;
+    return evaluations;
+}
+
+int SpectralBound::estimate(double t, const double* state, const model::Phase* phases) noexcept {
+    begin();
+    model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);
+    const int evaluations = 1 + iterate(velocity_, true, t, state, phases) + iterate(coordinate_, false, t, state, phases);
+    cold_ = false;
+    return evaluations;
+}
+
+void SpectralBound::save(std::vector<double>& memory) const {
+    memory.push_back(cold_ ? 1.0 : 0.0);
+    for (const Iteration* each : {&velocity_, &coordinate_}) {
+        memory.insert(memory.end(), {each->value, each->size});
+        memory.insert(memory.end(), each->direction.begin(), each->direction.end());
+    }
+}
+
+std::span<const double> SpectralBound::load(std::span<const double> memory) {
+    cold_ = taken(memory, 1)[0] != 0.0;
+    for (Iteration* each : {&velocity_, &coordinate_}) {
+        const auto numbers = taken(memory, 2 + each->direction.size());
+        each->value = numbers[0];
+        each->size = numbers[1];
+        std::copy(numbers.begin() + 2, numbers.end(), each->direction.begin());
+    }
+    return memory;
+}
+
+}  // namespace cvtflow::tasks

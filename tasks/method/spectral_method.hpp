@@ -1,0 +1,114 @@
+#pragma once
+/// Stage methods that look at the spectrum and choose their stability polynomial: from a ladder of plans, or fitted when needed.
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "tasks/method/spectral_bound.hpp"
+#include "tasks/step/stage_method.hpp"
+
+namespace cvtflow::tasks {
+
+/// Keeps an estimate of the spectrum up to date: at the start, every tenth of a millisecond, after a rejected step.
+class SpectralMethod : public StageMethod {
+public:
+    /// Extents of the spectrum are taken so many times as large, for what estimates from below and changes within a tenth of a millisecond.
+    static constexpr double real_margin = 1.2, imaginary_margin = 1.15;
+
+    [[nodiscard]] int begin() final;
+    void restart() noexcept override;
+    void rejected() noexcept override;
+    [[nodiscard]] double longest_step(double wanted) final;
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
+    [[nodiscard]] long observation_stride() const noexcept final { return 8; }   // of a dozen evaluations and more each
+
+protected:
+    SpectralMethod(Workspace& workspace, int error_power) : StageMethod(workspace, error_power), bound_(workspace.variator) {}
+
+    /// use() a plan that is stable for a step of this length.
+    virtual void choose(double h) = 0;
+    /// As longest_step(), with the estimate up to date.
+    [[nodiscard]] virtual double longest(double wanted) = 0;
+
+    [[nodiscard]] double real() const noexcept { return real_margin * bound_.real(); }
+    [[nodiscard]] double imaginary() const noexcept { return imaginary_margin * bound_.imaginary(); }
+
+private:
+    void look();
+    static constexpr std::size_t own_memory = 1;
+
+    SpectralBound bound_;
+    double looked_ = -1e300;   ///< when [s]
+};
+
+/// A plan of a ladder and how far it is stable.
+struct Rung {
+    engine::CompiledPlan plan;
+    double real;        ///< along the negative real axis
+    double imaginary;   ///< along the ray of damping ratio 1 %
+};
+
+/// Ascending.
+using Ladder = std::vector<Rung>;
+[[nodiscard]] Ladder dumka3_ladder();
+[[nodiscard]] Ladder rkc_ladder();
+[[nodiscard]] Ladder rock2_ladder();
+/// The lowest rung that reaches so far along the real axis, or the last one.
+[[nodiscard]] std::size_t rung_for(const Ladder& ladder, double real) noexcept;
+
+/// The polynomial of most_stages stages at most that is stable for steps of this extent; nothing if there is none.
+[[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
+/// By which a first fit asks for more than the step needs, to last.
+inline constexpr double fit_headroom = 1.1;
+
+/// The lowest rung that is stable on the real axis; where steps are free, also the rule of DUMKA3: one rung lower with a shorter step if that is
+/// cheaper per time. A free step is also kept within the imaginary reach, which the published rule does not look at.
+/// Source of the rule: A. A. Medovikov's program; High order explicit methods for parabolic equations, BIT 38 (1998) 372-390.
+class LadderMethod final : public SpectralMethod {
+public:
+    LadderMethod(Workspace& workspace, int error_power, Ladder rungs) : SpectralMethod(workspace, error_power), rungs_(std::move(rungs)) {}
+
+protected:
+    void choose(double h) override;
+    [[nodiscard]] double longest(double wanted) override;
+
+private:
+    Ladder rungs_;
+};
+
+/// Fits its polynomial to the spectrum (engine::fit), again when the spectrum or the step outgrows it or stays far below it.
+/// A refit takes milliseconds and memory of its own: the only thing in the step loop that does.
+class FittedMethod final : public SpectralMethod {
+public:
+    static constexpr int most_stages = 64;
+
+    explicit FittedMethod(Workspace& workspace) : SpectralMethod(workspace, 3) {}
+
+    [[nodiscard]] int fits() const noexcept { return fits_; }
+    void restart() noexcept override;
+    void save(std::vector<double>& memory) const override;
+    void load(std::span<const double> memory) override;
+
+protected:
+    /// @throws std::runtime_error if no polynomial of most_stages stages is stable for such a step
+    void choose(double h) override;
+    [[nodiscard]] double longest(double wanted) override;
+
+private:
+    void refit(double real, double imaginary);
+
+    std::vector<engine::CompiledPlan> plan_;   ///< one, or none yet
+    double fitted_real_ = 0.0, fitted_imaginary_ = 0.0;
+    double wanted_lately_ = 0.0;   ///< largest real extent asked for since the last review
+    int steps_since_review_ = 0;
+    int fits_ = 0;
+};
+
+[[nodiscard]] std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace);
+[[nodiscard]] std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace);
+[[nodiscard]] std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace);
+[[nodiscard]] std::unique_ptr<StepMethod> fitted_by_spectrum(Workspace& workspace);
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,143 @@
+#include "tasks/method/stability/linear_chain.hpp"
+
+#include <Eigen/Sparse>
+#include <Eigen/SparseLU>
+#include <array>
+#include <cmath>
+
+#include "model/jacobian/exact_jacobian.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+using Sparse = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using ReadVector = Eigen::Map<const Eigen::VectorXd>;
+using WriteVector = Eigen::Map<Eigen::VectorXd>;
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+/// So many times the usual saturation speeds: no contact slides.
+constexpr double all_stick = 1e4;
+
+[[nodiscard]] std::array<model::Friction*, 3> frictions_of(model::Parameters& parameters) {
+    return {&parameters.plate.friction, &parameters.joint.friction, &parameters.tip.friction};
+}
+
+void add_block(Entries& entries, const double* block, int rows, int columns, int row, int column) {
+    for (int r = 0; r < rows; ++r) {
+        for (int c = 0; c < columns; ++c) {
+            if (const double value = block[r * columns + c]; value != 0.0) entries.emplace_back(row + r, column + c, value);
+        }
+    }
+}
+
+/// Rows: velocities; columns: coordinates or velocities.
+[[nodiscard]] Sparse assembled(const model::ChainLayout& layout, const model::AccelerationJacobian& jacobian, model::With with) {
+    const int size = layout.link_size(), tail = layout.links * size, border = jacobian.border();
+    Entries entries;
+    for (int link = 0; link < layout.links; ++link) {
+        const int near[3] = {layout.previous(link), link, layout.next(link)};
+        for (int n = 0; n < 3; ++n) add_block(entries, jacobian.link(link, static_cast<model::Near>(n), with), size, size, link * size, near[n] * size);
+        add_block(entries, jacobian.columns(link, with), size, border, link * size, tail);
+        add_block(entries, jacobian.rows(link, with), border, size, tail, link * size);
+    }
+    if (border != 0) add_block(entries, jacobian.corner(with), border, border, tail, tail);
+    Sparse matrix(tail + border, tail + border);   // I has no coordinate: a column of zeros
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+}
+
+struct Derivatives {
+    Sparse by_position, by_velocity;
+};
+
+[[nodiscard]] Derivatives derivatives_of(const model::Variator& variator, const FrozenStart& start) {
+    const model::ChainLayout& layout = variator.layout();
+    model::ExactJacobian exact(variator);
+    model::AccelerationJacobian jacobian(layout);
+    exact.links(start.state.data(), start.phases.data(), 0, layout.links, jacobian);
+    exact.corner(start.time, start.state.data(), start.phases.data(), jacobian);
+    return {assembled(layout, jacobian, model::With::position), assembled(layout, jacobian, model::With::velocity)};
+}
+
+/// With friction coefficients and saturation speeds so many times as large.
+[[nodiscard]] Derivatives derivatives_with(const model::Variator& variator, model::Parameters parameters, const FrozenStart& start, double coefficient, double speed) {
+    for (model::Friction* friction : frictions_of(parameters)) {
+        friction->coefficient *= coefficient;
+        friction->saturation_speed *= speed;
+    }
+    model::Variator other(parameters);
+    other.hold(variator.pulleys().held());
+    return derivatives_of(other, start);
+}
+
+/// Largest |eigenvalue| by power iteration: friction has real ones.
+[[nodiscard]] double radius_of(const Sparse& matrix) {
+    Eigen::VectorXd x(matrix.cols());
+    for (Eigen::Index k = 0; k < x.size(); ++k) x[k] = std::sin(1.0 + 2.399 * static_cast<double>(k));
+    double radius = 0.0;
+    for (int iteration = 0; iteration < 100 && x.norm() > 0.0; ++iteration) {
+        x.normalize();
+        x = (matrix * x).eval();
+        radius = x.norm();
+    }
+    return radius;
+}
+
+class SparseSolver final : public LinearSolver {
+public:
+    explicit SparseSolver(const Sparse& matrix) { lu_.compute(Eigen::SparseMatrix<double>(matrix)); }
+    void solve(const double* right, double* x) const override { WriteVector(x, lu_.cols()) = lu_.solve(ReadVector(right, lu_.rows())); }
+
+private:
+    Eigen::SparseLU<Eigen::SparseMatrix<double>> lu_;
+};
+
+}  // namespace
+
+struct LinearChain::Parts {
+    Sparse elastic, damping, friction, sliding, link_friction;
+};
+
+LinearChain::LinearChain(const model::Variator& variator, const model::Parameters& parameters, const FrozenStart& start)
+    : variator_(variator), start_(start), coordinates_(variator.layout().coordinates()), velocities_(coordinates_ + (variator.layout().control ? 1 : 0)),
+      link_velocities_(variator.layout().links * variator.layout().link_size()), parts_(std::make_unique<Parts>()) {
+    const Derivatives all = derivatives_of(variator, start);
+    const Derivatives smooth = derivatives_with(variator, parameters, start, 0.0, 1.0);
+    const Derivatives stuck = derivatives_with(variator, parameters, start, 1.0, all_stick);
+    parts_->elastic = all.by_position;
+    parts_->sliding = all.by_position - smooth.by_position;
+    parts_->damping = smooth.by_velocity;
+    parts_->friction = all.by_velocity - smooth.by_velocity;
+    parts_->link_friction = parts_->friction.block(0, 0, link_velocities_, link_velocities_);
+    stiffest_friction_ = all_stick * radius_of(Sparse((stuck.by_velocity - smooth.by_velocity).block(0, 0, link_velocities_, link_velocities_)));
+    for (Sparse* part : {&parts_->elastic, &parts_->sliding, &parts_->damping, &parts_->friction, &parts_->link_friction}) part->prune(0.0);
+}
+
+LinearChain::~LinearChain() = default;
+
+void LinearChain::add_elastic(double factor, const double* q, double* out) const {
+    WriteVector(out, velocities_) += factor * (parts_->elastic.leftCols(coordinates_) * ReadVector(q, coordinates_));
+}
+void LinearChain::add_damping(double factor, const double* v, double* out) const { WriteVector(out, velocities_) += factor * (parts_->damping * ReadVector(v, velocities_)); }
+void LinearChain::add_friction(double factor, const double* v, double* out) const { WriteVector(out, velocities_) += factor * (parts_->friction * ReadVector(v, velocities_)); }
+void LinearChain::add_link_friction(double factor, const double* v, double* out) const {
+    WriteVector(out, link_velocities_) += factor * (parts_->link_friction * ReadVector(v, link_velocities_));
+}
+void LinearChain::add_sliding(double factor, const double* q, double* out) const {
+    WriteVector(out, velocities_) += factor * (parts_->sliding.leftCols(coordinates_) * ReadVector(q, coordinates_));
+}
+
+std::unique_ptr<LinearSolver> LinearChain::whole_solver(double shift) const {
+    Sparse one(velocities_, velocities_);
+    one.setIdentity();
+    return std::make_unique<SparseSolver>(one - shift * (parts_->damping + parts_->friction) - shift * shift * parts_->elastic);
+}
+
+std::unique_ptr<LinearSolver> LinearChain::friction_solver(double shift) const {
+    Sparse one(link_velocities_, link_velocities_);
+    one.setIdentity();
+    return std::make_unique<SparseSolver>(one - shift * parts_->link_friction);
+}
+
+}  // namespace cvtflow::tasks

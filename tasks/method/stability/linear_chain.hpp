@@ -1,0 +1,69 @@
+#pragma once
+/// The equations of motion, linearised at a state with its phases held, in the parts that methods treat each in its own way:
+///
+///     a = K q + C v + F v        K: forces by coordinates;  C: damping by velocities;  F: friction by velocities
+///
+/// Unknowns here: q of all links, one after the other, and of the pulleys; v likewise, and behind them the control integral where there is one (its
+/// "acceleration" is its rate). Exact derivatives, in sparse matrices.
+
+#include <memory>
+#include <vector>
+
+#include "model/variator.hpp"
+#include "tasks/step/frozen_start.hpp"
+
+namespace cvtflow::tasks {
+
+/// Solves (1 - shift v-part - shift² q-part) x = right for a fixed shift.
+class LinearSolver {
+public:
+    virtual ~LinearSolver() = default;
+    virtual void solve(const double* right, double* x) const = 0;
+
+protected:
+    LinearSolver() = default;
+    LinearSolver(const LinearSolver&) = default;
+    LinearSolver& operator=(const LinearSolver&) = default;
+};
+
+class LinearChain {
+public:
+    /// `variator` has these parameters and must outlive this.
+    LinearChain(const model::Variator& variator, const model::Parameters& parameters, const FrozenStart& start);
+    ~LinearChain();
+
+    /// Unknowns q and v, and those v that belong to links (they come first).
+    [[nodiscard]] int coordinates() const noexcept { return coordinates_; }
+    [[nodiscard]] int velocities() const noexcept { return velocities_; }
+    [[nodiscard]] int link_velocities() const noexcept { return link_velocities_; }
+
+    // out += factor × part × x. q: [coordinates()], v and out: [velocities()].
+    void add_elastic(double factor, const double* q, double* out) const;
+    void add_damping(double factor, const double* v, double* out) const;
+    void add_friction(double factor, const double* v, double* out) const;
+    /// Friction of the links by links' velocities alone: [link_velocities()].
+    void add_link_friction(double factor, const double* v, double* out) const;
+    /// The part of K that friction has, because its normal forces change.
+    void add_sliding(double factor, const double* q, double* out) const;
+
+    /// For the whole: (1 - shift (C + F) - shift² K).
+    [[nodiscard]] std::unique_ptr<LinearSolver> whole_solver(double shift) const;
+    /// For friction of the links: (1 - shift F).
+    [[nodiscard]] std::unique_ptr<LinearSolver> friction_solver(double shift) const;
+
+    /// Largest eigenvalue of links' friction if all contacts stuck [1/s].
+    [[nodiscard]] double stiffest_friction() const noexcept { return stiffest_friction_; }
+    [[nodiscard]] const model::Variator& variator() const noexcept { return variator_; }
+    [[nodiscard]] const FrozenStart& start() const noexcept { return start_; }
+
+private:
+    struct Parts;
+
+    const model::Variator& variator_;
+    const FrozenStart start_;
+    int coordinates_, velocities_, link_velocities_;
+    std::unique_ptr<Parts> parts_;
+    double stiffest_friction_ = 0.0;
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,118 @@
+#include "tasks/method/stability/predicted_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <stdexcept>
+
+#include "engine/method/catalogue.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/method/stability/growth.hpp"
+#include "tasks/method/stability/step_map.hpp"
+#include "tasks/method/stability/step_search.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+[[nodiscard]] std::unique_ptr<StepMap> map_of(const LinearChain& chain, std::string_view method) {
+    if (const MethodProgram* program = find_program(method)) return program->linear(chain);
+    const auto plan = engine::make_method(method);
+    if (!plan) throw std::invalid_argument(no_method(method));
+    return table_step(chain, engine::CompiledPlan(*plan));
+}
+
+/// Σ x* part(x) / Σ |x|² of an eigenvector's coordinates: the part's eigenvalue, if it is one.
+using AddPart = void (LinearChain::*)(double, const double*, double*) const;
+[[nodiscard]] double quotient(const LinearChain& chain, const Growth& growth, AddPart part) {
+    double above = 0.0, below = 0.0;
+    for (const std::vector<double>* half : {&growth.real, &growth.imaginary}) {
+        std::vector<double> x(half->begin(), half->begin() + chain.coordinates()), image(static_cast<std::size_t>(chain.velocities()), 0.0);
+        x.resize(image.size(), 0.0);
+        (chain.*part)(1.0, x.data(), image.data());
+        for (int k = 0; k < chain.coordinates(); ++k) {
+            above += x[static_cast<std::size_t>(k)] * image[static_cast<std::size_t>(k)];
+            below += x[static_cast<std::size_t>(k)] * x[static_cast<std::size_t>(k)];
+        }
+    }
+    return above / below;
+}
+
+/// x* M x of a link.
+[[nodiscard]] double energy_of(const model::LinkInertia& inertia, int lateral, const double* x) {
+    const auto form = [](const double* matrix, int size, const double* y) {
+        double sum = 0.0;
+        for (int row = 0; row < size; ++row) {
+            for (int column = 0; column < size; ++column) sum += matrix[row * size + column] * y[row] * y[column];
+        }
+        return sum;
+    };
+    return form(inertia.lateral_matrix.data(), lateral, x) + form(inertia.lateral_matrix.data(), lateral, x + lateral) +
+           form(inertia.axial_matrix.data(), 4, x + 2 * lateral);
+}
+
+/// Share of an eigenvector's kinetic energy.
+[[nodiscard]] double share_of_pulleys(const LinearChain& chain, const Growth& growth) {
+    const model::Variator& variator = chain.variator();
+    const model::ChainLayout& layout = variator.layout();
+    double links = 0.0, pulleys = 0.0;
+    for (const std::vector<double>* half : {&growth.real, &growth.imaginary}) {
+        const double* v = half->data() + chain.coordinates();
+        for (int link = 0; link < layout.links; ++link) links += energy_of(variator.chain().inertia(), 2 * layout.lateral(), v + link * layout.link_size());
+        for (int k = 0; k < layout.pulley_size; ++k) pulleys += variator.pulleys().inertia(k) * v[chain.link_velocities() + k] * v[chain.link_velocities() + k];
+    }
+    return pulleys / (links + pulleys);
+}
+
+[[nodiscard]] StepLimit explained(const LinearChain& chain, double step, const Growth& growth, bool takes_friction_apart) {
+    StepLimit limit{step, StepLimiter::oscillation, std::sqrt(std::max(0.0, -quotient(chain, growth, &LinearChain::add_elastic))),
+                    std::max(0.0, -quotient(chain, growth, &LinearChain::add_friction)), share_of_pulleys(chain, growth)};
+    const double damping = std::max(0.0, -quotient(chain, growth, &LinearChain::add_damping));
+    if (limit.oscillation < damping + (takes_friction_apart ? 0.0 : limit.friction)) {
+        limit.by = StepLimiter::decay;
+        limit.friction += damping;
+    }
+    return limit;
+}
+
+}  // namespace
+
+StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method, double expected) {
+    const std::unique_ptr<StepMap> map = map_of(chain, method);
+    if (expected == 0.0) {
+        StepLimitBound bound(chain.variator(), method);
+        bound.look(chain.start().time, chain.start().state.data(), chain.start().phases.data());
+        expected = bound.limit().step;
+    }
+    const MethodProgram* program = find_program(method);
+    if (program != nullptr && program->stability == nullptr && std::isinf(expected)) expected = without_expectation;   // it has one, but only tables know it
+    Growth beyond;   // at the shortest unstable step so far
+    bool refused = false;
+    const auto stable = [&](double h) {
+        refused = !map->prepare(h);
+        if (refused) return false;
+        Growth growth = fastest_growth(map->size(), [&](const double* from, double* to) { map->step(from, to); return true; }, beyond.real);
+        if (growth.factor <= 1.0 + tolerated_growth) return true;
+        beyond = std::move(growth);
+        return false;
+    };
+    const Bracket bracket = bracketed(expected, stable);
+    if (std::isinf(bracket.unstable)) return {};
+    const bool apart = program != nullptr && program->stability != nullptr;
+    const double step = std::sqrt(bracket.stable * bracket.unstable);
+    if (refused || beyond.real.empty()) return {step, apart ? StepLimiter::friction_stages : StepLimiter::polynomials, 0.0, chain.stiffest_friction(), 0.0};
+    return explained(chain, step, beyond, apart);
+}
+
+double predicted_growth(const LinearChain& chain, std::string_view method, double h) {
+    const std::unique_ptr<StepMap> map = map_of(chain, method);
+    if (!map->prepare(h)) return std::numeric_limits<double>::infinity();
+    return fastest_growth(map->size(), [&](const double* from, double* to) { map->step(from, to); return true; }, {}).factor;
+}
+
+StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method, const FrozenStart& start) {
+    return predicted_step_limit(LinearChain(variator, parameters, start), method);
+}
+
+}  // namespace cvtflow::tasks

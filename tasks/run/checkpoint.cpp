@@ -1,0 +1,230 @@
+#include "tasks/run/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "engine/base/hash.hpp"
+#include "engine/base/provenance.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/scene/parameter_table.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr std::string_view changeable[] = {"scene.name",    "scene.description", "start.state",   "run.until",    "run.max_steps", "run.max_wall",
+                                           "run.schedule", "run.assembly",      "run.partition", "run.segments", "run.threads"};
+
+std::string program_text() {
+    const engine::Provenance here = engine::current_provenance();
+    return fmt::format("cvtflow {} ({}), {} {}, {}", here.version, here.commit, here.compiler, here.build_type, here.instruction_set);
+}
+
+void add_combination(const std::vector<engine::Term>& terms, engine::Hash& hash) {
+    hash.add(static_cast<std::uint64_t>(terms.size()));
+    for (const engine::Term& term : terms) hash.add(static_cast<std::uint64_t>(term.slot)).add(std::span<const double>(&term.factor, 1));
+}
+
+std::string hash_of_method(const Scene& scene) {
+    const auto plan = plan_for(scene.run.method);
+    if (!plan) return "none";
+    engine::Hash hash;
+    for (const auto& stage : plan->stages) {
+        add_combination(stage.states, hash);
+        add_combination(stage.slopes, hash);
+        hash.add(static_cast<std::uint64_t>(stage.keep + 1)).add(static_cast<std::uint64_t>(stage.slope + 1));
+    }
+    add_combination(plan->result.states, hash);
+    add_combination(plan->result.slopes, hash);
+    return hash.hex();
+}
+
+std::string hash_of_slope(const IntegrationState& at, const model::Variator& variator) {
+    model::EvaluationScratch scratch(variator.layout());
+    std::vector<double> slope(static_cast<std::size_t>(variator.layout().size()));
+    if (at.state.size() != slope.size()) return "another size";
+    model::right_hand_side(variator, at.time, at.state.data(), at.phases.data(), slope.data(), scratch);
+    return engine::hex(engine::state_hash(slope));
+}
+
+using Numbers = std::vector<double>;
+
+Numbers packed(const IntegrationState& s) {
+    const Counters& c = s.counters;
+    Numbers numbers{static_cast<double>(s.started), static_cast<double>(s.settling), s.time, s.begin, s.output_interval, s.step, s.next_step};
+    for (const long count : {s.grid_number, s.outputs, c.steps, c.evaluations, c.detected, c.truncated, c.suppressed, c.rejected, s.grid_steps}) numbers.push_back(static_cast<double>(count));
+    numbers.insert(numbers.end(), {s.settling_suspicion, s.settling_residual});
+    return numbers;
+}
+
+/// A count; its sign and size are looked at before, since converting any other number is undefined.
+long whole(double value) {
+    if (!(value >= 0.0 && value <= 9007199254740992.0) || value != std::floor(value)) throw std::domain_error("it holds a count that is none");
+    return static_cast<long>(value);
+}
+
+void unpack(const Numbers& n, IntegrationState& s) {
+    s.started = n[0] != 0.0;
+    s.settling = n[1] != 0.0;
+    s.time = n[2];
+    s.begin = n[3];
+    s.output_interval = n[4];
+    s.step = n[5];
+    s.next_step = n[6];
+    s.grid_number = whole(n[7]);
+    s.outputs = whole(n[8]);
+    s.counters = {whole(n[9]), whole(n[10]), whole(n[11]), whole(n[12]), whole(n[13]), whole(n[14])};
+    s.grid_steps = whole(n[15]);
+    s.settling_suspicion = n[16];
+    s.settling_residual = n[17];
+}
+
+Numbers packed(const RunHistory& h) {
+    const Counters& c = h.settling;
+    Numbers numbers{static_cast<double>(h.settled), h.begin, h.wall, h.settling_wall};
+    for (const long count : {c.steps, c.evaluations, c.detected, c.truncated, c.suppressed}) numbers.push_back(static_cast<double>(count));
+    return numbers;
+}
+
+void unpack(const Numbers& n, RunHistory& h) {
+    h = {n[0] != 0.0, {whole(n[4]), whole(n[5]), whole(n[6]), whole(n[7]), whole(n[8])}, n[1], n[2], n[3]};
+}
+
+Numbers packed(const std::vector<model::TipIndicator>& tips) {
+    Numbers numbers;
+    for (const model::TipIndicator& tip : tips) numbers.insert(numbers.end(), {tip.depth, tip.slip});
+    return numbers;
+}
+
+/// The array of that name. @throws engine::RecordError if it is missing or not as long as it must be
+const Numbers& array(const engine::SavedState& saved, const std::string& path, std::string_view name, std::size_t least) {
+    for (const engine::NamedArray& each : saved.more) {
+        if (each.name == name && each.values.size() >= least) return each.values;
+    }
+    throw engine::RecordError(path + ": a state, but no checkpoint: it has no " + std::string(name));
+}
+
+[[nodiscard]] model::Phase phase_of(std::uint8_t number) {
+    if (number > static_cast<std::uint8_t>(model::Phase::slip)) throw std::domain_error("it holds a phase that is none");
+    return static_cast<model::Phase>(number);
+}
+
+/// Of what gives a checkpoint's numbers their meaning.
+[[nodiscard]] std::string fingerprint_of(const Checkpoint& c) {
+    engine::Hash hash;
+    for (const std::string* text : {&c.scene, &c.method_hash, &c.slope_hash}) hash.add(static_cast<std::uint64_t>(text->size())).add(std::string_view(*text));
+    return hash.hex();
+}
+
+std::string text(const engine::SavedState& saved, std::string_view name) {
+    for (const engine::Attribute& attribute : saved.attributes) {
+        if (attribute.name != name) continue;
+        if (const auto* found = std::get_if<std::string>(&attribute.value)) return *found;
+    }
+    return {};
+}
+
+}  // namespace
+
+void remove_checkpoint(const std::string& path) {
+    std::error_code gone;
+    for (const std::string& file : {path, path + ".part"}) std::filesystem::remove(file, gone);
+}
+
+void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator) {
+    checkpoint.scene = write_scene(scene);
+    checkpoint.name = scene.name;
+    checkpoint.path = scene.path.string();
+    checkpoint.text = scene.text;
+    checkpoint.program = program_text();
+    checkpoint.method_hash = hash_of_method(scene);
+    checkpoint.slope_hash = hash_of_slope(checkpoint.integration, variator);
+}
+
+void write_checkpoint(const std::string& path, const Checkpoint& c) {
+    engine::SavedState saved;
+    saved.time = c.integration.time;
+    saved.state = c.integration.state;
+    for (const model::Phase phase : c.integration.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
+    saved.fingerprint = fingerprint_of(c);
+    saved.attributes = {{"scene", c.scene},     {"scene_name", c.name},       {"scene_path", c.path},           {"scene_text", c.text},
+                        {"record", c.record},   {"program", c.program},       {"method_hash", c.method_hash},   {"slope_hash", c.slope_hash}};
+    saved.more = {{"integration", packed(c.integration)}, {"changed", c.integration.changed}, {"before", packed(c.integration.before)},
+                  {"method", c.integration.method},       {"energy", c.integration.energy},   {"step_choice", c.integration.step_choice},
+                  {"history", packed(c.history)},     {"recorder", c.recorder}};
+    engine::write_state(path, saved);
+}
+
+namespace {
+
+Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
+    Checkpoint c;
+    unpack(array(saved, path, "integration", 18), c.integration);
+    unpack(array(saved, path, "history", 9), c.history);
+    c.integration.state = saved.state;
+    for (const std::uint8_t phase : saved.phases) c.integration.phases.push_back(phase_of(phase));
+    c.integration.changed = array(saved, path, "changed", 0);
+    const Numbers& before = array(saved, path, "before", 0);
+    for (std::size_t i = 0; i + 1 < before.size(); i += 2) c.integration.before.push_back({before[i], before[i + 1]});
+    c.integration.method = array(saved, path, "method", 0);
+    c.integration.energy = array(saved, path, "energy", 0);
+    c.integration.step_choice = array(saved, path, "step_choice", 0);
+    c.recorder = array(saved, path, "recorder", 0);
+    c.scene = text(saved, "scene");
+    c.name = text(saved, "scene_name");
+    c.path = text(saved, "scene_path");
+    c.text = text(saved, "scene_text");
+    c.record = text(saved, "record");
+    c.program = text(saved, "program");
+    c.method_hash = text(saved, "method_hash");
+    c.slope_hash = text(saved, "slope_hash");
+    if (saved.fingerprint != fingerprint_of(c)) throw std::domain_error("its fingerprint is that of another scene, method or model");
+    return c;
+}
+
+}  // namespace
+
+Checkpoint read_checkpoint(const std::string& path) {
+    const engine::SavedState saved = engine::read_state(path);
+    try {
+        return unpacked(saved, path);
+    } catch (const std::domain_error& error) {
+        throw engine::RecordError(fmt::format("{}: damaged checkpoint: {}", path, error.what()));
+    }
+}
+
+Scene scene_of(const Checkpoint& checkpoint) {
+    Scene scene = parse_scene(checkpoint.scene, checkpoint.path, StartState::ignored);
+    scene.text = checkpoint.text;
+    return scene;
+}
+
+bool may_change(std::string_view key) noexcept { return std::find(std::begin(changeable), std::end(changeable), key) != std::end(changeable); }
+
+void require_same(const std::string& path, const Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator) {
+    const Scene then = scene_of(checkpoint);
+    std::vector<std::string> lines;
+    for (const Parameter& parameter : parameter_table()) {
+        if (may_change(parameter.key)) continue;
+        const std::string was = value_text(parameter, then);
+        const std::string is = value_text(parameter, scene);
+        if (was != is) lines.push_back(fmt::format("  {} = {}, the checkpoint has {}", parameter.key, is, was));
+    }
+    const auto written_by = [&] { return fmt::format("written by {}, this is {}", checkpoint.program, program_text()); };
+    if (lines.empty() && checkpoint.method_hash != hash_of_method(scene)) {
+        lines.push_back(fmt::format("  the method {} has other coefficients; {}", scene.run.method, written_by()));
+    }
+    if (lines.empty() && checkpoint.slope_hash != hash_of_slope(checkpoint.integration, variator)) {
+        lines.push_back(fmt::format("  the model gives other accelerations at the checkpoint's state; {}", written_by()));
+    }
+    if (!lines.empty()) throw SimulationError(fmt::format("{}: this is no checkpoint of the scene:\n{}", path, fmt::join(lines, "\n")));
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,164 @@
+#include "tasks/run/run_means.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+#include "tasks/step/method_memory.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr double gross_slip = 0.03;          ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
+constexpr double often = 0.05;               ///< share of outputs
+constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
+
+constexpr NoteKind kinds[] = {
+    {"gross_slip", "mean slip of the last fifth above 3 %"},
+    {"control_limit", "ratio control had used up its authority at more than 5 % of the last fifth's outputs"},
+    {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
+    {"efficiency", "efficiency of all of the run, or of its last fifth, outside 0 … 1"},
+    {"unsteady", "ratio of the first and the last fifth differ by more than 1 %, or slip by more than a fifth of it"},
+};
+
+}  // namespace
+
+std::span<const NoteKind> note_kinds() noexcept { return kinds; }
+
+void RunMeans::clear() noexcept {
+    bins_.clear();
+    per_bin_ = 1.0;
+    pin_period_ = 0.0;
+}
+
+void RunMeans::add(const model::Observation& now, const EnergySums& sums, double pin_period) {
+    if (bins_.empty() || bins_.back().outputs >= per_bin_) {
+        if (bins_.size() == most_bins) halve();
+        if (bins_.empty() || bins_.back().outputs >= per_bin_) bins_.emplace_back();
+    }
+    Bin& bin = bins_.back();
+    bin.outputs += 1.0;
+    bin.time = now.time;
+    bin.ratio += now.ratio;
+    bin.slip += now.slip;
+    bin.tight += now.tight;
+    bin.slack += now.slack;
+    bin.limited += now.control_limited ? 1.0 : 0.0;
+    bin.loose += now.slack <= 0.0 ? 1.0 : 0.0;
+    bin.energy = sums;
+    pin_period_ = pin_period;
+}
+
+void RunMeans::Bin::add(const Bin& other) noexcept {
+    outputs += other.outputs;
+    ratio += other.ratio;
+    slip += other.slip;
+    tight += other.tight;
+    slack += other.slack;
+    limited += other.limited;
+    loose += other.loose;
+}
+
+/// Twice as many outputs in each.
+void RunMeans::halve() {
+    for (std::size_t k = 0; 2 * k + 1 < bins_.size(); ++k) {
+        Bin sum = bins_[2 * k + 1];
+        sum.add(bins_[2 * k]);
+        bins_[k] = sum;
+    }
+    bins_.resize(bins_.size() / 2);
+    per_bin_ *= 2.0;
+}
+
+EnergySums RunMeans::energy_at(double time) const {
+    const auto after = std::find_if(bins_.begin(), bins_.end(), [&](const Bin& bin) { return bin.energy.time >= time; });
+    if (after == bins_.end()) return bins_.back().energy;
+    if (after == bins_.begin()) return after->energy;
+    return EnergySums::between((after - 1)->energy, after->energy, time);
+}
+
+SpanMeans RunMeans::span(double from, double to) const {
+    SpanMeans means;
+    if (bins_.empty()) return means;
+    const auto size = static_cast<double>(bins_.size());
+    const auto width = [&](double share) { return static_cast<std::size_t>(share * size); };
+    const std::size_t most = bins_.size();
+    const std::size_t begin = from == 0.0 ? 0 : most - std::max<std::size_t>(1, width(1.0 - from)), end = to == 1.0 ? most : std::max<std::size_t>(1, width(to));
+    Bin sum;
+    for (std::size_t k = begin; k < end; ++k) sum.add(bins_[k]);
+    means.ratio = sum.ratio / sum.outputs;
+    means.slip = sum.slip / sum.outputs;
+    means.tight = sum.tight / sum.outputs;
+    means.slack = sum.slack / sum.outputs;
+    means.limited = sum.limited / sum.outputs;
+    means.loose = sum.loose / sum.outputs;
+    means.begin = begin == 0 ? bins_.front().time : bins_[begin - 1].time;
+    means.end = bins_[end - 1].time;
+    means.periods = pin_period_ > 0.0 ? std::floor((means.end - means.begin) / pin_period_) : 0.0;
+    if (means.periods == 0.0 && pin_period_ > 0.0 && means.end - bins_.front().time >= pin_period_) means.periods = 1.0;   // a fifth shorter than a period
+    const EnergySums before = energy_at(means.periods > 0.0 ? means.end - means.periods * pin_period_ : means.begin);
+    means.efficiency = energy_at(means.end).efficiency_since(before);
+    return means;
+}
+
+std::array<bool, 5> RunMeans::odd() const {
+    if (bins_.empty()) return {};
+    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+    const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };   // not a number: none
+    const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
+    const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
+    return {std::abs(last.slip) > gross_slip, last.limited > often, last.loose > often, impossible(whole.efficiency) || impossible(last.efficiency), ratio_drifts || slip_drifts};
+}
+
+std::vector<Note> RunMeans::notes() const {
+    const std::array<bool, 5> found = odd();
+    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
+    const std::string texts[] = {
+        fmt::format("the chain slips by {}", percent(last.slip)),
+        fmt::format("ratio control is at the limit of its authority ({} of the last fifth)", percent(last.limited)),
+        fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
+        fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency), percent(last.efficiency)),
+        fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio, percent(first.slip), percent(last.slip)),
+    };
+    std::vector<Note> notes;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        if (found[k]) notes.push_back({kinds[k].name, texts[k]});
+    }
+    return notes;
+}
+
+void RunMeans::name_notes(std::string& names) const {
+    const std::array<bool, 5> found = odd();
+    names.clear();
+    for (std::size_t k = 0; k < found.size(); ++k) {
+        if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);
+    }
+}
+
+void RunMeans::save(std::vector<double>& memory) const {
+    static_assert(std::is_trivially_copyable_v<Bin> && sizeof(Bin) % sizeof(double) == 0);
+    constexpr std::size_t numbers = sizeof(Bin) / sizeof(double);
+    memory.insert(memory.end(), {static_cast<double>(bins_.size()), per_bin_, pin_period_});
+    const std::size_t begin = memory.size();
+    memory.resize(begin + bins_.size() * numbers);
+    std::memcpy(memory.data() + begin, bins_.data(), bins_.size() * sizeof(Bin));
+}
+
+std::span<const double> RunMeans::load(std::span<const double> memory) {
+    constexpr std::size_t numbers = sizeof(Bin) / sizeof(double);
+    const auto bins = static_cast<std::size_t>(whole_taken(memory, 0, static_cast<int>(most_bins)));
+    const auto own = taken(memory, 2);
+    per_bin_ = own[0];
+    pin_period_ = own[1];
+    bins_.resize(bins);
+    if (bins > 0) std::memcpy(static_cast<void*>(bins_.data()), taken(memory, bins * numbers).data(), bins * sizeof(Bin));
+    return memory;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,79 @@
+#pragma once
+/// Means of a run over its outputs, over all of it and over its first and last fifth, and what is odd about them. Memory does not grow with the run.
+
+#include <array>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/observe/observation.hpp"
+#include "tasks/step/control/energy_ledger.hpp"
+
+namespace cvtflow::tasks {
+
+/// Means over a span of time; zero where nothing was seen.
+struct SpanMeans {
+    double begin = 0.0, end = 0.0;       ///< [s]
+    double ratio = 0.0, slip = 0.0;      ///< [1]
+    double tight = 0.0, slack = 0.0;     ///< [N]
+    double limited = 0.0;                ///< share of outputs at which ratio control had reached its authority
+    double loose = 0.0;                  ///< share of outputs at which the slack strand carried no tension
+    double efficiency = 0.0;             ///< 1 - losses/input; not a number without input
+    double periods = 0.0;                ///< whole pin periods that efficiency is over; 0: less than one
+};
+
+/// Something about results that a reader must know. They are right by themselves.
+struct Note {
+    std::string_view name;   ///< for tables: gross_slip, …
+    std::string text;        ///< for people
+};
+
+class RunMeans {
+public:
+    void clear() noexcept;
+    /// An output. @param sums of the energies so far   @param pin_period see Workspace [s]
+    void add(const model::Observation& now, const EnergySums& sums, double pin_period);
+
+    [[nodiscard]] SpanMeans all() const { return span(0.0, 1.0); }
+    [[nodiscard]] SpanMeans first_fifth() const { return span(0.0, 0.2); }
+    [[nodiscard]] SpanMeans last_fifth() const { return span(0.8, 1.0); }
+    /// What is odd about them.
+    [[nodiscard]] std::vector<Note> notes() const;
+    /// Their names, blank between them, in `names`.
+    void name_notes(std::string& names) const;
+
+    /// For checkpoints: goes on bit for bit. load() returns what follows in memory. @throws std::invalid_argument for a memory that is none
+    void save(std::vector<double>& memory) const;
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
+
+private:
+    /// Sums over some outputs, and where the energies stood at the last of them. Numbers only.
+    struct Bin {
+        double outputs = 0.0, time = 0.0;
+        double ratio = 0.0, slip = 0.0, tight = 0.0, slack = 0.0, limited = 0.0, loose = 0.0;
+        EnergySums energy;
+
+        /// The sums of another one too; time and energies stay.
+        void add(const Bin& other) noexcept;
+    };
+    static constexpr std::size_t most_bins = 2000;
+
+    /// Which of note_kinds() there are.
+    [[nodiscard]] std::array<bool, 5> odd() const;
+    [[nodiscard]] SpanMeans span(double from, double to) const;
+    [[nodiscard]] EnergySums energy_at(double time) const;
+    void halve();
+
+    std::vector<Bin> bins_;
+    double per_bin_ = 1.0;      ///< outputs
+    double pin_period_ = 0.0;   ///< at the last output [s]
+};
+
+/// Names of all notes with their meanings, for `--help`, documents and tests.
+struct NoteKind {
+    std::string_view name, meaning;
+};
+[[nodiscard]] std::span<const NoteKind> note_kinds() noexcept;
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,218 @@
+#include "tasks/run/run_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <numeric>
+
+#include "engine/base/hash.hpp"
+#include "engine/record/run/part_file.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+std::vector<const Channel*> channels_of(const model::ChainLayout& at) {
+    std::vector<const Channel*> chosen;
+    for (const Channel& channel : channels()) {
+        if (!channel.needs_pulleys || at.pulley_size != 0) chosen.push_back(&channel);
+    }
+    return chosen;
+}
+
+engine::TableInfo transition_table() {
+    return {"transitions",
+            "changes of phase of tips: 0 free, 1 touching, 2 stick, 3 slip",
+            {{"time", "s", "when"},
+             {"pin", "1", "whose tip", engine::ColumnType::integer},
+             {"tip", "1", "4 link + 2 (front half) + (side +z)", engine::ColumnType::integer},
+             {"from", "1", "phase before", engine::ColumnType::integer},
+             {"to", "1", "phase after", engine::ColumnType::integer}}};
+}
+
+std::vector<engine::Attribute> attributes_of_run(const Scene& scene) {
+    std::vector<engine::Attribute> attributes = engine::attributes_of(engine::current_provenance());
+    attributes.push_back({"scene", scene.name});
+    attributes.push_back({"scene_text", scene.text});
+    attributes.push_back({"parameters", write_scene(scene)});
+    attributes.push_back({"method", scene.run.method});
+    attributes.push_back({"step", scene.run.step});
+    attributes.push_back({"seed", static_cast<std::int64_t>(scene.run.seed)});
+    return attributes;
+}
+
+engine::RunContents contents_of(const Scene& scene, const model::ChainLayout& at, const std::vector<const Channel*>& channels) {
+    engine::RunContents contents;
+    for (const Channel* channel : channels) {
+        contents.channels.push_back({std::string(channel->name), std::string(channel->unit), std::string(channel->description), channel->width(at), std::string(channel->axis)});
+    }
+    contents.state_size = static_cast<std::size_t>(at.size());
+    contents.phase_count = static_cast<std::size_t>(model::tips_per_link * at.links);
+    contents.state_description = fmt::format("{} links of [q | v], {} coordinates each (a.x, b.x, a.y, b.y, a.z, a.e, b.z, b.e; orders 0...{}), then pulleys [q | v], {} coordinates",
+                                             at.links, at.link_size(), at.order, at.pulley_size);
+    contents.tables = {transition_table()};
+    contents.attributes = attributes_of_run(scene);
+    return contents;
+}
+
+}  // namespace
+
+RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options)
+    : options_(options), state_interval_(scene.run.state_interval), followed_pin_(scene.run.followed_pin), observer_(simulation.variator()),
+      channels_(channels_of(simulation.variator().layout())) {
+    const model::ChainLayout& at = simulation.variator().layout();
+    std::size_t width = 0;
+    for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(at));
+    row_.resize(width);
+    sums_.has_pulleys = at.pulley_size != 0;
+    if (!options.file.empty()) {
+        contents_ = contents_of(scene, at, channels_);
+        if (options.from != nullptr) former_ = engine::set_aside(options.file);
+        file_ = std::make_unique<engine::RunFile>(options.file, contents_);
+    }
+}
+
+void RunRecorder::begin_part(double begin, double until) noexcept {
+    begin_ = begin;
+    until_ = until;
+}
+
+void RunRecorder::output(double time, const Workspace& workspace, const Counters& counters) {
+    if (options_.progress) {
+        const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+        options_.progress({begin_, time, until_, wall, counters});
+    }
+    if (begin_ < 0.0) return;   // settling is not recorded
+    const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.phases.data());
+    gather(now, workspace);
+    if (file_) write(time, workspace, {now, workspace, counters, followed_pin_});
+}
+
+void RunRecorder::write(double time, const Workspace& workspace, const Instant& instant) {
+    double* next = row_.data();
+    for (const Channel* channel : channels_) {
+        channel->read(instant, next);
+        next += channel->width(workspace.layout());
+    }
+    file_->append(time, row_);
+    written_.channels.add(time, row_);
+    if (time < next_state_ - 1e-9 * state_interval_) return;
+    while (next_state_ <= time + 1e-9 * state_interval_) next_state_ += state_interval_;
+    const auto* phases = reinterpret_cast<const std::uint8_t*>(workspace.phases.data());
+    const std::span<const double> state(workspace.states[0], static_cast<std::size_t>(workspace.layout().size()));
+    file_->append_state(time, state, {phases, workspace.phases.size()});
+    written_.states.add(time, state, {phases, workspace.phases.size()});
+}
+
+void RunRecorder::transition(const TransitionRecord& record) {
+    if (begin_ < 0.0 || !file_) return;
+    const double values[] = {record.time, static_cast<double>(record.pin), static_cast<double>(record.tip), static_cast<double>(record.from), static_cast<double>(record.to)};
+    file_->append_row("transitions", values);
+    written_.tables[0].add(0.0, values);
+}
+
+void RunRecorder::gather(const model::Observation& now, const Workspace& workspace) {
+    ++outputs_;
+    const auto add = [](auto& sum, const auto& values) { std::transform(sum.begin(), sum.end(), values.begin(), sum.begin(), std::plus<>()); };
+    sums_.tight += now.tight;
+    sums_.slack += now.slack;
+    sums_.slip += now.slip;
+    add(sums_.speed, now.speed);
+    add(sums_.torque, now.torque);
+    add(sums_.chain_torque, now.chain_torque);
+    add(sums_.clamping, now.clamping);
+    add(sums_.radius, now.radius);
+    add(sums_.axial_force, now.axial_force);
+    means_.add(now, workspace.energy.sums(now.time), workspace.pin_period());
+}
+
+namespace {
+
+/// Calls each(number) for every sum of the report.
+template <class Each>
+void for_every_sum(RunReport& sums, const Each& each) {
+    for (double* sum : {&sums.tight, &sums.slack, &sums.slip}) each(*sum);
+    for (auto* pair : {&sums.speed, &sums.torque, &sums.chain_torque, &sums.clamping, &sums.radius}) std::for_each(pair->begin(), pair->end(), each);
+    std::for_each(sums.axial_force.begin(), sums.axial_force.end(), each);
+}
+
+}  // namespace
+
+std::vector<double> RunRecorder::position() {
+    if (file_) file_->flush();
+    std::vector<double> numbers;
+    for (const engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {   // a double holds half of a checksum
+        numbers.insert(numbers.end(), {static_cast<double>(rows->count), static_cast<double>(rows->sum >> 32U), static_cast<double>(rows->sum & 0xffffffffU)});
+    }
+    numbers.insert(numbers.end(), {next_state_, static_cast<double>(outputs_)});
+    for_every_sum(sums_, [&](double sum) { numbers.push_back(sum); });
+    means_.save(numbers);
+    return numbers;
+}
+
+void RunRecorder::restore(const std::vector<double>& position) {
+    std::size_t least = 14;   // rows, next state, outputs, and what the means begin with
+    for_every_sum(sums_, [&](double) { ++least; });
+    if (position.size() < least) throw engine::RecordError(options_.file + ": the checkpoint does not say where its record stood");
+    const double* next = position.data();
+    const auto take = [&] { return *next++; };
+    const auto count = [&] {
+        const double number = take();
+        if (!(number >= 0.0 && number <= 9007199254740992.0)) throw engine::RecordError(options_.file + ": the checkpoint holds a count that is none");
+        return static_cast<std::size_t>(number);
+    };
+    for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {
+        rows->count = count();
+        rows->sum = count() << 32U;
+        rows->sum |= count();
+    }
+    next_state_ = take();
+    outputs_ = static_cast<long>(take());
+    for_every_sum(sums_, [&](double& sum) { sum = take(); });
+    (void)means_.load({next, position.data() + position.size()});
+    if (!file_) return;
+    if (former_.empty() && written_.channels.count > 0) throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is gone");
+    if (former_.empty()) return;
+    engine::copy_record(former_, written_, contents_, *file_);
+    std::filesystem::remove(former_);
+}
+
+void RunRecorder::finish(RunReport& report) {
+    const double n = static_cast<double>(std::max(1L, outputs_));
+    const auto mean = [n](auto values) {
+        for (double& value : values) value /= n;
+        return values;
+    };
+    report.outputs = outputs_;
+    report.has_pulleys = sums_.has_pulleys;
+    report.tight = sums_.tight / n;
+    report.slack = sums_.slack / n;
+    report.slip = sums_.slip / n;
+    report.speed = mean(sums_.speed);
+    report.torque = mean(sums_.torque);
+    report.chain_torque = mean(sums_.chain_torque);
+    report.clamping = mean(sums_.clamping);
+    report.radius = mean(sums_.radius);
+    report.axial_force = mean(sums_.axial_force);
+    report.whole = means_.all();
+    report.last_fifth = means_.last_fifth();
+    if (report.has_pulleys) report.notes = means_.notes();
+    report.ratio = report.whole.ratio;
+    report.ratio_begin = means_.first_fifth().ratio;
+    report.ratio_end = report.last_fifth.ratio;
+    if (!file_) return;
+    if (report.fault) file_->set_status(report.fault.message());
+    else if (!report.reliable()) file_->set_status(unreliable_text(report));
+    file_->set_attribute({"energy_residual", report.energy.residual()});
+    file_->set_attribute({"energy_residual_relative", report.energy.relative()});
+    file_->set_attribute({"energy_suspicion", report.suspicion});
+    std::string notes;
+    for (const Note& note : report.notes) notes += (notes.empty() ? "" : "; ") + std::string(note.name);
+    file_->set_attribute({"notes", notes});
+    file_->set_attribute({"state_hash", engine::hex(report.hash)});
+    file_->set_attribute({"wall_seconds", report.wall});
+    file_->close();
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,53 @@
+#pragma once
+/// Writes outputs of a run to its record, and keeps the means of the report. Internal to tasks.
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "engine/record/run/former_record.hpp"
+#include "engine/record/run/run_file.hpp"
+#include "tasks/run/channels.hpp"
+#include "tasks/run/run.hpp"
+
+namespace cvtflow::tasks {
+
+class RunRecorder final : public RunObserver {
+public:
+    RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options);
+
+    void output(double time, const Workspace& workspace, const Counters& counters) override;
+    void transition(const TransitionRecord& record) override;
+    /// Where the record and the means stand, for a checkpoint; all of it is on disk then.
+    [[nodiscard]] std::vector<double> position();
+    /// Goes on from there, with the rows of the record that options.from names.
+    void restore(const std::vector<double>& position);
+    /// Ends the record with what happened, completes the means.
+    void finish(RunReport& report);
+    /// Time span of the present part of the run, for progress.
+    void begin_part(double begin, double until) noexcept;
+
+private:
+    void gather(const model::Observation& now, const Workspace& workspace);
+    void write(double time, const Workspace& workspace, const Instant& instant);
+
+    const RunOptions& options_;
+    double state_interval_;
+    int followed_pin_;
+    model::Observer observer_;
+    std::vector<const Channel*> channels_;
+    std::vector<double> row_;
+    std::string former_;   ///< file with the rows before the checkpoint
+    engine::RunContents contents_;
+    std::unique_ptr<engine::RunFile> file_;
+    engine::RecordPosition written_{{}, {}, {{}}};
+    double next_state_ = 0.0;
+    double begin_ = 0.0, until_ = 0.0;
+    std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
+
+    long outputs_ = 0;
+    RunReport sums_;
+    RunMeans means_;
+};
+
+}  // namespace cvtflow::tasks

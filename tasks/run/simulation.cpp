@@ -1,0 +1,292 @@
+#include "tasks/run/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/base/hash.hpp"
+#include "engine/method/catalogue.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "model/start/start_state.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/run/saved_start.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/schedule/auto_schedule.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+engine::StagePlan plan_of(const Scene& scene) {
+    auto plan = plan_for(scene.run.method);
+    if (!plan) throw SimulationError("run.method: " + no_method(scene.run.method));
+    return std::move(*plan);
+}
+
+std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) {
+    std::unique_ptr<StepMethod> method;
+    try {
+        method = make_step_method(scene.run.method, workspace);
+    } catch (const std::invalid_argument& error) {
+        throw SimulationError(fmt::format("run.method: {}", error.what()));
+    }
+    if (scene.run.step_control != StepControl::fixed && method->error_power() == 0) {
+        throw SimulationError(fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
+                                          scene.run.method));
+    }
+    workspace.method = method.get();   // its tasks are in every graph
+    return method;
+}
+
+}  // namespace
+
+Simulation::Simulation(const Scene& scene) : Simulation(scene, schedules_for(scene), ChooserOptions{}) {}
+
+Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder) : Simulation(scene, std::vector{schedule}, ChooserOptions{}, recorder) {}
+
+Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options, engine::StampRecorder* recorder)
+    : scene_(scene), workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene),
+                                                            Partition::equal(scene.parameters.chain.pins, candidates.front().segments))),
+      method_(method_of(scene, *workspace_)), runner_(*workspace_, candidates, options, recorder) {
+    if (!scene_.state_file.empty()) {
+        const auto saved = scene_.start_state.read(scene_.state_file);
+        start_differences_ = tasks::start_differences(*saved, scene_);
+        take_state(*saved);
+    } else {
+        place_geometrically();
+    }
+    rest_at_start();
+}
+
+bool Simulation::fits(const Scene& scene) const { return scene.run.method == scene_.run.method && model::layout_of(scene.parameters) == workspace_->layout(); }
+
+void Simulation::reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed) {
+    scene_ = scene;
+    workspace_->adopt(scene.parameters);
+    if (find_program(scene.run.method) != nullptr) {   // what a program has derived from the parameters
+        method_ = method_of(scene, *workspace_);
+        runner_.forget_graphs();
+    }
+    counters_ = {};
+    rest_.settling_suspicion = rest_.settling_residual = 0.0;
+    start_differences_.clear();
+    needs_settling_ = false;
+    if (saved != nullptr) take_state(*saved);
+    else if (placed != nullptr) begin_at(*placed);
+    else place_geometrically();
+    rest_at_start();
+}
+
+void Simulation::place_geometrically() { begin_at(model::start_state(scene_.parameters)); }
+
+void Simulation::begin_at(const model::StartState& start) {
+    std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
+    workspace_->phases = start.phases;
+    needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
+    time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
+}
+
+Simulation::~Simulation() = default;
+
+namespace {
+
+constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
+
+/// The phase in the words of the scene at hand: without stick and slip a tip just touches; with them, a start finds which of both.
+[[nodiscard]] model::Phase adopted(std::uint8_t saved, bool stick_slip) {
+    const auto phase = static_cast<model::Phase>(saved);
+    if (phase == model::Phase::free || (phase == model::Phase::touching) == !stick_slip) return phase;
+    return stick_slip ? model::Phase::free : model::Phase::touching;
+}
+
+}  // namespace
+
+/// Links and pulleys must fit; control and ledger, which a saved state may have or lack, go on or begin at zero where they are new.
+void Simulation::take_state(const engine::SavedState& saved) {
+    const model::ChainLayout& at = workspace_->layout();
+    const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
+    const std::size_t beyond = saved.state.size() < mechanical ? 2 : saved.state.size() - mechanical;   // control: 1, ledger: 12, both: 13
+    if ((beyond > 1 && beyond != ledger_size && beyond != ledger_size + 1) || saved.phases.size() != workspace_->phases.size()) {
+        std::string message = fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());
+        for (const std::string& line : start_differences_) message += "\n  " + line;
+        throw SimulationError(message);
+    }
+    if (std::any_of(saved.phases.begin(), saved.phases.end(), [](std::uint8_t phase) { return phase > static_cast<std::uint8_t>(model::Phase::slip); })) {
+        throw SimulationError(fmt::format("start.state: {} holds a phase that is none", scene_.state_file));
+    }
+    const bool had_control = beyond % ledger_size == 1;
+    const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
+    std::copy(saved.state.begin(), behind, workspace_->states[0]);
+    if (at.control && had_control) workspace_->states[0][at.control_begin()] = *behind;
+    if (at.ledger && beyond >= ledger_size) std::copy(behind + had_control, saved.state.end(), workspace_->states[0] + at.ledger_begin());
+    const bool stick_slip = scene_.parameters.detail.stick_slip;
+    std::transform(saved.phases.begin(), saved.phases.end(), workspace_->phases.begin(), [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
+    rest_.settling_suspicion = suspicion_of(saved);
+    time_ = saved.time;   // inputs and the governor's angle go on from there
+}
+
+Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
+    StepController controller(*workspace_, *method_, settings, observer, cancel);
+    rest_.settling = settings.begin < 0.0 && needs_settling_;
+    return drive(controller);
+}
+
+Fault Simulation::drive(StepController& controller) {
+    runner_.run(controller);
+    counters_ = controller.counters();
+    local_errors_ = controller.local_errors();
+    step_ = controller.step();
+    time_ = controller.time();
+    controller.save(rest_);
+    controller.rethrow();
+    return controller.fault();
+}
+
+namespace {
+
+StepSettings step_settings(const RunSettings& run, double begin, double until, double interval, AutoStep* choice, const bool* pause) {
+    return {begin, until, run.step, interval, run.max_steps, run.max_wall, run.step_control, run.tolerance, choice, pause};
+}
+
+}  // namespace
+
+double Simulation::automatic_step() const {
+    return AutoStep(workspace_->variator, scene_.run.method).longest(time_, state(), phases().data());
+}
+
+StepSettings Simulation::settling_settings() const {
+    const double duration = scene_.parameters.start.settling_time;
+    const double intervals = std::max(1.0, std::ceil(duration / scene_.run.output_interval * (1.0 - 1e-12)));
+    return step_settings(scene_.run, -duration, 0.0, duration / intervals, choice_.get(), pause_);
+}
+
+Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& cancel) {
+    const Fault fault = integrate(settling_settings(), observer, cancel);
+    if (!fault) end_settling();
+    return fault;
+}
+
+void Simulation::end_settling() {
+    needs_settling_ = false;
+    time_ = 0.0;
+    rest_.settling_suspicion = workspace_->energy.suspicion();
+    rest_.settling_residual = workspace_->energy.balance().relative();
+    rest_at_start();
+}
+
+Fault Simulation::proceed(double until, RunObserver& observer, const engine::Cancellation& cancel) {
+    if (!rest_.started) throw SimulationError("nothing has begun that could go on");
+    StepSettings settings = settling_settings();
+    if (!rest_.settling) settings.until = until;
+    settings.begin = rest_.begin;
+    settings.output_interval = rest_.output_interval;
+    settings.step = rest_.step;
+    StepController controller(*workspace_, *method_, settings, rest_, observer, cancel);
+    const Fault fault = drive(controller);
+    if (!fault && rest_.settling) end_settling();
+    return fault;
+}
+
+Fault Simulation::run(double until, RunObserver& observer, const engine::Cancellation& cancel) {
+    return integrate(step_settings(scene_.run, time_, until, scene_.run.output_interval, choice_.get(), pause_), observer, cancel);
+}
+
+Fault Simulation::advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel) {
+    StepSettings settings = settling_settings();
+    settings.until = rest_.settling ? std::min(until, settings.until) : until;
+    if (!rest_.settling) {
+        settings.begin = time_;
+        settings.output_interval = scene_.run.output_interval;
+    }
+    if (steps > 0) settings.max_steps = rest_.counters.steps + steps;
+    Fault fault;
+    if (rest_.started) {
+        settings.begin = rest_.begin;
+        settings.output_interval = rest_.output_interval;
+        settings.step = rest_.step;
+        StepController controller(*workspace_, *method_, settings, rest_, observer, cancel);
+        fault = drive(controller);
+    } else {
+        StepController controller(*workspace_, *method_, settings, observer, cancel);
+        fault = drive(controller);
+    }
+    if (rest_.settling && time_ > -1e-9 * settings.output_interval) end_settling();
+    return fault;
+}
+
+Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel) {
+    StepSettings settings = step_settings(scene_.run, time_, time_ + 1e6, scene_.run.output_interval, choice_.get(), nullptr);
+    settings.max_steps = steps;
+    settings.max_wall = 0.0;
+    return integrate(settings, observer, cancel);
+}
+
+void Simulation::rest_at_start() {
+    const Workspace& w = *workspace_;
+    if (!scene_.run.step.automatic()) choice_.reset();
+    else if (choice_ == nullptr) choice_ = std::make_unique<AutoStep>(w.variator, scene_.run.method);
+    workspace_->energy.restart(method_->observation_stride());
+    rest_.started = false;
+    rest_.settling = needs_settling_;
+    rest_.time = time_;
+    rest_.counters = {};
+    rest_.state.assign(w.states[0], w.states[0] + w.layout().size());
+    rest_.phases = w.phases;
+    rest_.changed = w.changed;
+    rest_.before = w.before;
+    rest_.energy.clear();
+    rest_.step_choice.clear();
+}
+
+void Simulation::restore(const IntegrationState& from) {
+    if (const char* why = from.unsound()) throw SimulationError(why);
+    Workspace& w = *workspace_;
+    const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.phases.size();
+    if (from.state.size() != size || from.phases.size() != tips || from.changed.size() != tips || from.before.size() != tips) {
+        throw SimulationError(fmt::format("a state of {} unknowns and {} tips does not fit this scene: {} and {}", from.state.size(), from.phases.size(), size, tips));
+    }
+    std::copy(from.state.begin(), from.state.end(), w.states[0]);
+    w.phases = from.phases;
+    w.changed = from.changed;
+    w.before = from.before;
+    w.list_touching();
+    method_->restart();
+    w.energy.load(from.energy, method_->observation_stride());
+    rest_ = from;
+    needs_settling_ = from.settling;
+    time_ = from.time;
+    counters_ = from.counters;
+}
+
+std::uint64_t Simulation::hash() const noexcept {
+    engine::Hash hash;
+    hash.add(std::span<const double>(state(), static_cast<std::size_t>(workspace_->layout().size())));
+    hash.add(std::span<const std::uint8_t>(reinterpret_cast<const std::uint8_t*>(phases().data()), phases().size()));
+    return hash.value();
+}
+
+engine::SavedState Simulation::saved_state() const {
+    engine::SavedState saved;
+    saved.time = time_;
+    saved.state.assign(state(), state() + workspace_->layout().size());
+    for (const model::Phase phase : phases()) saved.phases.push_back(static_cast<std::uint8_t>(phase));
+    const std::string text = write_scene(scene_);
+    saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
+    saved.attributes = {{"scene", text}, {std::string(suspicion_attribute), suspicion()}};
+    return saved;
+}
+
+FrozenStart frozen_start(const Simulation& simulation) {
+    const Workspace& at = simulation.workspace();
+    const std::size_t size = static_cast<std::size_t>(at.layout().size());
+    Workspace probed(at.parameters, engine::methods().front(), Partition::equal(at.layout().links, 1));
+    std::copy_n(simulation.state(), size, probed.states[0]);
+    probed.phases = simulation.phases();
+    SilentObserver nobody;
+    const engine::Cancellation never;
+    StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
+    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases, simulation.suspicion()};
+}
+
+}  // namespace cvtflow::tasks

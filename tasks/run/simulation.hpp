@@ -1,0 +1,145 @@
+#pragma once
+/// One simulation of one scene: its start state, its step loop, its counters. No global state; any number may live side by side.
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/start/start_state.hpp"
+#include "tasks/method/auto_step.hpp"
+#include "tasks/scene/scene.hpp"
+#include "tasks/schedule/schedule_runner.hpp"
+#include "tasks/step/control/step_controller.hpp"
+#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/integration_state.hpp"
+
+namespace cvtflow::engine {
+struct SavedState;
+}
+
+namespace cvtflow::tasks {
+
+/// A simulation cannot begin: the start state does not fit, the method is unknown.
+class SimulationError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+class Simulation {
+public:
+    /// Prepares the start state: from the scene's state file, else geometric. Nothing runs yet.
+    /// @throws SimulationError, engine::RecordError (state file), std::invalid_argument (the chain does not close)
+    explicit Simulation(const Scene& scene);
+    /// The same with a schedule of one's own and, if wanted, time stamps of its tasks.
+    Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
+    /// The same with schedules to choose from while it runs, serial first (see ScheduleChooser).
+    Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options, engine::StampRecorder* recorder = nullptr);
+    ~Simulation();
+
+    /// Whether reset() may be used: the same unknowns and the same method.
+    [[nodiscard]] bool fits(const Scene& scene) const;
+    /// Becomes a simulation of another scene that fits, in the memory of this one; bit for bit as a new one.
+    /// @param saved the state to start from, instead of the scene's file; nullptr: geometric start
+    /// @param placed that start, if it has been made already
+    /// @throws as the constructor
+    void reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed = nullptr);
+
+    /// Whether the start is geometric and has to settle before t = 0.
+    [[nodiscard]] bool needs_settling() const noexcept { return needs_settling_; }
+    /// Runs from t = -start.settling_time to t = 0 with clamping and load ramped up. Outputs are delivered with negative times.
+    [[nodiscard]] Fault settle(RunObserver& observer, const engine::Cancellation& cancel);
+    /// Runs from the present time to `until` with the scene's run settings; ends at the first step at or after it.
+    [[nodiscard]] Fault run(double until, RunObserver& observer, const engine::Cancellation& cancel);
+
+    /// Goes on where settle(), run() or proceed() ended, or where restore() put it, with the same output times: bit by bit as if it had not
+    /// stopped. While the start settles, only to its end at t = 0, whatever `until`.
+    /// @throws SimulationError if nothing has begun
+    [[nodiscard]] Fault proceed(double until, RunObserver& observer, const engine::Cancellation& cancel);
+    /// Goes on from where it stands (or begins) to `until` or for so many steps (0: as many as it takes), whatever comes first; settling ends
+    /// at t = 0 in any case. Where calls end does not change a bit of what follows. Ends with a Fault of kind max_steps after `steps`.
+    [[nodiscard]] Fault advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel);
+    /// Puts values in place of the tables of inputs, between runs.
+    void hold(const model::HeldInputs& held) noexcept { workspace_->variator.hold(held); }
+    /// They are not those of the last step: what follows may be fast.
+    void inputs_changed() {
+        workspace_->energy.inputs_changed(time_);
+        if (rest_.started) workspace_->energy.save(rest_.energy);
+    }
+    /// The next run ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr: none.
+    void pause_on(const bool* flag) noexcept { pause_ = flag; }
+
+    /// Where the integration stands.
+    [[nodiscard]] const IntegrationState& integration_state() const noexcept { return rest_; }
+    /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
+    /// @throws SimulationError if the numbers of unknowns or tips differ
+    void restore(const IntegrationState& state);
+
+    /// Runs so many steps with the scene's run settings, for measurements; ends with a Fault of kind max_steps.
+    [[nodiscard]] Fault run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel);
+
+    /// At present.
+    [[nodiscard]] const Schedule& schedule() const noexcept { return runner_.schedule(); }
+    [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return runner_.graph(); }
+    /// How schedules have come and gone.
+    [[nodiscard]] const ScheduleRunner& runner() const noexcept { return runner_; }
+    [[nodiscard]] double time() const noexcept { return time_; }
+    [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
+    [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
+    [[nodiscard]] const double* state() const noexcept { return workspace_->states[0]; }
+    [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->phases; }
+    /// Of the last settle() or run().
+    [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+    /// Works, losses and balance of the part at hand: settling, or the run.
+    [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
+    /// The largest EnergyLedger::suspicion() of settling and run: above 1 the results are wrong.
+    [[nodiscard]] double suspicion() const noexcept { return std::max(rest_.settling_suspicion, workspace_->energy.suspicion()); }
+    /// false: keeps no energies from the next run on, for measurements of what that costs.
+    void keep_energies(bool on) noexcept { workspace_->energy.keep(on); }
+    /// What chooses steps, with what it found last; nullptr: run.step is given.
+    [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
+    /// The automatic step at the present state, whatever run.step says [s].
+    [[nodiscard]] double automatic_step() const;
+    /// Of the last settle() or run(), if the scene asks for errors.
+    [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
+    /// What its step method has to say of its work; empty: nothing.
+    [[nodiscard]] std::string method_report() const { return method_->report(); }
+    /// Step in use in the last run [s].
+    [[nodiscard]] double step() const noexcept { return step_; }
+    /// Hash of state and phases: equal for every number of segments, threads and schedule.
+    [[nodiscard]] std::uint64_t hash() const noexcept;
+    /// What differs between this scene and the one that the state file was settled with, one line each; empty if nothing.
+    [[nodiscard]] const std::vector<std::string>& start_differences() const noexcept { return start_differences_; }
+
+    /// The present state as a file for start.state.
+    [[nodiscard]] engine::SavedState saved_state() const;
+
+private:
+    [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
+    void take_state(const engine::SavedState& saved);
+    void place_geometrically();
+    void begin_at(const model::StartState& start);
+    void rest_at_start();
+    void end_settling();
+    [[nodiscard]] StepSettings settling_settings() const;
+    [[nodiscard]] Fault drive(StepController& controller);
+
+    Scene scene_;
+    std::unique_ptr<Workspace> workspace_;
+    std::unique_ptr<StepMethod> method_;
+    ScheduleRunner runner_;
+    std::unique_ptr<AutoStep> choice_;   ///< of automatic steps
+    bool needs_settling_ = false;
+    double time_ = 0.0;
+    double step_ = 0.0;
+    Counters counters_;
+    LocalErrorStatistics local_errors_;
+    std::vector<std::string> start_differences_;
+    IntegrationState rest_;
+    const bool* pause_ = nullptr;
+};
+
+/// The simulation's present state, with the phases that a run would begin with.
+[[nodiscard]] FrozenStart frozen_start(const Simulation& simulation);
+
+}  // namespace cvtflow::tasks

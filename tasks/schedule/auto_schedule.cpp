@@ -1,0 +1,48 @@
+#include "tasks/schedule/auto_schedule.hpp"
+
+#include <algorithm>
+
+namespace cvtflow::tasks {
+
+namespace {
+
+void add_once(std::vector<Schedule>& list, const Schedule& schedule) {
+    if (std::find(list.begin(), list.end(), schedule) == list.end()) list.push_back(schedule);
+}
+
+}  // namespace
+
+std::vector<Schedule> schedules_for(const Scene& scene) {
+    const int links = scene.parameters.chain.pins;
+    Schedule serial = schedule_of(scene.run, links);
+    if (scene.run.schedule != "auto") return {serial};
+    Schedule flow = serial;
+    flow.executor = "flow";
+    flow.threads = std::min(serial.threads, links);
+    serial.executor = "serial";
+    serial.threads = 1;
+    serial.balanced = false;
+    if (scene.run.segments == 0) serial.segments = 1;
+    std::vector<Schedule> list{serial};
+    if (flow.threads == 1) return list;
+    const auto segments = [&](int wanted) { return scene.run.segments > 0 ? scene.run.segments : std::min(links, wanted); };
+    flow.segments = segments(flow.threads);
+    add_once(list, flow);
+    Schedule other = flow;
+    other.balanced = true;
+    add_once(list, other);
+    other = flow;
+    other.segments = segments(2 * flow.threads);
+    add_once(list, other);
+    other = flow;
+    other.assembly = {Assembly::staged};
+    add_once(list, other);
+    if (flow.threads < 4 || scene.run.threads > 0) return list;
+    other = flow;
+    other.threads = flow.threads / 2;
+    other.segments = segments(other.threads);
+    add_once(list, other);
+    return list;
+}
+
+}  // namespace cvtflow::tasks

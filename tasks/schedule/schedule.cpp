@@ -1,0 +1,159 @@
+#include "tasks/schedule/schedule.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+
+#include "engine/executor/catalogue.hpp"
+#include "engine/executor/runtimes.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+/// Least quota of the group and all that it lies in ("max 100000" or "quota period" in cpu.max), whole processors; a large number: none.
+[[nodiscard]] int least_quota(const std::filesystem::path& root, std::filesystem::path group) {
+    int least = std::numeric_limits<int>::max();
+    for (group = group.relative_path();; group = group.parent_path()) {
+        std::ifstream file(root / group / "cpu.max");
+        std::string quota;
+        double period = 0.0;
+        if (file >> quota >> period && quota != "max" && period > 0.0) least = std::min(least, std::max(1, static_cast<int>(std::strtod(quota.c_str(), nullptr) / period)));
+        if (group.empty()) return least;
+    }
+}
+
+/// What a batch system granted to this task, or a large number.
+[[nodiscard]] int granted_processors() {
+    const char* granted = std::getenv("SLURM_CPUS_PER_TASK");
+    const int number = granted != nullptr ? std::atoi(granted) : 0;
+    return number > 0 ? number : std::numeric_limits<int>::max();
+}
+
+}  // namespace
+
+int quota_processors(const std::filesystem::path& root, const std::filesystem::path& membership) {
+    std::ifstream file(membership);
+    std::filesystem::path group;
+    for (std::string line; std::getline(file, line);) {
+        if (line.starts_with("0::")) group = line.substr(3);
+    }
+    return least_quota(root, group);
+}
+
+int usable_threads() { return std::max(1, std::min({engine::usable_processors(), quota_processors("/sys/fs/cgroup", "/proc/self/cgroup"), granted_processors()})); }
+
+namespace {
+
+const std::pair<const char*, AssemblyOptions> assemblies[] = {
+    {"fused", {Assembly::fused, true, true}},
+    {"staged", {Assembly::staged, true, true}},
+    {"staged-serial-cholesky", {Assembly::staged, false, true}},
+    {"staged-serial-transition", {Assembly::staged, true, false}},
+    {"staged-serial-both", {Assembly::staged, false, false}},
+};
+
+}  // namespace
+
+std::string assembly_name(const AssemblyOptions& assembly) {
+    const auto row = std::find_if(std::begin(assemblies), std::end(assemblies), [&](const auto& each) { return each.second == assembly; });
+    return row != std::end(assemblies) ? row->first : "fused";
+}
+
+AssemblyOptions assembly_named(const std::string& name) {
+    std::string names;
+    for (const auto& [known, options] : assemblies) {
+        if (name == known) return options;
+        names += (names.empty() ? "" : ", ") + std::string(known);
+    }
+    throw SceneError(fmt::format("'{}' is no assembly: {}", name, names));
+}
+
+std::string Schedule::text() const {
+    if (executor == "serial" && segments == 1 && assembly.kind == Assembly::fused) return "serial";
+    return fmt::format("{}, {}, {} segments, {} threads{}", executor, assembly_name(assembly), segments, threads, balanced ? ", balanced" : "");
+}
+
+Schedule schedule_of(const RunSettings& run, int links) {
+    Schedule schedule;
+    schedule.threads = run.threads > 0 ? run.threads : usable_threads();
+    schedule.segments = run.segments > 0 ? run.segments : std::min(schedule.threads, links);
+    schedule.assembly.kind = run.assembly;
+    schedule.balanced = run.partition == PartitionKind::balanced;
+    if (run.schedule == "auto") return schedule;
+    if (engine::find_executor(run.schedule) == nullptr) {
+        throw SceneError(fmt::format("run.schedule: there is no executor '{}' (cvtflow list executors; or auto)", run.schedule));
+    }
+    schedule.executor = run.schedule;
+    if (run.schedule == "serial") {
+        schedule.threads = 1;
+        if (run.segments == 0) schedule.segments = 1;
+    }
+    return schedule;
+}
+
+std::unique_ptr<engine::Executor> make_executor(const Schedule& schedule, engine::StampRecorder* recorder) {
+    const engine::ExecutorRow* row = engine::find_executor(schedule.executor);
+    if (row == nullptr) throw SceneError(fmt::format("run.schedule: there is no executor '{}'", schedule.executor));
+    engine::ExecutorOptions options;
+    options.threads = schedule.threads;
+    options.wait = schedule.wait;
+    options.pin = schedule.pin;
+    options.present_arena = schedule.present_arena;
+    options.recorder = recorder;
+    return row->make(options);
+}
+
+namespace {
+
+/// Links that are evaluated side by side cost what the dearest of them does, however few they are.
+[[nodiscard]] double unit_cost(const std::vector<model::Phase>& phases, int first, int last, const LinkCosts& costs) noexcept {
+    const auto tips = [&](int link) { return phases.begin() + model::tips_per_link * link; };
+    const bool touches = std::any_of(tips(first), tips(last), [](model::Phase phase) { return phase != model::Phase::free; });
+    return costs.grain * (touches ? costs.touching : costs.free);
+}
+
+}  // namespace
+
+double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts, const LinkCosts& costs) noexcept {
+    double longest = 0.0;
+    for (std::size_t s = 1; s < cuts.size(); ++s) {
+        double cost = 0.0;
+        for (int link = cuts[s - 1]; link < cuts[s]; link += costs.grain) cost += unit_cost(phases, link, std::min(link + costs.grain, cuts[s]), costs);
+        longest = std::max(longest, cost);
+    }
+    return longest;
+}
+
+void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs) noexcept {
+    const int links = static_cast<int>(phases.size()) / model::tips_per_link, segments = static_cast<int>(cuts.size()) - 1;
+    const int units = (links + costs.grain - 1) / costs.grain;
+    if (segments > units) return balance(phases, cuts, {costs.free, costs.touching, 1});
+    const auto cost = [&](int unit) { return unit_cost(phases, costs.grain * unit, std::min(links, costs.grain * (unit + 1)), costs); };
+    double total = 0.0;
+    for (int unit = 0; unit < units; ++unit) total += cost(unit);
+    double until = 0.0, before = 0.0;   // cost of the units before `at`, and before the one in front of it
+    cuts.front() = 0;
+    for (int s = 1, at = 0, last = 0; s < segments; ++s) {
+        const double wanted = total * s / segments;
+        for (; at < units && until < wanted; ++at) {
+            before = until;
+            until += cost(at);
+        }
+        const int nearest = at > 0 && wanted - before < until - wanted ? at - 1 : at;
+        last = std::clamp(nearest, last + 1, units - (segments - s));
+        cuts[static_cast<std::size_t>(s)] = costs.grain * last;
+    }
+    cuts.back() = links;
+}
+
+Partition balanced_partition(const std::vector<model::Phase>& phases, int segments, const LinkCosts& costs) {
+    std::vector<int> cuts(static_cast<std::size_t>(segments) + 1);
+    balance(phases, cuts, costs);
+    return Partition::at(cuts);
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,110 @@
+#include "tasks/schedule/schedule_chooser.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cvtflow::tasks {
+
+ScheduleChooser::ScheduleChooser(int candidates, const ChooserOptions& options)
+    : options_(options), candidates_(static_cast<std::size_t>(candidates)), period_(options.first_period) {
+    for (Candidate& each : candidates_) each.turns.reserve(static_cast<std::size_t>(options.rounds));
+}
+
+bool ScheduleChooser::took(const Pace& pace) noexcept {
+    const int before = now_;
+    elapsed_ += pace.seconds;
+    since_check_ += pace.seconds;
+    if (candidates_.size() == 1) return false;
+    if (trying_) {
+        tried(pace);
+    } else {
+        worked(pace);
+    }
+    return now_ != before;
+}
+
+/// All that trials have cost and, at worst, one more turn.
+bool ScheduleChooser::affordable() const noexcept { return lost_ + options_.turn <= options_.regret * elapsed_; }
+
+bool ScheduleChooser::due(const Pace& pace) noexcept {
+    if (reference_ == 0.0) reference_ = pace.per_cycle;
+    if (touching_ < 0) touching_ = pace.touching;
+    const double change = pace.per_cycle / reference_;
+    drifting_ = change > options_.drift || change * options_.drift < 1.0 ? drifting_ + 1 : 0;
+    const bool other_links = std::abs(pace.touching - touching_) > options_.changed_links * std::max(1, touching_);
+    return checks_ == 0 || drifting_ >= 2 || other_links || since_check_ >= period_;
+}
+
+void ScheduleChooser::worked(const Pace& pace) noexcept {
+    work_ = pace.per_cycle;
+    const bool wanted = due(pace);
+    if (!checking_ && wanted && affordable()) {
+        touching_ = pace.touching;
+        begin_check();
+    } else if (checking_ && affordable()) {
+        next_turn();
+    }
+}
+
+void ScheduleChooser::begin_check() noexcept {
+    checking_ = true;
+    next_ = 0;
+    round_ = 0;
+    for (Candidate& each : candidates_) {
+        each.turns.clear();
+        each.out = false;
+    }
+    next_turn();
+}
+
+/// The candidate whose turn it is, or work if the check cannot go on now.
+void ScheduleChooser::next_turn() noexcept {
+    const int count = static_cast<int>(candidates_.size());
+    for (; round_ < options_.rounds; ++round_, next_ = 0) {
+        while (next_ < count && candidates_[static_cast<std::size_t>(next_)].out) ++next_;
+        if (next_ < count) break;
+    }
+    if (round_ == options_.rounds) return end_check();
+    trying_ = affordable();
+    now_ = trying_ ? next_ : chosen_;
+}
+
+void ScheduleChooser::tried(const Pace& pace) noexcept {
+    Candidate& own = candidates_[static_cast<std::size_t>(now_)];
+    own.turns.push_back(pace.per_cycle);
+    // Against the pace of work, in which neighbours' interference is already; the chosen one's own turns are work.
+    if (now_ != chosen_) lost_ += pace.seconds * std::max(0.0, 1.0 - work_ / pace.per_cycle);
+    own.out = now_ != 0 && pace.per_cycle > options_.hopeless * work_;
+    ++next_;
+    next_turn();
+}
+
+void ScheduleChooser::end_check() noexcept {
+    for (Candidate& each : candidates_) {
+        const auto middle = each.turns.begin() + static_cast<std::ptrdiff_t>(each.turns.size() / 2);
+        std::nth_element(each.turns.begin(), middle, each.turns.end());
+        each.median = *middle;   // each has had a turn: none is out before its first
+    }
+    const int before = chosen_;
+    choose();
+    ++checks_;
+    changes_ += chosen_ != before;
+    period_ = chosen_ != before ? options_.first_period : std::min(2.0 * period_, options_.longest_period);
+    trying_ = checking_ = false;
+    now_ = chosen_;
+    reference_ = since_check_ = 0.0;
+    drifting_ = 0;
+}
+
+/// The first candidate when in doubt: it takes one processor from nobody.
+void ScheduleChooser::choose() noexcept {
+    int best = 0;
+    for (int each = 1; each < static_cast<int>(candidates_.size()); ++each) {
+        if (per_cycle(each) < per_cycle(best)) best = each;
+    }
+    const bool keeps = chosen_ != 0 && per_cycle(chosen_) * options_.edge < per_cycle(0);
+    if (keeps && per_cycle(best) * options_.edge > per_cycle(chosen_)) return;
+    chosen_ = per_cycle(best) * (keeps ? options_.edge : options_.gain) < per_cycle(0) ? best : 0;
+}
+
+}  // namespace cvtflow::tasks

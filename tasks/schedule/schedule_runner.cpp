@@ -1,0 +1,119 @@
+#include "tasks/schedule/schedule_runner.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace cvtflow::tasks {
+
+namespace {
+
+/// Longest segment over that of balanced borders from which on they are moved: a move costs an end and a beginning of the threads' common run.
+constexpr double tolerable = 1.02;
+
+[[nodiscard]] bool touches(const Workspace& w, int link) noexcept {
+    const model::Phase* tips = w.phases.data() + model::tips_per_link * link;
+    return std::any_of(tips, tips + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; });
+}
+
+[[nodiscard]] int touching_links(const Workspace& w) noexcept {
+    int count = 0;
+    for (int link = 0; link < w.layout().links; ++link) count += touches(w, link);
+    return count;
+}
+
+[[nodiscard]] int grain(const Workspace& w) noexcept { return Partition::grain(model::lanes_of(w.variator.chain().isa())); }
+
+[[nodiscard]] std::vector<int> equal_cuts(const Workspace& w, int segments) {
+    const Partition partition = Partition::equal(w.layout().links, segments, grain(w));
+    std::vector<int> cuts{0};
+    for (const Segment& segment : partition.segments()) cuts.push_back(segment.last);
+    return cuts;
+}
+
+[[nodiscard]] bool is_cut_at(const Partition& partition, const std::vector<int>& cuts) noexcept {
+    if (cuts.size() != static_cast<std::size_t>(partition.size()) + 1) return false;
+    for (int s = 0; s < partition.size(); ++s) {
+        if (partition[s] != Segment{cuts[static_cast<std::size_t>(s)], cuts[static_cast<std::size_t>(s) + 1]}) return false;
+    }
+    return true;
+}
+
+[[nodiscard]] std::string times(long count, const char* what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
+
+}  // namespace
+
+ScheduleRunner::ScheduleRunner(Workspace& workspace, std::vector<Schedule> candidates, const ChooserOptions& options, engine::StampRecorder* recorder)
+    : w_(workspace), chooser_(static_cast<int>(candidates.size()), options), recorder_(recorder) {
+    costs_.grain = grain(w_);
+    for (Schedule& each : candidates) slots_.push_back({each, equal_cuts(w_, each.segments)});
+    cuts_.reserve(static_cast<std::size_t>(w_.layout().links) + 1);
+    Slot& first = slots_.front();
+    first.executor = make_executor(first.schedule, recorder_);   // complaints come now
+    w_.repartition(Partition::at(first.cuts));
+    w_.staged_states = first.schedule.assembly.kind == Assembly::staged;
+    first.graph = step_graph(w_, first.schedule.assembly);
+}
+
+void ScheduleRunner::forget_graphs() noexcept {
+    for (Slot& slot : slots_) slot.graph = {};
+}
+
+void ScheduleRunner::run(StepController& controller) {
+    take_up();
+    if (slots_.size() == 1 && (!schedule().balanced || schedule().segments == 1)) return slots_.front().executor->run(graph(), &w_, controller);
+    RestingController resting(controller, *this);
+    for (;;) {
+        slots_[current()].executor->run(graph(), &w_, resting);
+        if (resting.over()) return;
+        ++rests_;
+        take_up();
+    }
+}
+
+/// Brings workspace, graph and executor of the candidate at hand together.
+void ScheduleRunner::take_up() {
+    Slot& slot = slots_[current()];
+    if (!slot.executor) slot.executor = make_executor(slot.schedule, recorder_);
+    bool stale = slot.graph.size() == 0;
+    if (wants_other_borders() || (stale && slot.schedule.balanced)) {
+        moves_ += rests_ > 0 && !stale;
+        cuts_.resize(slot.cuts.size());
+        balance(w_.phases, cuts_, costs_);
+        slot.cuts = cuts_;
+        stale = true;
+    }
+    if (stale || !is_cut_at(w_.partition, slot.cuts)) w_.repartition(Partition::at(slot.cuts));
+    w_.staged_states = slot.schedule.assembly.kind == Assembly::staged;
+    if (stale) slot.graph = step_graph(w_, slot.schedule.assembly);
+}
+
+bool ScheduleRunner::wants_other_borders() noexcept {
+    const Slot& slot = slots_[current()];
+    if (!slot.schedule.balanced || slot.schedule.segments == 1) return false;
+    cuts_.resize(slot.cuts.size());   // within what was reserved
+    balance(w_.phases, cuts_, costs_);
+    return longest_segment(w_.phases, slot.cuts, costs_) > tolerable * longest_segment(w_.phases, cuts_, costs_);
+}
+
+bool ScheduleRunner::rest(double seconds, double per_cycle) noexcept {
+    const bool other = chooser_.took({seconds, per_cycle, touching_links(w_)});
+    return other || wants_other_borders();
+}
+
+std::string ScheduleRunner::text() const {
+    const std::size_t chosen = static_cast<std::size_t>(chooser_.chosen());
+    const std::string moved = moves_ > 0 ? fmt::format("borders moved {}", times(moves_, "time")) : "";
+    const std::string name = slots_[chosen].schedule.text();
+    if (slots_.size() == 1) return moved.empty() ? name : fmt::format("{} ({})", name, moved);
+    if (chooser_.checks() == 0) return name + " (auto: no check finished, trials may cost 1 % of the time)";
+    std::size_t other = chosen == 0 ? 1 : 0;   // serial, or the best beside it
+    for (std::size_t each = 2; chosen == 0 && each < slots_.size(); ++each) {
+        if (chooser_.per_cycle(static_cast<int>(each)) < chooser_.per_cycle(static_cast<int>(other))) other = each;
+    }
+    return fmt::format("{} (auto: {:.1f} us per cycle, {} {:.1f} us; {}, {}{})", name, 1e6 * chooser_.per_cycle(chooser_.chosen()),
+                       slots_[other].schedule.text(), 1e6 * chooser_.per_cycle(static_cast<int>(other)), times(chooser_.checks(), "check"),
+                       times(chooser_.changes(), "change"), moved.empty() ? "" : ", " + moved);
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,59 @@
+#pragma once
+/// Runs steps under a schedule that may change on the way: another of several candidates when the machine's load or the chain's phases change, other
+/// borders of segments when links begin or cease to touch.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tasks/schedule/resting_controller.hpp"
+#include "tasks/schedule/schedule.hpp"
+#include "tasks/schedule/schedule_chooser.hpp"
+
+namespace cvtflow::tasks {
+
+class ScheduleRunner final : private RestJudge {
+public:
+    /// One candidate: that is the schedule. Several: serial first; they are chosen from as ScheduleChooser says. The workspace outlives this.
+    /// @throws std::invalid_argument as the catalogue's make
+    ScheduleRunner(Workspace& workspace, std::vector<Schedule> candidates, const ChooserOptions& options = {}, engine::StampRecorder* recorder = nullptr);
+
+    /// To the controller's stop. Allocates at the beginning and whenever the schedule changes, not in between.
+    void run(StepController& controller);
+
+    /// Graphs are built anew: the workspace has another step method.
+    void forget_graphs() noexcept;
+
+    [[nodiscard]] const Schedule& schedule() const noexcept { return slots_[current()].schedule; }
+    [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return slots_[current()].graph; }
+    /// Times that segments have got other borders during a run.
+    [[nodiscard]] long moves() const noexcept { return moves_; }
+    /// Times that a run has rested.
+    [[nodiscard]] long rests() const noexcept { return rests_; }
+    /// The schedule and how it was come by: "flow, fused, 2 segments, 2 threads (auto: 13.9 us per cycle, serial 25.2 us; 2 checks, 1 change)"
+    [[nodiscard]] std::string text() const;
+
+private:
+    struct Slot {
+        Schedule schedule;
+        std::vector<int> cuts;                          ///< borders of its segments
+        std::unique_ptr<engine::Executor> executor{};   ///< made when it is first used
+        engine::TaskGraph graph{};
+    };
+
+    [[nodiscard]] std::size_t current() const noexcept { return static_cast<std::size_t>(chooser_.candidate()); }
+    void take_up();
+    [[nodiscard]] double window() const noexcept override { return chooser_.window(); }
+    [[nodiscard]] bool rest(double seconds, double per_cycle) noexcept override;
+    [[nodiscard]] bool wants_other_borders() noexcept;
+
+    Workspace& w_;
+    ScheduleChooser chooser_;
+    std::vector<Slot> slots_;
+    engine::StampRecorder* recorder_;
+    std::vector<int> cuts_;   ///< room for balanced borders
+    LinkCosts costs_;         ///< by which they are balanced
+    long moves_ = 0, rests_ = 0;
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,38 @@
+#pragma once
+/// Whether a link moves as a chain can: the faults that end a run.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tasks/step/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+inline void report(Verdict& verdict, FaultKind kind, double time, int pin, double value, double limit) noexcept {
+    if (!verdict.fault) verdict.fault = {kind, time, pin, value, limit};
+}
+
+/// Whether all numbers are within ±limit; false for NaN. Without a chain of dependent sums: every link is looked at after every step.
+[[nodiscard]] inline bool within(const double* numbers, int size, double limit) noexcept {
+    int beyond = 0;
+    for (int k = 0; k < size; ++k) beyond |= static_cast<int>(!(std::abs(numbers[k]) <= limit));
+    return beyond == 0;
+}
+
+/// Faster than sound in steel (5.9 km/s): no chain does that, so the integration has become unstable, long before anything is infinite.
+inline constexpr double fastest_pin = 1e4;   // m/s
+
+/// Whether a link's block [q | v] is finite and its motion that of a chain.
+inline void check_motion(const Workspace& w, int link, const double* block, Verdict& verdict) noexcept {
+    const int size = w.layout().link_size();
+    if (within(block, size, std::numeric_limits<double>::max()) && within(block + size, size, fastest_pin)) return;
+    double largest = 0.0;
+    bool finite = true;
+    for (int k = 0; k < 2 * size; ++k) finite = finite && std::isfinite(block[k]);
+    for (int k = size; k < 2 * size; ++k) largest = std::max(largest, std::abs(block[k]));
+    if (!finite) return report(verdict, FaultKind::non_finite, w.time + w.h, link, 0.0, 0.0);
+    report(verdict, FaultKind::blow_up, w.time + w.h, link, largest, fastest_pin);
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,286 @@
+#include "tasks/step/assembly/segment_tasks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "engine/event/locate.hpp"
+#include "tasks/step/assembly/motion_check.hpp"
+#include "tasks/step/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+using model::Phase;
+using model::TipIndicator;
+
+[[nodiscard]] std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
+
+[[nodiscard]] model::SheaveMotion* sheaves_at(Workspace& w, double theta, double* tail, model::SheaveMotion* sheaves) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    w.interpolant().evaluate(theta, layout.pulley_begin(), layout.pulley_begin() + layout.pulley_block(), tail);
+    w.variator.pulleys().motions(tail, sheaves);
+    return sheaves;
+}
+
+void show(const model::TipProbe& probe, TipIndicator* tips) noexcept {
+    for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};
+}
+
+/// The four tips of a link whose state is given.
+void indicate(const Workspace& w, const double* state, const model::SheaveMotion* sheaves, TipIndicator* tips, model::TipProbe& probe) noexcept {
+    w.variator.chain().probe(state, sheaves, w.parameters.detail.stick_slip, probe);
+    show(probe, tips);
+}
+
+/// Whether a link's tips are where contact can be described.
+void check_contact(const Workspace& w, int link, const model::TipProbe& probe, Verdict& verdict) noexcept {
+    const auto& pulley = w.parameters.pulley;
+    const double now = w.time + w.h;
+    bool touching = false;
+    for (int tip = 0; tip < model::tips_per_link; ++tip) {
+        if (w.phases[at(model::tips_per_link * link + tip)] == Phase::free) continue;
+        touching = true;
+        if (probe.depth[tip] > w.parameters.tip.deepest) report(verdict, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
+    }
+    if (probe.radius < pulley.innermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
+    if (touching && probe.radius > pulley.outermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
+}
+
+/// Whether a tip may change now: it has kept its phase for the dwell time.
+[[nodiscard]] bool may_change(const Workspace& w, int tip) noexcept { return w.time + w.h - w.changed[at(tip)] >= w.dwell; }
+
+/// Where inside the step a tip could have changed and changed back, judged on the parabola through both ends and the first slope.
+[[nodiscard]] bool grazes(const Workspace& w, int tip, const TipIndicator& middle) noexcept {
+    const Phase phase = w.phases[at(tip)];
+    return w.rule.next(phase, w.before[at(tip)]) == phase && w.rule.next(phase, middle) != phase;
+}
+
+/// Tips so close to contact that they can cross and return within a step.
+[[nodiscard]] bool near_contact(const Workspace& w, int link) noexcept {
+    constexpr double near = 2e-7;   // m: an elastic oscillation of 1e6 1/s covers less in the longest useful step
+    for (int tip = model::tips_per_link * link; tip < model::tips_per_link * (link + 1); ++tip) {
+        if (std::abs(w.before[at(tip)].depth) < near && std::abs(w.after[at(tip)].depth) < near) return true;
+    }
+    return false;
+}
+
+void check_middle(Workspace& w, int link, Verdict& verdict) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    double middle[2 * 4 * model::most_lateral + 8];
+    const int begin = layout.link_begin(link);
+    for (int k = 0; k < layout.link_block(); ++k) {
+        middle[k] = 0.75 * w.states[0][begin + k] + 0.25 * w.end_state[begin + k] + 0.25 * w.h * w.slopes[0][begin + k];
+    }
+    TipIndicator tips[model::tips_per_link];
+    model::TipProbe probe;
+    indicate(w, middle, w.end_sheaves, tips, probe);
+    for (int tip = 0; tip < model::tips_per_link; ++tip) {
+        const int number = model::tips_per_link * link + tip;
+        if (may_change(w, number) && grazes(w, number, tips[tip])) verdict.pending = true;
+    }
+}
+
+/// Transitions due at the step's end, among the tips of one link.
+void find_due(Workspace& w, int link, Verdict& verdict) noexcept {
+    for (int tip = model::tips_per_link * link; tip < model::tips_per_link * (link + 1); ++tip) {
+        if (w.rule.next(w.phases[at(tip)], w.after[at(tip)]) == w.phases[at(tip)]) continue;
+        if (may_change(w, tip)) {
+            verdict.pending = true;
+        } else {
+            ++verdict.suppressed;
+        }
+    }
+}
+
+/// State and tips of one link at a share of the step.
+class LinkAt {
+public:
+    LinkAt(Workspace& w, int link) noexcept : w_(w), link_(link) {}
+
+    [[nodiscard]] const TipIndicator* tips(double theta) noexcept {
+        const int begin = w_.layout().link_begin(link_);
+        w_.interpolant().evaluate(theta, begin, begin + w_.layout().link_block(), state_);
+        model::SheaveMotion sheaves[4];
+        double tail[2 * 36];
+        model::TipProbe probe;
+        indicate(w_, state_, sheaves_at(w_, theta, tail, sheaves), tips_, probe);
+        return tips_;
+    }
+
+private:
+    Workspace& w_;
+    int link_;
+    double state_[2 * 4 * model::most_lateral + 8];
+    TipIndicator tips_[model::tips_per_link];
+};
+
+/// Earliest transition of one tip that may change, if any.
+[[nodiscard]] Transition locate_tip(Workspace& w, int link, int corner) noexcept {
+    const int tip = model::tips_per_link * link + corner;
+    const Phase phase = w.phases[at(tip)];
+    LinkAt state(w, link);
+    double end = 1.0;
+    Phase to = w.rule.next(phase, w.after[at(tip)]);
+    if (to == phase) {   // perhaps there and back within the step
+        end = 0.5;
+        to = w.rule.next(phase, state.tips(end)[corner]);
+        if (to == phase) return {};
+    }
+    const double from = w.rule.due(phase, to, w.before[at(tip)]);
+    if (from > 0.0) return {0.0, tip, to};   // was due already, but had been put off
+    const auto gap = [&](double theta) noexcept { return w.rule.due(phase, to, state.tips(theta)[corner]); };
+    return {engine::locate(gap, 0.0, end, from, gap(end), 1e-9).theta, tip, to};
+}
+
+/// Gives every tip of a link the phase that is due at the cut.
+void change_phases(Workspace& w, int link, const TipIndicator* tips, Verdict& verdict) noexcept {
+    const double now = w.time + w.theta * w.h;
+    for (int corner = 0; corner < model::tips_per_link; ++corner) {
+        const std::size_t tip = at(model::tips_per_link * link + corner);
+        Phase to = w.rule.next(w.phases[tip], tips[corner]);
+        if (to == w.phases[tip] && w.secant && static_cast<int>(tip) == w.due.tip) to = w.due.to;   // retaken: there but for the error of the search
+        if (to == w.phases[tip] || !may_change(w, static_cast<int>(tip))) continue;
+        w.phases[tip] = to;
+        w.changed[tip] = now;
+        ++verdict.detected;
+    }
+}
+
+}  // namespace
+
+void fill_window(Workspace& w, const Segment& own, double* window) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int block = layout.link_block();
+    const auto combine = [&](int link, int links, double* out) {
+        engine::combine(w.row, w.h, w.slots(), layout.link_begin(link), layout.link_begin(link) + links * block, out);
+    };
+    combine(layout.previous(own.first), 1, window);
+    combine(own.first, own.size(), window + block);
+    combine(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
+}
+
+void copy_window(const Workspace& w, const Segment& own, const double* state, double* window) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int block = layout.link_block();
+    const auto copy = [&](int link, int links, double* out) { std::memcpy(out, state + layout.link_begin(link), at(links * block) * sizeof(double)); };
+    copy(layout.previous(own.first), 1, window);
+    copy(own.first, own.size(), window + block);
+    copy(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
+}
+
+const double* window_of(Workspace& w, const double* state, int segment) noexcept {
+    double* window = w.windows[at(segment)].data();
+    copy_window(w, w.partition[segment], state, window);
+    return window;
+}
+
+void evaluate_segment(void* workspace, int segment) noexcept {
+    auto& w = *static_cast<Workspace*>(workspace);
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    double* window = w.windows[at(segment)].data();
+    if (w.evaluate_end) {
+        copy_window(w, own, w.end_state, window);
+    } else {
+        fill_window(w, own, window);
+        if (w.row.keep >= 0) {
+            std::memcpy(w.states[at(w.row.keep)] + layout.link_begin(own.first), window + layout.link_block(), at(own.size() * layout.link_block()) * sizeof(double));
+        }
+    }
+    const model::ChainRange range{own.first, own.last, window, w.sheaves, w.phases.data()};
+    double* slope = w.slope_out + layout.link_begin(own.first);
+    if (layout.ledger) {
+        w.variator.chain().observed_slopes(range, slope, w.loads.data() + own.first, cleared_accounts(w, own));
+    } else {
+        w.variator.chain().slopes(range, slope, w.loads.data() + own.first);
+    }
+    if (layout.pulley_size != 0) w.add_up(own);
+}
+
+namespace {
+
+/// Slopes of a segment's links at both ends of a step from its states there: velocities, and one mean acceleration.
+void make_secants(Workspace& w, const Segment& own) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int half = layout.link_size();
+    const double h = w.h;
+    for (int link = own.first; link < own.last; ++link) {
+        const int begin = layout.link_begin(link);
+        const double* __restrict from = w.states[0] + begin + half;
+        const double* __restrict to = w.end_state + begin + half;
+        std::memcpy(w.slopes[0] + begin, from, at(half) * sizeof(double));
+        std::memcpy(w.end_slope + begin, to, at(half) * sizeof(double));
+        double* __restrict mean = w.slopes[0] + begin + half;
+        for (int k = 0; k < half; ++k) mean[k] = (to[k] - from[k]) / h;
+        std::memcpy(w.end_slope + begin + half, mean, at(half) * sizeof(double));
+    }
+}
+
+/// Local errors of a segment's links, each by itself: whoever asks for the largest gets the same however the chain is cut.
+/// @param errors room for one link
+void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    for (int link = own.first; link < own.last; ++link) {
+        const int begin = layout.link_begin(link);
+        engine::combine(w.error_row, w.h, w.slots(), begin, begin + layout.link_block(), errors);
+        w.link_errors[at(link)] = w.error_scale.norm(errors, layout.link_size());
+    }
+}
+
+}  // namespace
+
+void detect_segment(void* workspace, int segment) noexcept {
+    auto& w = *static_cast<Workspace*>(workspace);
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    Verdict& verdict = w.verdicts[at(segment)];
+    verdict = {};
+    engine::combine(w.row, w.h, w.slots(), layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
+                    w.end_state + layout.link_begin(own.first));
+    if (w.secant) make_secants(w, own);
+    if (w.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
+    if (layout.pulley_size != 0) {
+        w.variator.chain().probe_links(w.end_state + layout.link_begin(own.first), own.size(), w.end_sheaves, w.parameters.detail.stick_slip, w.probes.data() + own.first);
+    }
+    for (int link = own.first; link < own.last; ++link) {
+        check_motion(w, link, w.end_state + layout.link_begin(link), verdict);
+        if (layout.pulley_size == 0 || verdict.fault) continue;
+        const model::TipProbe& probe = w.probes[at(link)];
+        show(probe, w.after.data() + model::tips_per_link * link);
+        check_contact(w, link, probe, verdict);
+        find_due(w, link, verdict);
+        if (near_contact(w, link)) check_middle(w, link, verdict);
+    }
+}
+
+void locate_segment(void* workspace, int segment) noexcept {
+    auto& w = *static_cast<Workspace*>(workspace);
+    const Segment& own = w.partition[segment];
+    Verdict& verdict = w.verdicts[at(segment)];
+    for (int link = own.first; link < own.last; ++link) {
+        for (int corner = 0; corner < model::tips_per_link; ++corner) {
+            if (!may_change(w, model::tips_per_link * link + corner)) continue;
+            const Transition found = locate_tip(w, link, corner);
+            if (found.theta < verdict.first.theta) verdict.first = found;
+        }
+    }
+}
+
+void truncate_segment(void* workspace, int segment) noexcept {
+    auto& w = *static_cast<Workspace*>(workspace);
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    Verdict& verdict = w.verdicts[at(segment)];
+    w.interpolant().evaluate(w.theta, layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
+                             w.cut_state + layout.link_begin(own.first));
+    for (int link = own.first; link < own.last; ++link) {
+        TipIndicator* tips = w.after.data() + model::tips_per_link * link;
+        model::TipProbe probe;
+        indicate(w, w.cut_state + layout.link_begin(link), w.sheaves, tips, probe);
+        change_phases(w, link, tips, verdict);
+    }
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,31 @@
+#pragma once
+/// What one segment does in each cycle. Bodies of tasks: context is the workspace, item the segment.
+
+#include "tasks/step/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+/// Stage state of links first - 1 … last of a segment, as workspace.row combines it. @param window room for them
+void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
+
+/// The same of a state vector, as it is: at the step's end, say.
+void copy_window(const Workspace& workspace, const Segment& own, const double* state, double* window) noexcept;
+
+/// The same in the segment's own window, which is returned.
+[[nodiscard]] const double* window_of(Workspace& workspace, const double* state, int segment) noexcept;
+
+/// The accounts of a segment's links, all zero.
+[[nodiscard]] model::Account* cleared_accounts(Workspace& workspace, const Segment& own) noexcept;
+
+/// Stage state of the segment and its halo, forces, slope of its links.
+void evaluate_segment(void* workspace, int segment) noexcept;
+/// Losses and stored energies of its links at the step's start, kinetic ones too, into workspace.accounts; on workspace.observed_sheaves.
+void observe_segment(void* workspace, int segment) noexcept;
+/// Result of the step for its links; their tips at the step's end.
+void detect_segment(void* workspace, int segment) noexcept;
+/// Earliest transition of its tips.
+void locate_segment(void* workspace, int segment) noexcept;
+/// State of its links at theta; its tips take the phase that is due there.
+void truncate_segment(void* workspace, int segment) noexcept;
+
+}  // namespace cvtflow::tasks

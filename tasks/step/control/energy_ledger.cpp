@@ -1,0 +1,219 @@
+#include "tasks/step/control/energy_ledger.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+#include "model/variator.hpp"
+#include "tasks/step/method_memory.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+// What a right run leaves of its balance, and what a wrong one does, stands in DECISIONS 74; the test Lottery draws machines and counts.
+constexpr double share_of_losses = 1e-3;
+constexpr double share_of_through = 1e-5;
+constexpr double share_of_stored = 1e-6;
+constexpr double deviations = 6.0;
+constexpr double dense_share = 0.05, dense_time = 5e-4;   // [1], [s]
+constexpr double least_samples = 10.0;
+constexpr double closer = 8.0;   ///< by which samples lie closer in doubt
+
+[[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+[[nodiscard]] model::Inputs mean_of(const model::Inputs& a, const model::Inputs& b) noexcept {
+    model::Inputs mean;
+    mean.drive_torque = 0.5 * (a.drive_torque + b.drive_torque);
+    mean.load_torque = 0.5 * (a.load_torque + b.load_torque);
+    for (std::size_t k = 0; k < 2; ++k) mean.clamping[k] = 0.5 * (a.clamping[k] + b.clamping[k]);
+    return mean;
+}
+
+}  // namespace
+
+double EnergyBalance::relative() const noexcept { return loss > 0.0 ? std::abs(residual()) / loss : 0.0; }
+
+double EnergyBalance::honest() const noexcept { return share_of_losses * loss + share_of_through * through + share_of_stored * stored; }
+
+double EnergyBalance::tolerance() const noexcept { return honest() + deviations * deviation; }
+
+double EnergyBalance::suspicion() const noexcept {
+    if (samples < least_samples) return 0.0;
+    const double ratio = std::abs(residual()) / tolerance();
+    return std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
+}
+
+double EnergySums::lost() const noexcept { return total(loss); }
+
+EnergySums EnergySums::between(const EnergySums& from, const EnergySums& to, double time) noexcept {
+    const double share = (time - from.time) / (to.time - from.time);
+    EnergySums at = from;
+    at.time = time;
+    for (std::size_t k = 0; k < at.loss.size(); ++k) at.loss[k] += share * (to.loss[k] - from.loss[k]);
+    for (std::size_t k = 0; k < at.work.size(); ++k) at.work[k] += share * (to.work[k] - from.work[k]);
+    return at;
+}
+
+double EnergySums::efficiency_since(const EnergySums& before) const noexcept {
+    double input = 0.0;
+    for (std::size_t k = 0; k < work.size(); ++k) input += std::max(0.0, work[k] - before.work[k]);
+    return input > 0.0 ? 1.0 - (lost() - before.lost()) / input : std::numeric_limits<double>::quiet_NaN();
+}
+
+void EnergyLedger::restart(long stride) noexcept {
+    m_ = {};
+    known_ = false;
+    stride_ = static_cast<double>(stride);
+}
+
+void EnergyLedger::step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept {
+    const model::ChainLayout& at = variator.layout();
+    m_.steps += 1.0;
+    if (at.pulley_size == 0 || !on_) return;
+    const model::PulleyModel& pulleys = variator.pulleys();
+    const auto inputs = [&](double t, const double* tail) { return pulleys.inputs(t, tail, at.control ? tail[at.pulley_block()] : 0.0); };
+    if (!known_) inputs_ = inputs(begin, from);
+    const model::Inputs after = inputs(end, to);
+    const model::Inputs mean = mean_of(inputs_, after);
+    const model::WorkRates done = pulleys.work(from, to, mean);
+    for (std::size_t k = 0; k < done.size(); ++k) m_.work[k] += done[k];
+    m_.impulse[0] += (end - begin) * mean.drive_torque;
+    m_.impulse[1] += (end - begin) * mean.load_torque;
+    inputs_ = after;
+    known_ = true;
+}
+
+void EnergyLedger::inputs_changed(double time) noexcept {
+    known_ = false;
+    if (m_.samples > 0.0 && time - m_.jumped > window) m_.jumped = time;
+}
+
+bool EnergyLedger::due(double time) const noexcept {
+    if (!on_) return false;
+    if (m_.samples == 0.0) return true;
+    if (!(time > m_.sampled)) return false;   // a step may be cut at its start
+    const double since = time - m_.jumped;   // what follows a jump dies out fast at first: samples lie as close as it is young
+    if (since < dense_time && m_.steps >= 1.0 && time - m_.sampled >= dense_share * since) return true;
+    return m_.steps >= (m_.doubt != 0.0 ? std::max(1.0, stride_ / closer) : stride_);
+}
+
+void EnergyLedger::sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept {
+    model::Account now = links;
+    for (std::size_t k = 0; k < now.loss.size(); ++k) now.loss[k] += pulleys.loss[k];
+    const double spacing = time - m_.sampled, power = total(now.loss);
+    m_.stored = total(links.energy) + total(pulleys.energy);
+    m_.most_stored = std::max(m_.most_stored, total(links.energy));
+    m_.pin_period = pin_period;
+    if (m_.samples > 0.0) {
+        for (std::size_t k = 0; k < now.loss.size(); ++k) m_.loss[k] += 0.5 * spacing * (m_.power[k] + now.loss[k]);
+        for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
+    }
+    if (m_.samples > 3.0) {   // fourth differences hold what the trapezoidal rule cannot see, 70 times for noise without memory, and little of what passes smoothly
+        const auto& p = m_.powers;
+        const double noise = power - 4.0 * p[0] + 6.0 * p[1] - 4.0 * p[2] + p[3];
+        m_.noise += noise * noise / 70.0 * spacing * spacing;
+    }
+    m_.powers = {power, m_.powers[0], m_.powers[1], m_.powers[2]};
+    m_.power = now.loss;
+    m_.sampled = time;
+    m_.work_sampled = m_.work;
+    m_.samples += 1.0;
+    m_.steps = 0.0;
+    if (m_.samples == 1.0) {
+        m_.jumped = time;
+        m_.judged_from = time < 0.0 ? 0.5 * time : time;
+        m_.all = m_.part = here();
+    }
+    if (time - m_.part.begin >= window) close_window();
+}
+
+/// A residual that noise alone could have made is looked at more closely; one that it could not is remembered.
+void EnergyLedger::close_window() noexcept {
+    const EnergyBalance closed = balance_since(m_.part);
+    if (m_.part.begin >= m_.judged_from) m_.worst = std::max(m_.worst, closed.suspicion());
+    m_.doubt = std::abs(closed.residual()) > closed.honest() ? 1.0 : 0.0;
+    m_.part = here();
+}
+
+EnergyLedger::Span EnergyLedger::here() const noexcept { return {m_.sampled, total(m_.loss), total(m_.work_sampled), m_.stored, m_.through, m_.noise, m_.samples}; }
+
+EnergyBalance EnergyLedger::balance_since(const Span& span) const noexcept {
+    const Span now = here();
+    return {now.begin - span.begin, now.stored - span.stored,  now.work - span.work, now.loss - span.loss, now.through - span.through,
+            m_.most_stored,         std::sqrt(std::max(0.0, now.noise - span.noise)), now.samples - span.samples};
+}
+
+EnergyBalance EnergyLedger::balance() const noexcept { return balance_since(m_.all); }
+
+double EnergyLedger::suspicion() const noexcept {
+    double most = m_.worst;
+    for (const Span* span : {&m_.all, &m_.part}) most = std::max(most, balance_since(*span).suspicion());
+    return most;
+}
+
+EnergySums EnergyLedger::sums(double time) const noexcept {
+    EnergySums now{time, m_.loss, m_.work};
+    if (m_.samples == 0.0) return now;
+    for (std::size_t k = 0; k < now.loss.size(); ++k) now.loss[k] += (time - m_.sampled) * m_.power[k];
+    return now;
+}
+
+void EnergyLedger::output(double time, const std::array<double, 2>& momentum) noexcept {
+    for (std::size_t k = 0; k < 2 && m_.outputs > 0.0; ++k) {
+        const double gained = momentum[k] - m_.momentum_output[k], given = m_.impulse[k] - m_.impulse_output[k];
+        m_.chain_torque[k] = (gained - given) / (time - m_.output_time);
+    }
+    m_.impulse_output = m_.impulse;
+    m_.momentum_output = momentum;
+    m_.output_time = time;
+    m_.outputs += 1.0;
+    remember(sums(time));
+}
+
+/// Keeps what is needed of the last pin period, and looks back over it.
+void EnergyLedger::remember(const EnergySums& now) noexcept {
+    const auto entry = [&](double number) -> EnergySums& { return m_.past[static_cast<std::size_t>(std::fmod(m_.past_begin + number, past_size))]; };
+    while (m_.past_count > 1.0 && now.time - entry(1.0).time >= m_.pin_period) {
+        m_.past_begin = std::fmod(m_.past_begin + 1.0, past_size);
+        m_.past_count -= 1.0;
+    }
+    if (m_.past_count > 0.0) {
+        const double start = now.time - m_.pin_period;
+        m_.last = now;
+        m_.before_last = m_.past_count > 1.0 && entry(0.0).time < start ? EnergySums::between(entry(0.0), entry(1.0), start) : entry(0.0);
+    }
+    const bool crowded = m_.past_count > 0.0 && now.time - entry(m_.past_count - 1.0).time < m_.pin_period / static_cast<double>(past_per_period);
+    if (crowded || m_.past_count >= static_cast<double>(past_size)) return;
+    entry(m_.past_count) = now;
+    m_.past_count += 1.0;
+}
+
+std::array<double, 2> EnergyLedger::chain_torque() const noexcept {
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    return m_.outputs > 1.0 ? m_.chain_torque : std::array{unknown, unknown};
+}
+
+double EnergyLedger::efficiency() const noexcept { return m_.last.efficiency_since(m_.before_last); }
+
+void EnergyLedger::save(std::vector<double>& memory) const {
+    static_assert(std::is_trivially_copyable_v<Memory> && sizeof(Memory) % sizeof(double) == 0);
+    memory.resize(sizeof(Memory) / sizeof(double));
+    std::memcpy(memory.data(), &m_, sizeof(Memory));
+}
+
+void EnergyLedger::load(std::span<const double> memory, long stride) {
+    restart(stride);
+    if (memory.empty()) return;
+    std::memcpy(static_cast<void*>(&m_), taken(memory, sizeof(Memory) / sizeof(double)).data(), sizeof(Memory));
+    for (const auto& [place, most] : {std::pair{m_.past_begin, past_size - 1}, {m_.past_count, past_size}}) {
+        if (!(place >= 0.0 && place <= static_cast<double>(most)) || place != std::floor(place)) throw std::invalid_argument("a memory of energies that is none");
+    }
+}
+
+}  // namespace cvtflow::tasks

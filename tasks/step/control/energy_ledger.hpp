@@ -1,0 +1,136 @@
+#pragma once
+/// Where the energy of an integration goes: works of the inputs, losses by kind, what is stored, and whether they agree.
+///
+/// Works are exact sums over all steps: mean input times displacement. Losses are powers of the contact and damping laws at the states
+/// that the method produced, sampled every so many steps and integrated by the trapezoidal rule; they are no negative of
+/// the works, so that a method that makes energy, or destroys it, cannot balance them. A window of time whose balance could be off by
+/// the noise of sampling alone puts the run in doubt: in the next one samples lie closer. (DECISIONS 74)
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "model/force/account.hpp"
+#include "model/force/pulley.hpp"
+
+namespace cvtflow::model {
+class Variator;
+}
+
+namespace cvtflow::tasks {
+
+/// ΔE - W + L over a span of time, and what an honest integration may leave of it.
+struct EnergyBalance {
+    double span = 0.0;        ///< [s]
+    double change = 0.0;      ///< of the stored energy [J]
+    double work = 0.0;        ///< of the inputs [J]
+    double loss = 0.0;        ///< dissipated [J]
+    double through = 0.0;     ///< what the inputs have brought, each interval's positive ones [J]
+    double stored = 0.0;      ///< largest energy that the chain held [J]
+    double deviation = 0.0;   ///< standard error of `loss` from sampling [J]
+    double samples = 0.0;     ///< of the losses
+
+    [[nodiscard]] double residual() const noexcept { return change - work + loss; }
+    /// |residual| over the losses; the threshold stands beside it as tolerance() over the losses.
+    [[nodiscard]] double relative() const noexcept;
+    /// What a residual may be that honest steps leave [J].
+    [[nodiscard]] double honest() const noexcept;
+    /// The same with what sampling may add: beyond it the residual is wrong [J].
+    [[nodiscard]] double tolerance() const noexcept;
+    /// |residual| over its tolerance; 0 for so few samples that their noise is not known. Not a number is infinite.
+    [[nodiscard]] double suspicion() const noexcept;
+};
+
+/// Cumulative since the integration began.
+struct EnergySums {
+    double time = 0.0;                               ///< [s]
+    std::array<double, model::loss_kinds> loss{};    ///< by kind [J]
+    model::WorkRates work{};                         ///< by input [J]
+
+    [[nodiscard]] double lost() const noexcept;
+    /// Linear between two sums, at a time between theirs.
+    [[nodiscard]] static EnergySums between(const EnergySums& from, const EnergySums& to, double time) noexcept;
+    /// 1 - losses/input from `before` to here, input: the works of those inputs that brought energy; not a number without input.
+    [[nodiscard]] double efficiency_since(const EnergySums& before) const noexcept;
+};
+
+class EnergyLedger {
+public:
+    /// Time after which a balance is judged by itself [s]: what went wrong once is not forgotten in what follows.
+    static constexpr double window = 2e-3;
+
+    /// A new integration begins. @param stride steps between samples of the losses (StepMethod::observation_stride)
+    void restart(long stride) noexcept;
+    /// false: nothing is kept from the next restart on, to measure what keeping costs.
+    void keep(bool on) noexcept { on_ = on; }
+    /// Inputs have been changed from outside: losses are sampled densely for a while, unless that has just been so.
+    void inputs_changed(double time) noexcept;
+    /// A step has been taken. @param from, to states behind the links at its ends, which begin at pulley_begin()
+    void step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept;
+    /// Whether losses should be sampled before the next step.
+    [[nodiscard]] bool due(double time) const noexcept;
+    /// What an observe cycle has found. @param links, pulleys their losses and energies, kinetic energy included
+    /// @param pin_period time that a pin takes to the place of the next one; 0: none [s]
+    void sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept;
+    /// An output is due: closes the interval since the last one. @param momentum of the shafts [N·m·s]
+    void output(double time, const std::array<double, 2>& momentum) noexcept;
+
+    /// At `time` ≥ the last sample; losses go on as they were there.
+    [[nodiscard]] EnergySums sums(double time) const noexcept;
+    /// From the beginning to the last sample.
+    [[nodiscard]] EnergyBalance balance() const noexcept;
+    /// |residual| over its tolerance, the largest of all windows, of the one at hand and of the whole; > 1: the results are wrong.
+    [[nodiscard]] double suspicion() const noexcept;
+    [[nodiscard]] bool reliable() const noexcept { return suspicion() <= 1.0; }
+
+    /// Mean torque of the chain on the sheaves of each shaft between the last two outputs: their change of momentum less the outside's impulse [N·m].
+    /// Not a number before the second output.
+    [[nodiscard]] std::array<double, 2> chain_torque() const noexcept;
+    /// 1 - losses/input over the last whole pin period up to the last output, over less where a run has not lasted so long; not a number before the
+    /// second output.
+    [[nodiscard]] double efficiency() const noexcept;
+
+    /// For checkpoints: goes on bit for bit.
+    void save(std::vector<double>& memory) const;
+    /// @throws std::invalid_argument for a memory that is none
+    void load(std::span<const double> memory, long stride);
+
+private:
+    static constexpr std::size_t past_size = 80, past_per_period = 64;
+
+    /// One judged span of time: from its first sample to the last one.
+    struct Span {
+        double begin, loss, work, stored, through, noise, samples;
+    };
+    [[nodiscard]] EnergyBalance balance_since(const Span& span) const noexcept;
+    [[nodiscard]] Span here() const noexcept;
+    void remember(const EnergySums& now) noexcept;
+    void close_window() noexcept;
+
+    /// Numbers only: saved and loaded as they lie.
+    struct Memory {
+        double samples, sampled, steps;          ///< how many; when the last one was [s]; steps since
+        double jumped;                           ///< when inputs or the state jumped last, the beginning included [s]
+        std::array<double, model::loss_kinds> power, loss;
+        std::array<double, 4> powers;            ///< of the last samples, the last one first, for the noise of sampling [W]
+        double stored, most_stored, noise, through, pin_period;
+        model::WorkRates work, work_sampled;
+        std::array<double, 2> impulse, impulse_output, momentum_output;
+        std::array<double, 2> chain_torque;
+        double outputs, output_time;
+        EnergySums last, before_last;            ///< ends of the pin period that efficiency() is about
+        Span all, part;
+        double worst, doubt;                     ///< doubt: 1 while samples lie close
+        double judged_from;                      ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
+        std::array<EnergySums, past_size> past;  ///< at outputs, round and round
+        double past_begin, past_count;
+    };
+
+    Memory m_{};
+    model::Inputs inputs_;   ///< at the end of the last step
+    bool known_ = false;
+    bool on_ = true;
+    double stride_ = 24.0;   ///< steps between samples
+};
+
+}  // namespace cvtflow::tasks

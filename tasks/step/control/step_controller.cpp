@@ -1,0 +1,298 @@
+#include "tasks/step/control/step_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "tasks/step/integration_state.hpp"
+#include "tasks/step/method_memory.hpp"
+#include "tasks/step/stage_method.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+/// A step shorter than this fraction of the longest one will not help [1].
+constexpr double shortest_step = 1e-7;
+
+/// With the error in charge, the grid is that of outputs.
+[[nodiscard]] StepGrid grid_of(const StepSettings& settings) noexcept {
+    StepGrid grid;
+    grid.begin = settings.begin;
+    grid.output_interval = settings.output_interval;
+    const bool free = settings.control == StepControl::error;
+    if (settings.automatic() && !free) grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
+    grid.divide(free ? settings.output_interval : settings.automatic() ? StepChoice::longest_step : settings.step);
+    return grid;
+}
+
+/// Longest step where the error decides.
+[[nodiscard]] double longest_free_step(const StepSettings& settings) noexcept {
+    return settings.automatic() ? settings.output_interval : std::min(settings.step, settings.output_interval);
+}
+
+}  // namespace
+
+StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel)
+    : StepController(workspace, std::make_unique<StageMethod>(workspace), nullptr, settings, observer, cancel) {}
+
+StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer,
+                               const engine::Cancellation& cancel)
+    : StepController(workspace, nullptr, &method, settings, observer, cancel) {}
+
+StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings,
+                               RunObserver& observer, const engine::Cancellation& cancel)
+    : w_(workspace), own_method_(std::move(own)), method_(own_method_ ? *own_method_ : *method), settings_(settings), observer_(observer), cancel_(cancel),
+      grid_(grid_of(settings)), control_(longest_free_step(settings), std::max(1, method_.error_power())), phases_before_(workspace.phases) {
+    w_.estimate_error = settings.control != StepControl::fixed;
+    if (w_.estimate_error && method_.error_power() == 0)
+        throw std::invalid_argument("this method has no estimate of its error: run.step_control can only be \"fixed\"");
+    w_.time = settings.begin;
+    w_.dwell = dwell_steps * grid_.step;
+    w_.secant = method_.retakes();
+    w_.evaluations = 0;
+    method_.restart();   // a run does not depend on what ran before it
+    w_.energy.restart(method_.observation_stride());
+    if (settings.choice != nullptr) settings.choice->restart();
+    probe_start();
+}
+
+StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from, RunObserver& observer,
+                               const engine::Cancellation& cancel)
+    : w_(workspace), method_(method), settings_(settings), observer_(observer), cancel_(cancel), outputs_(from.outputs), grid_(grid_of(settings)),
+      control_(longest_free_step(settings), std::max(1, method_.error_power())), counters_(from.counters), phases_before_(workspace.phases) {
+    w_.estimate_error = settings.control != StepControl::fixed;
+    w_.time = from.time;
+    if (from.grid_steps > 0) {
+        grid_.divide(grid_.leg_length() / static_cast<double>(from.grid_steps));
+        grid_.leg = from.grid_number / grid_.steps_per_leg;
+        grid_.point = from.grid_number % grid_.steps_per_leg;
+    }
+    w_.dwell = dwell_steps * grid_.step;
+    w_.energy.load(from.energy, method_.observation_stride());
+    if (settings.choice != nullptr) settings.choice->load(from.step_choice);
+    w_.secant = method_.retakes();
+    w_.evaluations = from.counters.evaluations;
+    method_.restart();
+    std::span<const double> memory(from.method);
+    if (settings.control == StepControl::error) control_.load(taken(memory, StepSizeControl::memory_size));
+    method_.load(memory);
+    w_.list_touching();
+}
+
+void StepController::save(IntegrationState& state) const {
+    state.started = true;
+    state.time = w_.time;
+    state.begin = settings_.begin;
+    state.output_interval = settings_.output_interval;
+    state.step = settings_.step;
+    state.grid_number = grid_.leg * grid_.steps_per_leg + grid_.point;
+    state.grid_steps = grid_.steps_per_leg;
+    w_.energy.save(state.energy);
+    state.step_choice.clear();
+    if (settings_.choice != nullptr) settings_.choice->save(state.step_choice);
+    state.outputs = outputs_;
+    state.counters = counters_;
+    state.state.assign(w_.states[0], w_.states[0] + w_.layout().size());
+    state.phases = w_.phases;
+    state.changed = w_.changed;
+    state.before = w_.before;
+    method_.save(state.method);
+    if (settings_.control == StepControl::error) {
+        const auto own = control_.save();
+        state.method.insert(state.method.begin(), own.begin(), own.end());
+    }
+}
+
+void StepController::rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+}
+
+/// Phases of the start state, without dwell: a geometric start comes with all tips free.
+void StepController::probe_start() {
+    const model::ChainLayout& at = w_.layout();
+    if (at.pulley_size == 0) return;
+    w_.variator.pulleys().motions(w_.states[0] + at.pulley_begin(), w_.sheaves);
+    for (int link = 0; link < at.links; ++link) {
+        model::TipProbe probe;
+        w_.variator.chain().probe(w_.states[0] + at.link_begin(link), w_.sheaves, w_.parameters.detail.stick_slip, probe);
+        for (int corner = 0; corner < model::tips_per_link; ++corner) {
+            const std::size_t tip = static_cast<std::size_t>(model::tips_per_link * link + corner);
+            w_.before[tip] = {probe.depth[corner], probe.slip[corner]};
+            w_.phases[tip] = w_.rule.next(w_.phases[tip], w_.before[tip]);
+        }
+    }
+    w_.list_touching();
+}
+
+int StepController::next() noexcept {
+    try {
+        switch (state_) {
+            case State::begin_step: return begin_step();
+            case State::observe: return finish_observation();
+            case State::method: return take(method_.next());
+            case State::detect: return finish_detect();
+            case State::end_slope:
+                close_evaluation(w_, w_.time + w_.h, w_.end_state + w_.layout().pulley_begin(), w_.sheave_forces(), w_.end_slope);
+                return start_locate();
+            case State::locate: return finish_locate();
+            case State::truncate: return finish_truncate();
+        }
+    } catch (...) {
+        thrown_ = std::current_exception();
+    }
+    return stop;
+}
+
+int StepController::end(Fault fault) {
+    fault_ = fault;
+    return Controller::stop;
+}
+
+Fault StepController::budget() const {
+    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.time, -1, 0.0, 0.0};
+    if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
+        return {FaultKind::max_steps, w_.time, -1, 0.0, static_cast<double>(settings_.max_steps)};
+    }
+    if (settings_.max_wall > 0.0 && counters_.steps % 64 == 0) {
+        const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+        if (wall > settings_.max_wall) return {FaultKind::max_wall, w_.time, -1, wall, settings_.max_wall};
+    }
+    return {};
+}
+
+int StepController::begin_step() {
+    if (const Fault lost = lost_in_rounding()) return end(lost);
+    counters_.evaluations = w_.evaluations;
+    if (w_.energy.due(w_.time)) return start_observation();
+    return go_on();
+}
+
+int StepController::go_on() {
+    const bool due = w_.time == grid_.here() && grid_.at_output(outputs_);
+    const bool over = w_.time >= settings_.until - 1e-9 * settings_.output_interval;
+    if (due || over) {
+        w_.energy.output(w_.time, w_.shaft_momentum());
+        observer_.output(w_.time, w_, counters_);
+    }
+    if (due) ++outputs_;
+    if (over) return end(Fault{});
+    if (const Fault spent = budget()) return end(spent);
+    if (settings_.automatic() && grid_.point == 0 && w_.time == grid_.here()) choose_step();
+    return start_step();
+}
+
+/// To the next grid point, in as many equal steps as the error asks for.
+int StepController::start_step() {
+    w_.h = grid_.next() - w_.time;
+    lands_ = true;
+    retaking_ = false;
+    if (settings_.control == StepControl::error) {
+        const double pieces = std::ceil(w_.h / method_.longest_step(control_.proposal()) * (1.0 - 1e-9));
+        lands_ = pieces <= 1.0;
+        if (!lands_) w_.h /= pieces;
+        w_.dwell = dwell_steps * w_.h;
+    }
+    return take(method_.begin());
+}
+
+/// The step again, shorter. Nothing has changed but the slots.
+int StepController::reject() {
+    ++counters_.rejected;
+    method_.rejected();
+    const double shortest = shortest_step * settings_.step;
+    if (control_.proposal() < shortest) return end({FaultKind::step_size, w_.time, -1, control_.proposal(), shortest});
+    if (const Fault spent = budget()) return end(spent);
+    return start_step();
+}
+
+/// Local error of the step, the largest of all links and of the pulleys; not a number if the estimate is none.
+double StepController::step_error() {
+    const model::ChainLayout& at = w_.layout();
+    double largest = 0.0;
+    if (at.pulley_size != 0) {
+        engine::combine(w_.error_row, w_.h, w_.slots(), at.pulley_begin(), at.pulley_begin() + 2 * at.pulley_size, w_.tail.data());
+        largest = w_.error_scale.norm(w_.tail.data(), at.pulley_size);
+        if (!std::isfinite(largest)) return largest;
+    }
+    for (const double error : w_.link_errors) {
+        if (!std::isfinite(error)) return error;
+        largest = std::max(largest, error);
+    }
+    return largest;
+}
+
+/// What the method wants next: a cycle, or the step is taken, or it cannot be.
+int StepController::take(int cycle) {
+    state_ = State::method;
+    if (cycle == StepMethod::failed) return end(method_.fault());
+    return cycle == StepMethod::done ? start_detect() : cycle;
+}
+
+int StepController::start_detect() {
+    state_ = State::detect;
+    const model::ChainLayout& at = w_.layout();
+    engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.end_state + at.pulley_begin());
+    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.end_state + at.pulley_begin(), w_.end_sheaves);
+    if (w_.secant) make_secants();
+    if (w_.estimate_error) w_.error_row = *method_.error_row();
+    return detect_cycle;
+}
+
+/// Slopes behind the links at both ends of a step from its states there: velocities, and one mean acceleration.
+void StepController::make_secants() {
+    const model::ChainLayout& at = w_.layout();
+    const int begin = at.pulley_begin();
+    const int half = at.pulley_size;
+    for (int k = begin; k < at.size(); ++k) {
+        const double mean = (w_.end_state[k] - w_.states[0][k]) / w_.h;
+        const bool position = k < begin + half;
+        w_.slopes[0][k] = position ? w_.states[0][k + half] : mean;
+        w_.end_slope[k] = position ? w_.end_state[k + half] : mean;
+    }
+}
+
+int StepController::finish_detect() {
+    bool pending = false;
+    const double error = w_.estimate_error && !retaking_ ? step_error() : 0.0;
+    if (settings_.control == StepControl::error && !control_.judge(error / settings_.tolerance, w_.h)) return reject();
+    if (w_.estimate_error && !retaking_) {
+        ++local_errors_.steps;
+        local_errors_.sum += error;
+        local_errors_.largest = std::max(local_errors_.largest, error);
+    }
+    const double* tail = w_.end_state + w_.layout().pulley_begin();
+    for (int k = 0; k < w_.tail_size(); ++k) {
+        if (!std::isfinite(tail[k])) return end({FaultKind::non_finite, w_.time + w_.h, -1, 0.0, 0.0});
+    }
+    for (const Verdict& verdict : w_.verdicts) {
+        if (verdict.fault) return end(verdict.fault);
+        counters_.suppressed += verdict.suppressed;
+        pending = pending || verdict.pending;
+    }
+    if (retaking_) return start_truncate();
+    if (!pending) return accept();
+    return method_.retakes() ? start_locate() : start_end_slope();
+}
+
+int StepController::start_end_slope() {
+    state_ = State::end_slope;
+    w_.evaluate_end = true;
+    w_.slope_out = w_.end_slope;
+    std::copy(std::begin(w_.end_sheaves), std::end(w_.end_sheaves), std::begin(w_.sheaves));
+    return evaluate_cycle;
+}
+
+int StepController::accept() {
+    const double begin = w_.time;
+    if (lands_) grid_.pass();
+    w_.time = lands_ ? grid_.here() : w_.time + w_.h;
+    w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.time, w_.end_state + w_.layout().pulley_begin());
+    std::swap(w_.states[0], w_.end_state);
+    std::swap(w_.before, w_.after);
+    ++counters_.steps;
+    return begin_step();
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,74 @@
+#include "tasks/step/stage_method.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tasks/step/method_memory.hpp"
+#include "tasks/step/step_graph.hpp"
+
+namespace cvtflow::tasks {
+
+void close_evaluation(Workspace& w, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept {
+    ++w.evaluations;
+    w.variator.close(time, tail, chain, w.accounts.data(), slope + w.layout().pulley_begin());
+}
+
+int StageMethod::begin() {
+    bring_slope();
+    return start_stage(slope_at_ == SlopeAt::start && plan_->stages() > 1 ? 1 : 0);
+}
+
+/// The last stage's slope into slot 0, by name only.
+void StageMethod::bring_slope() noexcept {
+    if (slope_at_ != SlopeAt::last) return;
+    std::swap(w_.slopes[0], w_.slopes[static_cast<std::size_t>(plan_->stage(plan_->stages() - 1).slope)]);
+    slope_at_ = SlopeAt::start;
+}
+
+void StageMethod::use(const engine::CompiledPlan& plan) noexcept {
+    bring_slope();
+    plan_ = &plan;
+}
+
+std::optional<engine::PlanStep> StageMethod::error_row() const noexcept {
+    if (!plan_->has_error()) return {};
+    return plan_->error();
+}
+
+/// The slope at the state, if it is known.
+void StageMethod::save(std::vector<double>& memory) const {
+    memory.clear();
+    if (slope_at_ == SlopeAt::nowhere) return;
+    const int slot = slope_at_ == SlopeAt::start ? 0 : plan_->stage(plan_->stages() - 1).slope;
+    const double* slope = w_.slopes[static_cast<std::size_t>(slot)];
+    memory.assign(slope, slope + w_.layout().size());
+}
+
+void StageMethod::load(std::span<const double> memory) {
+    if (memory.empty()) return;
+    const auto slope = taken(memory, static_cast<std::size_t>(w_.layout().size()));
+    std::copy(slope.begin(), slope.end(), w_.slopes[0]);
+    slope_at_ = SlopeAt::start;
+}
+
+int StageMethod::start_stage(int stage) {
+    stage_ = stage;
+    w_.evaluate_end = false;
+    w_.row = plan_->stage(stage);
+    w_.slope_out = w_.slopes[static_cast<std::size_t>(w_.row.slope)];
+    const model::ChainLayout& at = w_.layout();
+    engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.tail.data());
+    if (w_.row.keep >= 0) std::copy(w_.tail.begin(), w_.tail.end(), w_.states[static_cast<std::size_t>(w_.row.keep)] + at.pulley_begin());
+    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    return evaluate_cycle;
+}
+
+int StageMethod::next() {
+    close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.sheave_forces(), w_.slope_out);
+    if (stage_ + 1 < plan_->stages()) return start_stage(stage_ + 1);
+    w_.row = plan_->result();
+    slope_at_ = plan_->last_is_result() ? SlopeAt::last : SlopeAt::nowhere;
+    return done;
+}
+
+}  // namespace cvtflow::tasks

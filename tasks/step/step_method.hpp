@@ -1,0 +1,75 @@
+#pragma once
+/// How one step is taken. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides which
+/// cycles of the task graph lead from the start to the result.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/graph/task_graph.hpp"
+#include "tasks/step/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+class StepMethod {
+public:
+    /// What begin() and next() answer instead of a cycle.
+    static constexpr int done = -2;     ///< the step is taken: workspace.row combines its result from the slots
+    static constexpr int failed = -3;   ///< it could not be taken: see fault()
+
+    virtual ~StepMethod() = default;
+
+    /// Begins the step from workspace.states[0] at workspace.time over workspace.h: the first cycle to run.
+    [[nodiscard]] virtual int begin() = 0;
+    /// After every cycle that it has named: the next one, or done, or failed.
+    [[nodiscard]] virtual int next() = 0;
+
+    /// Adds the method's own cycles to a graph that is not frozen yet, numbered from method_cycles on. Bodies get the workspace as context
+    /// and find the method at workspace.method. Called again whenever segments change.
+    virtual void add_tasks(engine::TaskGraph& graph) { (void)graph; }
+
+    /// The workspace's segments have changed.
+    virtual void repartitioned() {}
+
+    /// true: at a transition the step is taken again up to there, and the search for it uses positions and velocities at both ends only.
+    /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the end,
+    /// so slopes[0] must hold the slope at the start when the step is done.
+    [[nodiscard]] virtual bool retakes() const noexcept { return false; }
+    /// A run begins, or somebody has set the state: whatever is remembered is forgotten.
+    virtual void restart() noexcept {}
+    /// Tips have changed their phase since the last step.
+    virtual void transition() noexcept { restart(); }
+    /// The step just taken is not good enough; the next one begins where it began, phases and all, and is shorter.
+    virtual void rejected() noexcept {}
+
+    /// Row that combines the estimate of the local error from the slots once the step is done; nothing: the method makes none.
+    [[nodiscard]] virtual std::optional<engine::PlanStep> error_row() const noexcept { return {}; }
+    /// That estimate falls like the step to this power; 0 without an estimate.
+    [[nodiscard]] virtual int error_power() const noexcept { return 0; }
+    /// Longest step that the method can take now, at most `wanted` [s]. Asked before a step whose length is free.
+    [[nodiscard]] virtual double longest_step(double wanted) { return wanted; }
+
+    /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after restart()
+    /// goes on bit for bit where save() was called. Nothing for methods without memory.
+    virtual void save(std::vector<double>& memory) const { memory.clear(); }
+    virtual void load(std::span<const double> memory) { (void)memory; }
+    /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a leapfrog, whose
+    /// step costs as much as five evaluations.
+    [[nodiscard]] virtual long observation_stride() const noexcept { return 24; }
+    /// Why a step failed.
+    [[nodiscard]] virtual Fault fault() const noexcept { return {}; }
+    /// What the method has done since it was made, one line for the summary of a run; empty: nothing to say.
+    [[nodiscard]] virtual std::string report() const { return {}; }
+
+protected:
+    StepMethod() = default;
+    StepMethod(const StepMethod&) = default;
+    StepMethod& operator=(const StepMethod&) = default;
+};
+
+/// Ends an evaluation of the right-hand side whose links are done: slope of everything behind the links, and counts it.
+/// @param tail state behind the links   @param slope whole slope vector
+void close_evaluation(Workspace& workspace, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept;
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,144 @@
+#include "tasks/step/workspace.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "model/basis/portable_math.hpp"
+#include "tasks/step/step_method.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+model::PhaseRule rule_of(const model::Parameters& p) {
+    model::PhaseRule rule;
+    rule.saturation_speed = p.tip.friction.saturation_speed;
+    rule.stick_slip = p.detail.stick_slip;
+    return rule;
+}
+
+}  // namespace
+
+Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
+    : parameters(p), variator(p), plan(stage_plan), rule(rule_of(p)), stages(model::staged_functions(variator.chain(), p.ledger)),
+      staged(variator.layout()) {
+    const std::size_t size = static_cast<std::size_t>(layout().size());
+    const std::size_t stride = (size + 7) / 8 * 8;   // every slot begins on a cache line of its own
+    const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 4;
+    memory_.assign(arrays * stride, 0.0);
+    double* next = memory_.data();
+    const auto take = [&] { return std::exchange(next, next + stride); };
+    for (int slot = 0; slot < plan.state_slots(); ++slot) states.push_back(take());
+    for (int slot = 0; slot < plan.slope_slots(); ++slot) slopes.push_back(take());
+    end_state = take();
+    end_slope = take();
+    cut_state = take();
+    stage_state = take();
+
+    const std::size_t links = static_cast<std::size_t>(layout().links);
+    touching.resize(links);
+    loads.resize(links);
+    sums.resize(static_cast<std::size_t>(variator.sums()));
+    split_sums.reserve(sums.size());
+    link_errors.resize(links);
+    error_scale.velocity = p.tip.friction.saturation_speed;
+    accounts.resize(model::account_parts * links);
+    phases.assign(model::tips_per_link * links, model::Phase::free);
+    before.assign(phases.size(), {});
+    after.assign(phases.size(), {});
+    probes.assign(phases.size() / model::tips_per_link, {});
+    changed.assign(phases.size(), -1e300);
+    repartition(std::move(parts));
+    tail.resize(static_cast<std::size_t>(tail_size()));
+}
+
+void Workspace::adopt(const model::Parameters& other) {
+    variator.adopt(parameters, other);
+    parameters = other;
+    rule = rule_of(other);
+    phases.assign(phases.size(), model::Phase::free);
+    before.assign(before.size(), {});
+    changed.assign(changed.size(), -1e300);
+}
+
+void Workspace::repartition(Partition parts) {
+    partition = std::move(parts);
+    verdicts.resize(static_cast<std::size_t>(partition.size()));
+    windows.resize(static_cast<std::size_t>(partition.size()));
+    for (int s = 0; s < partition.size(); ++s) windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
+    split_sums.clear();
+    for (int s = 1; s < partition.size(); ++s) {
+        const int group = partition[s].first / model::links_per_sum;
+        const bool splits = partition[s].first % model::links_per_sum != 0;
+        if (splits && (split_sums.empty() || split_sums.back() != group)) split_sums.push_back(group);
+    }
+    if (method != nullptr) method->repartitioned();
+}
+
+void Workspace::add_up(const Segment& own) noexcept {
+    constexpr int size = model::links_per_sum;
+    const int last = own.last == layout().links ? variator.sums() : own.last / size;
+    for (int group = (own.first + size - 1) / size; group < last; ++group) {
+        variator.add_up(group, phases.data(), loads.data(), sums[static_cast<std::size_t>(group)]);
+    }
+}
+
+model::SheaveForces Workspace::sheave_forces() noexcept {
+    if (layout().pulley_size == 0) return {};
+    if (staged_states) return variator.sheave_forces(phases.data(), loads.data());
+    for (const int group : split_sums) variator.add_up(group, phases.data(), loads.data(), sums[static_cast<std::size_t>(group)]);
+    return variator.sheave_forces(sums.data());
+}
+
+model::Account Workspace::observed_links() const noexcept {
+    model::Account total;
+    for (const model::Account& account : accounts) {
+        for (std::size_t kind = 0; kind < model::loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
+        for (std::size_t kind = 0; kind < model::energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
+    }
+    return total;
+}
+
+model::Account Workspace::observed_pulleys() const noexcept {
+    model::Account total;
+    if (layout().pulley_size != 0) variator.pulleys().account(states[0] + layout().pulley_begin(), total);
+    return total;
+}
+
+double Workspace::pin_period() const noexcept {
+    double speed = 0.0;
+    for (int link = 0; link < layout().links; ++link) {
+        const double* v = states[0] + layout().link_begin(link) + layout().link_size();
+        const double vx = v[layout().x(model::End::rear, 0)], vy = v[layout().y(model::End::rear, 0)];
+        speed += std::sqrt(vx * vx + vy * vy);
+    }
+    return speed > 0.0 ? model::chain_length(parameters.chain) / speed : 0.0;   // mean pitch over mean speed
+}
+
+std::array<double, 2> Workspace::shaft_momentum() const noexcept {
+    if (layout().pulley_size == 0) return {};
+    const double* block = states[0] + layout().pulley_begin();
+    return {variator.pulleys().momentum(block, 0), variator.pulleys().momentum(block, 1)};
+}
+
+std::size_t Workspace::bytes() const noexcept {
+    const auto of = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
+    std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + tail.size();
+    for (const auto& window : windows) doubles += window.size();
+    return doubles * sizeof(double) + of(loads) + of(sums) + of(accounts) + of(phases) + of(before) + of(after) + of(probes) + of(changed) + of(verdicts) + sizeof(*this);
+}
+
+void Workspace::list_touching() noexcept {
+    touching_count = 0;
+    for (int link = 0; link < layout().links; ++link) {
+        const model::Phase* tips = phases.data() + model::tips_per_link * link;
+        const bool any = tips[0] != model::Phase::free || tips[1] != model::Phase::free || tips[2] != model::Phase::free || tips[3] != model::Phase::free;
+        if (any) touching[static_cast<std::size_t>(touching_count++)] = link;
+    }
+}
+
+model::StagedChain Workspace::staged_chain() noexcept {
+    return {stage_state, sheaves, phases.data(), slope_out, loads.data(), &staged, layout().ledger ? accounts.data() : nullptr};
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,79 @@
+#include "tasks/study/method_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "engine/method/catalogue.hpp"
+#include "tasks/method/method_choice.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+engine::StagePlan plan_of(const std::string& method) {
+    auto plan = plan_for(method);
+    if (!plan) throw std::invalid_argument("there is no method '" + method + "'");
+    return std::move(*plan);
+}
+
+engine::TaskGraph graph_of(Workspace& workspace, StepMethod& method, const AssemblyOptions& assembly) {
+    workspace.method = &method;
+    workspace.staged_states = assembly.kind == Assembly::staged;
+    return step_graph(workspace, assembly);
+}
+
+}  // namespace
+
+MethodRun::MethodRun(const model::Parameters& parameters, const std::string& method, const Schedule& schedule)
+    : workspace_(std::make_unique<Workspace>(parameters, plan_of(method), Partition::equal(parameters.chain.pins, schedule.segments))),
+      method_(make_step_method(method, *workspace_)), graph_(graph_of(*workspace_, *method_, schedule.assembly)), executor_(make_executor(schedule)),
+      name_(method) {}
+
+MethodRun::~MethodRun() = default;
+
+Fault MethodRun::run(const FrozenStart& start, double duration, double step, double output_interval, RunObserver& observer, const engine::Cancellation& cancel) {
+    std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
+    workspace_->phases = start.phases;
+    std::fill(workspace_->changed.begin(), workspace_->changed.end(), -1e300);   // never yet
+    method_->restart();
+    if (step == 0.0 && choice_ == nullptr) choice_ = std::make_unique<AutoStep>(workspace_->variator, name_);
+    StepSettings settings{start.time, start.time + duration, step, output_interval, 0, 0.0};
+    if (step == 0.0) settings.choice = choice_.get();
+    StepController controller(*workspace_, *method_, settings, observer, cancel);
+    executor_->run(graph_, workspace_.get(), controller);
+    counters_ = controller.counters();
+    step_ = controller.step();
+    controller.rethrow();
+    return controller.fault();
+}
+
+namespace {
+
+/// The state a step later; nothing if a transition came in between or the step failed.
+std::vector<double> one_step(MethodRun& method, const FrozenStart& start, double h, long steps) {
+    SilentObserver nobody;
+    const engine::Cancellation never;
+    const Fault fault = method.run(start, h, h / static_cast<double>(steps), h, nobody, never);
+    if (fault || method.counters().detected > 0) return {};
+    const double* state = method.workspace().states[0];
+    return {state, state + start.state.size()};
+}
+
+}  // namespace
+
+std::vector<LocalError> local_errors(const model::Parameters& parameters, const std::string& method, const FrozenStart& start, std::span<const double> steps) {
+    const model::Variator variator(parameters);
+    if (find_program(method) == nullptr) return local_errors(variator, plan_of(method), start, steps);
+    MethodRun coarse(parameters, method), fine(parameters, "rk4");
+    std::vector<LocalError> errors;
+    for (const double h : steps) {
+        const std::vector<double> is = one_step(coarse, start, h, 1), should = one_step(fine, start, h, reference_steps(h, 32));
+        constexpr double none = std::numeric_limits<double>::quiet_NaN();
+        errors.push_back(is.empty() || should.empty() ? LocalError{h, none, none, none, none} : error_of(variator, start, h, is, should));
+    }
+    return errors;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,53 @@
+#pragma once
+/// Any method by its name, from any state: what methods are compared with.
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tasks/method/auto_step.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/schedule/schedule.hpp"
+#include "tasks/step/control/step_controller.hpp"
+#include "tasks/study/stability/frozen_step.hpp"
+
+namespace cvtflow::tasks {
+
+/// A run with transitions, as `cvtflow run` would do it, from a state in memory. Unlike a Simulation it can begin again.
+class MethodRun {
+public:
+    /// @throws std::invalid_argument for an unknown method, or one that cannot be used with the scene
+    MethodRun(const model::Parameters& parameters, const std::string& method, const Schedule& schedule = {});
+    ~MethodRun();
+    MethodRun(const MethodRun&) = delete;
+    MethodRun& operator=(const MethodRun&) = delete;
+
+    /// From `start` over `duration`, which should be a multiple of the output interval; that, of the step.
+    /// @param step 0: automatic (AutoStep) [s]
+    [[nodiscard]] Fault run(const FrozenStart& start, double duration, double step, double output_interval, RunObserver& observer,
+                            const engine::Cancellation& cancel);
+    /// Of the last run.
+    [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+    /// Step in use at the end of the last run [s].
+    [[nodiscard]] double step() const noexcept { return step_; }
+    [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
+
+private:
+    std::unique_ptr<Workspace> workspace_;
+    std::unique_ptr<StepMethod> method_;
+    engine::TaskGraph graph_;
+    std::unique_ptr<engine::Executor> executor_;
+    Counters counters_;
+    double step_ = 0.0;
+    std::unique_ptr<AutoStep> choice_;   ///< once an automatic step has been asked for
+    std::string name_;
+};
+
+/// As local_errors(), for any method. A table of stages takes its step with phases held. A program takes it as it does in a run, and so does the
+/// reference then; across a transition no method has its order, so a step within which one happens is left out: its errors are NaN, as
+/// are those of a step that failed.
+[[nodiscard]] std::vector<LocalError> local_errors(const model::Parameters& parameters, const std::string& method, const FrozenStart& start,
+                                                   std::span<const double> steps);
+
+}  // namespace cvtflow::tasks

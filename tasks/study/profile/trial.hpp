@@ -1,0 +1,38 @@
+#pragma once
+/// One schedule at work on its own copy of a scene's start.
+
+#include <cstdint>
+
+#include "tasks/run/simulation.hpp"
+
+namespace cvtflow::tasks {
+
+/// What so many steps took.
+struct TrialSample {
+    double wall = 0.0;   ///< [s]
+    double cpu = 0.0;    ///< processor time of the whole process, all threads [s]
+    long steps = 0;
+    long evaluations = 0;
+
+    [[nodiscard]] double per_step() const noexcept { return wall / static_cast<double>(steps); }
+};
+
+class Trial {
+public:
+    /// @throws as Simulation
+    Trial(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
+
+    /// Goes on for so many steps, or fewer if they take longer than `patience` [s]; that is looked at once per output interval.
+    /// @throws SimulationError if the simulation ends by itself: there is nothing to measure then
+    TrialSample run(long steps, double patience = 3600.0);
+
+    [[nodiscard]] const Simulation& simulation() const noexcept { return simulation_; }
+
+private:
+    Simulation simulation_;
+};
+
+/// Steps that fit into `seconds` at `per_step`; 1 to 100 000.
+[[nodiscard]] long steps_within(double seconds, double per_step) noexcept;
+
+}  // namespace cvtflow::tasks

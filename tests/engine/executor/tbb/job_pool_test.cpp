@@ -1,0 +1,71 @@
+#include "engine/executor/tbb/job_pool.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+namespace cvtflow::engine {
+namespace {
+
+TEST(JobPool, RunsEveryJobOnceForAnyNumberOfThreads) {
+    for (const int threads : {1, 2, 5}) {
+        std::vector<std::atomic<int>> runs(200);
+        long next = 0;
+        JobPool({threads, false}).run([&](int) { return next < 200 ? next++ : -1L; }, [&](int worker, long job) {
+            EXPECT_TRUE(worker >= 0 && worker < threads);
+            ++runs[static_cast<std::size_t>(job)];
+        });
+        for (const auto& count : runs) EXPECT_EQ(count.load(), 1);
+    }
+}
+
+TEST(JobPool, EndsWithWhatAJobThrows) {
+    long next = 0;
+    const auto run = [&] { JobPool({2, false}).run([&](int) { return next < 1000 ? next++ : -1L; }, [](int, long job) { if (job == 3) throw std::runtime_error("job 3"); }); };
+    EXPECT_THROW(run(), std::runtime_error);
+    EXPECT_LT(next, 1000);
+}
+
+TEST(WriterThread, WritesEveryRowInOrderThoughFewMayWait) {
+    std::vector<int> written;
+    WriterThread writer(2, sizeof(int), [&](std::span<const std::byte> row) {
+        int value = 0;
+        std::memcpy(&value, row.data(), sizeof value);
+        written.push_back(value);
+    });
+    for (int i = 0; i < 100; ++i) writer.post(std::as_bytes(std::span(&i, 1)));
+    writer.finish();
+    ASSERT_EQ(written.size(), 100u);
+    for (int i = 0; i < 100; ++i) EXPECT_EQ(written[static_cast<std::size_t>(i)], i);
+}
+
+TEST(WriterThread, HandsItsErrorToWhoeverPostsOrFinishes) {
+    WriterThread writer(2, 1, [](std::span<const std::byte>) { throw std::runtime_error("full"); });
+    const std::byte row{};
+    EXPECT_THROW(
+        {
+            for (int i = 0; i < 10; ++i) writer.post({&row, 1});
+        },
+        std::runtime_error);
+    EXPECT_THROW(writer.finish(), std::runtime_error);
+}
+
+TEST(OnceEach, IsMadeByOneWhileOthersWait) {
+    OnceEach once;
+    std::atomic<int> makers{0};
+    long next = 0;
+    JobPool({4, false}).run([&](int) { return next < 40 ? next++ : -1L; }, [&](int, long job) {
+        const auto key = static_cast<std::uint64_t>(job % 3);
+        if (!once.claim(key)) return;
+        ++makers;
+        once.made(key);
+    });
+    EXPECT_EQ(makers.load(), 3);
+}
+
+}  // namespace
+}  // namespace cvtflow::engine

@@ -1,0 +1,58 @@
+#include "engine/record/hdf5/hdf5_trial.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <new>
+#include <thread>
+#include <vector>
+
+#include "tests/engine/record/record_fixture.hpp"
+
+namespace cvtflow::engine::hdf5 {
+namespace {
+
+std::string verdict(const std::function<void()>& look) {
+    try {
+        survive(look);
+    } catch (const Failure& failure) {
+        return failure.what();
+    }
+    return "survived";
+}
+
+/// In a child, since trials cannot be asked off again. @return what is said of each look, in one line
+std::string verdicts(const std::string& file, const std::vector<std::function<void()>>& looks, bool second_thread = false) {
+    EXPECT_EQ(wait_for(start_child([&] {
+        try_files_first();
+        std::jthread other([&](const std::stop_token& stop) { while (second_thread && !stop.stop_requested()) usleep(1000); });
+        if (!second_thread) other.join();
+        std::ofstream out(file);
+        for (const auto& look : looks) out << verdict(look) << "; ";
+        out.flush();
+    })), 0);
+    return read_text_file(file);
+}
+
+using Hdf5TrialTest = RecordTest;
+
+TEST_F(Hdf5TrialTest, TellsWhatBecameOfTheChild) {
+    const auto begun = std::chrono::steady_clock::now();
+    EXPECT_EQ(verdicts(path("out"), {[] {}, [] { throw std::runtime_error("for the parent to say"); }, [] { std::raise(SIGSEGV); }, [] { while (getpid() != 0) {} }, [] { throw std::bad_alloc(); }}),
+              "survived; survived; HDF5 crashes on it; it takes HDF5 too long; HDF5 wants more than 1 GiB for it; ");
+    EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(990));   // of processor time
+}
+
+TEST_F(Hdf5TrialTest, IsNotHeldBesideOtherThreads) {
+    EXPECT_EQ(verdicts(path("out"), {[] { std::raise(SIGSEGV); }}, true), "survived; ");
+}
+
+TEST_F(Hdf5TrialTest, IsNotHeldUnlessAProgramAskedForIt) {
+    EXPECT_EQ(verdict([] { std::raise(SIGSEGV); }), "survived");
+}
+
+}  // namespace
+}  // namespace cvtflow::engine::hdf5

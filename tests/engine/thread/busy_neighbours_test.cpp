@@ -1,0 +1,28 @@
+#include "engine/thread/busy_neighbours.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/engine/executor/executor_fixture.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+TEST(BusyNeighbours, BurnTimeAndLeave) {
+    const int before = test::thread_count();
+    {
+        const BusyNeighbours two(2);
+        EXPECT_EQ(test::thread_count(), before + 2);
+        while (two.processor_seconds() < 0.005) {}
+    }
+    EXPECT_EQ(test::thread_count(), before);
+    const BusyNeighbours none(0);
+    EXPECT_EQ(none.processor_seconds(), 0.0);
+}
+
+TEST(BusyNeighbours, BareBarrierTakesTime) {
+    EXPECT_GT(bare_barrier_cycle(1, 0.001), 0.0);
+    EXPECT_GT(bare_barrier_cycle(2, 0.001), 0.0);
+}
+
+}  // namespace
+}  // namespace cvtflow::engine

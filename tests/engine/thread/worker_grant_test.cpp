@@ -1,0 +1,45 @@
+#include "engine/thread/worker_grant.hpp"
+
+#include <gtest/gtest.h>
+
+#include "engine/thread/worker_threads.hpp"
+#include "tests/engine/executor/executor_fixture.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+TEST(WorkerGrant, TriesThreadsAndLetsThemGo) {
+    const int before = test::thread_count();
+    EXPECT_EQ(startable_threads(5), 5);
+    EXPECT_EQ(startable_threads(0), 0);
+    EXPECT_EQ(startable_threads(-1), 0);
+    EXPECT_EQ(test::thread_count(), before);
+}
+
+TEST(WorkerGrant, GivesWhatIsWantedWhereThereIsNoShortageAndTriesOnlyWhatIsNew) {
+    forget_workers();
+    {
+        const WorkerGrant first(3), second(2);   // side by side: three workers in all
+        EXPECT_EQ(first.threads(), 3);
+        EXPECT_EQ(second.threads(), 2);
+        EXPECT_TRUE(first.fresh());
+        EXPECT_TRUE(second.fresh());
+    }
+    EXPECT_FALSE(WorkerGrant(4).fresh());
+    EXPECT_TRUE(WorkerGrant(5).fresh());
+    EXPECT_EQ(team_grant(4), 4);
+    EXPECT_EQ(thread_shortage().wanted, 0);
+}
+
+TEST(ThreadShortage, KeepsTheLargerOne) {
+    ThreadShortage shortage;
+    shortage.note(4, 2);
+    shortage.note(2, 1);
+    EXPECT_EQ(shortage.wanted, 4);
+    EXPECT_EQ(shortage.had, 2);
+    shortage.note(8, 1);
+    EXPECT_EQ(shortage.wanted, 8);
+}
+
+}  // namespace
+}  // namespace cvtflow::engine

@@ -1,0 +1,76 @@
+#include "tasks/run/channels.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "tests/claims/rig_fixture.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+/// Reads a channel into memory with a guard behind its width.
+std::vector<double> read(const Channel& channel, const Instant& now) {
+    constexpr double guard = 1.23456789e300;
+    const std::size_t width = static_cast<std::size_t>(channel.width(now.workspace.layout()));
+    std::vector<double> values(width + 1, std::nan(""));
+    values.back() = guard;
+    channel.read(now, values.data());
+    EXPECT_EQ(values.back(), guard) << channel.name << " writes beyond its width";
+    values.pop_back();
+    return values;
+}
+
+void expect_finite(claims::Rig& rig, bool pulleys) {
+    model::Observer observer(rig.variator());
+    const model::Observation& observation = observer.observe(rig.time(), rig.state(), rig.phases().data());
+    const int last_pin = rig.variator().layout().links - 1;
+    for (const int pin : {0, last_pin}) {
+        const Instant now{observation, rig.workspace(), rig.counters(), pin};
+        for (const Channel& channel : channels()) {
+            if (channel.needs_pulleys && !pulleys) continue;
+            const std::vector<double> values = read(channel, now);
+            EXPECT_FALSE(values.empty()) << channel.name;
+            for (const double value : values) EXPECT_TRUE(std::isfinite(value)) << channel.name;
+        }
+    }
+}
+
+TEST(Channels, AllAreFiniteAndOfTheirWidthOnAVariator) {
+    claims::Rig rig(tiny_parameters());
+    ASSERT_FALSE(rig.run({-10e-3, -9e-3, 5e-8, 1e-4}));
+    expect_finite(rig, true);
+}
+
+TEST(Channels, AllAreFiniteAndOfTheirWidthOnAFreeRing) {
+    model::Parameters p = tiny_parameters();
+    p.detail.pulleys = model::PulleyDetail::absent;
+    p.start.layout = model::StartLayout::ring;
+    claims::Rig rig(p);
+    ASSERT_FALSE(rig.run({0.0, 1e-5, 5e-8, 1e-5}));
+    expect_finite(rig, false);
+}
+
+TEST(Channels, HaveNamesOfTheirOwnUnitsAndDescriptions) {
+    std::set<std::string> names;
+    for (const Channel& channel : channels()) {
+        EXPECT_TRUE(names.emplace(channel.name).second) << channel.name;
+        EXPECT_FALSE(channel.unit.empty()) << channel.name;
+        EXPECT_FALSE(channel.description.empty()) << channel.name;
+        EXPECT_EQ(channel.width(model::layout_of(tiny_parameters())) > 1, !channel.axis.empty()) << channel.name;
+    }
+}
+
+TEST(Channels, ThereIsOneForEveryLossEnergyAndWork) {
+    std::set<std::string> names;
+    for (const Channel& channel : channels()) names.emplace(channel.name);
+    for (int kind = 0; kind < model::loss_kinds; ++kind) EXPECT_TRUE(names.contains("loss/" + std::string(loss_name(kind))));
+    for (int kind = 0; kind < model::energy_kinds; ++kind) EXPECT_TRUE(names.contains("energy/" + std::string(energy_name(kind))));
+    for (int kind = 0; kind < model::work_kinds; ++kind) EXPECT_TRUE(names.contains("power/" + std::string(work_name(kind))));
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

@@ -1,0 +1,219 @@
+#include "tasks/run/simulation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <unistd.h>
+
+#include "engine/graph/race_check.hpp"
+#include "engine/method/catalogue.hpp"
+#include "engine/record/run/state_file.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+SilentObserver silent;
+const engine::Cancellation uncancelled;
+
+Scene tiny_scene() {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+    scene.parameters.start.settling_time = 5e-4;
+    scene.parameters.start.ramp_time = 5e-4;
+    scene.run.until = 1e-4;
+    scene.run.step = 5e-8;
+    return scene;
+}
+
+Fault settle_and_run(Simulation& simulation, double until) {
+    if (const Fault fault = simulation.settle(silent, uncancelled)) return fault;
+    return simulation.run(until, silent, uncancelled);
+}
+
+std::vector<double> slope_of(const Simulation& simulation, double t) {
+    model::EvaluationScratch scratch(simulation.variator().layout());
+    std::vector<double> slope(static_cast<std::size_t>(simulation.variator().layout().size()));
+    model::right_hand_side(simulation.variator(), t, simulation.state(), simulation.phases().data(), slope.data(), scratch);
+    return slope;
+}
+
+TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
+    std::uint64_t expected = 0;
+    for (const AutoNumber step : {AutoNumber(5e-8), AutoNumber()}) {   // automatic steps are long here: tips come and go within one
+        for (const bool stick_slip : {false, true}) {
+            for (const int segments : {1, 2, 3, 5, 7, 14, 24}) {
+                Scene scene = tiny_scene();
+                scene.run.segments = segments;
+                scene.run.step = step;
+                scene.parameters.detail.stick_slip = stick_slip;
+                scene.parameters.ledger = stick_slip;
+                Simulation simulation(scene);
+                ASSERT_FALSE(settle_and_run(simulation, 1e-5));
+                if (segments == 1) expected = simulation.hash();
+                EXPECT_EQ(simulation.hash(), expected) << segments << " segments, step " << step;
+            }
+        }
+    }
+}
+
+TEST(Simulation, GoesThroughTransitionsInTheseRuns) {
+    Simulation simulation(tiny_scene());
+    ASSERT_FALSE(simulation.settle(silent, uncancelled));
+    EXPECT_GT(simulation.counters().detected, 100);
+    EXPECT_GT(simulation.counters().truncated, 50);
+}
+
+TEST(Simulation, AnyNumberMayLiveSideBySide) {
+    Simulation alone(tiny_scene());
+    ASSERT_FALSE(settle_and_run(alone, 1e-5));
+    Scene other = tiny_scene();
+    other.parameters.detail.order = 2;
+    other.run.segments = 3;
+    Simulation first(tiny_scene()), second(other);
+    for (int part = 0; part < 2; ++part) {   // by turns
+        ASSERT_FALSE(part == 0 ? first.settle(silent, uncancelled) : first.run(1e-5, silent, uncancelled));
+        ASSERT_FALSE(part == 0 ? second.settle(silent, uncancelled) : second.run(1e-5, silent, uncancelled));
+    }
+    EXPECT_EQ(first.hash(), alone.hash());
+    EXPECT_NE(second.hash(), alone.hash());
+}
+
+TEST(Simulation, RunsInOneGoAsInPieces) {
+    Simulation whole(tiny_scene()), pieces(tiny_scene());
+    ASSERT_FALSE(settle_and_run(whole, 4e-5));
+    ASSERT_FALSE(settle_and_run(pieces, 2e-5));
+    ASSERT_FALSE(pieces.run(4e-5, silent, uncancelled));
+    EXPECT_DOUBLE_EQ(pieces.time(), whole.time());
+    // Times of steps may differ in their last digit.
+    for (int k = 0; k < whole.variator().layout().size(); ++k) EXPECT_NEAR(pieces.state()[k], whole.state()[k], 1e-7 + 1e-7 * std::abs(whole.state()[k]));
+}
+
+/// A state file that is gone with the test.
+class StateFile {
+public:
+    explicit StateFile(const Simulation& simulation) : path_(std::filesystem::temp_directory_path() / ("cvtflow_simulation_test_" + std::to_string(::getpid()) + ".h5")) {
+        engine::write_state(path_.string(), simulation.saved_state());
+    }
+    ~StateFile() { std::filesystem::remove(path_); }
+    StateFile(const StateFile&) = delete;
+    StateFile& operator=(const StateFile&) = delete;
+    [[nodiscard]] std::string path() const { return path_.string(); }
+
+private:
+    std::filesystem::path path_;
+};
+
+TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
+    for (const double saved_at : {0.0, 2e-5}) {
+        for (const bool everything : {false, true}) {
+            Scene scene = tiny_scene();
+            scene.parameters.control.enabled = everything;
+            scene.parameters.ledger = everything;
+            scene.parameters.detail.stick_slip = everything;
+            Simulation simulation(scene);
+            ASSERT_FALSE(settle_and_run(simulation, saved_at));
+            const StateFile file(simulation);
+            scene.state_file = file.path();
+            Simulation continued(scene);
+            EXPECT_FALSE(continued.needs_settling());
+            EXPECT_TRUE(continued.start_differences().empty());
+            EXPECT_EQ(continued.time(), simulation.time());
+            EXPECT_EQ(continued.hash(), simulation.hash());
+            EXPECT_EQ(slope_of(continued, continued.time()), slope_of(simulation, simulation.time()));
+            ASSERT_FALSE(continued.run(saved_at + 1e-5, silent, uncancelled));
+            ASSERT_FALSE(simulation.run(saved_at + 1e-5, silent, uncancelled));
+            EXPECT_EQ(continued.hash(), simulation.hash());
+        }
+    }
+}
+
+TEST(Simulation, TakesASavedStateWithOrWithoutControlAndLedger) {
+    for (const bool had : {false, true}) {
+        Scene scene = tiny_scene();
+        scene.parameters.control.enabled = had;
+        scene.parameters.ledger = had;
+        Simulation simulation(scene);
+        ASSERT_FALSE(simulation.settle(silent, uncancelled));
+        const StateFile file(simulation);
+        scene.state_file = file.path();
+        scene.parameters.control.enabled = !had;
+        scene.parameters.ledger = !had;
+        Simulation other(scene);
+        const model::ChainLayout& at = other.variator().layout();
+        EXPECT_EQ(std::vector<double>(other.state(), other.state() + at.control_begin()), std::vector<double>(simulation.state(), simulation.state() + at.control_begin()));
+        for (int k = at.control_begin(); k < at.size(); ++k) EXPECT_EQ(other.state()[k], 0.0);
+    }
+}
+
+TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
+    for (const bool had : {false, true}) {
+        Scene scene = tiny_scene();
+        scene.parameters.detail.stick_slip = had;
+        Simulation simulation(scene);
+        ASSERT_FALSE(simulation.settle(silent, uncancelled));
+        const StateFile file(simulation);
+        scene.state_file = file.path();
+        scene.parameters.detail.stick_slip = !had;
+        Simulation other(scene);
+        ASSERT_FALSE(other.run(1e-6, silent, uncancelled));
+        int touching = 0, stick_or_slip = 0;
+        for (const model::Phase phase : other.phases()) {
+            touching += phase == model::Phase::touching ? 1 : 0;
+            stick_or_slip += phase == model::Phase::stick || phase == model::Phase::slip ? 1 : 0;
+        }
+        EXPECT_GT(had ? touching : stick_or_slip, 20);
+        EXPECT_EQ(had ? stick_or_slip : touching, 0);
+    }
+}
+
+TEST(Simulation, SaysWhatDiffersFromTheSceneThatWasSettledAndRefusesAnotherDetail) {
+    Scene scene = tiny_scene();
+    Simulation simulation(scene);
+    const StateFile file(simulation);
+    scene.state_file = file.path();
+    scene.parameters.tip.hertz *= 2.0;
+    EXPECT_EQ(Simulation(scene).start_differences().size(), 1u);
+    scene.parameters.detail.order = 2;
+    EXPECT_THROW(Simulation{scene}, SimulationError);
+}
+
+TEST(Simulation, RefusesAnUnknownMethod) {
+    Scene scene = tiny_scene();
+    scene.run.method = "rk17";
+    EXPECT_THROW(Simulation{scene}, SimulationError);
+}
+
+bool declares(const engine::Task& task, Field field, bool write) {
+    for (const engine::Access& access : task.accesses) {
+        if (access.field == static_cast<int>(field) && access.write == write) return true;
+    }
+    return false;
+}
+
+TEST(FusedGraph, HasNoRacesForAnyNumberOfSegments) {
+    for (const int segments : {1, 2, 3, 5, 7, 14, 24}) {
+        const Workspace workspace(tiny_scene().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, segments));
+        const engine::TaskGraph graph = step_graph(workspace, {});
+        EXPECT_TRUE(engine::race_check(graph).empty()) << segments;
+        EXPECT_EQ(graph.size(), method_cycles * segments);
+        EXPECT_EQ(graph.cycles(), method_cycles);
+        for (int cycle = 0; cycle < method_cycles; ++cycle) EXPECT_EQ(graph.levels(cycle), 1) << "one synchronisation per cycle";
+    }
+}
+
+TEST(FusedGraph, EveryTaskDeclaresWhatItsCycleWrites) {
+    const Workspace workspace(tiny_scene().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, 5));
+    const engine::TaskGraph graph = step_graph(workspace, {});
+    const std::vector<Field> written[] = {{Field::slope_written, Field::state_kept, Field::load, Field::account, Field::window},
+                                          {Field::end_state, Field::after, Field::verdict},
+                                          {Field::verdict},
+                                          {Field::cut_state, Field::after, Field::phase, Field::verdict},
+                                          {Field::cut_state, Field::load, Field::account, Field::window}};
+    for (int task = 0; task < graph.size(); ++task) {
+        const engine::Task& one = graph.task(task);
+        for (const Field field : written[one.cycle]) EXPECT_TRUE(declares(one, field, true)) << one.name << ", field " << static_cast<int>(field);
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

@@ -1,0 +1,198 @@
+/// Runs whose schedule changes on the way.
+
+#include "tasks/schedule/schedule_runner.hpp"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+#include "tasks/method/method_choice.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/schedule/auto_schedule.hpp"
+#include "tests/engine/allocation_fixture.hpp"
+#include "tests/engine/executor/executor_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+/// From a settled state of full chain and medium detail, with transitions.
+Scene settled(const std::vector<std::string>& settings = {}) {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/shift.toml");
+    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=50 ns", "run.until=60 us", "run.output_interval=20 us", "run.state_interval=20 us", "clamping.driving=27.1 kN"});
+    set_values(scene, settings);
+    return scene;
+}
+
+/// A turn for each candidate every few steps, for ever.
+ChooserOptions restless() {
+    ChooserOptions options;
+    options.window = options.turn = 0.0;
+    options.regret = 1e9;
+    options.first_period = options.longest_period = 0.0;
+    return options;
+}
+
+/// What ThreadSanitizer understands.
+std::string parallel() { return engine::test::thread_sanitizer ? "barrier" : "flow"; }
+
+std::vector<Schedule> mixed() {
+    return {Schedule{},
+            {parallel(), {Assembly::fused}, 2, 2},
+            {parallel(), {Assembly::fused}, 9, 2, true},
+            {"barrier", {Assembly::staged}, 5, 2},
+            {"serial", {Assembly::staged}, 84, 1},
+            {parallel(), {Assembly::staged, false, false}, 3, 2, true}};
+}
+
+struct RunnerOutcome {
+    std::uint64_t hash;
+    Counters counters;
+    long rests, moves;
+};
+
+RunnerOutcome runner_outcome(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options) {
+    SilentObserver quiet;
+    const engine::Cancellation never;
+    Simulation simulation(scene, candidates, options);
+    EXPECT_FALSE(simulation.run(scene.run.until, quiet, never));
+    return {simulation.hash(), simulation.counters(), simulation.runner().rests(), simulation.runner().moves()};
+}
+
+TEST(ScheduleRunner, ChangingTheScheduleEveryFewStepsDoesNotChangeTheBits) {
+    for (const std::vector<std::string>& settings : {std::vector<std::string>{}, {"detail.stick_slip=true"}}) {
+        const Scene scene = settled(settings);
+        const RunnerOutcome serial = runner_outcome(scene, {Schedule{}}, {});
+        const RunnerOutcome changing = runner_outcome(scene, mixed(), restless());
+        EXPECT_GT(serial.counters.detected, 0) << "the run should cross transitions";
+        EXPECT_EQ(serial.rests, 0);
+        EXPECT_GT(changing.rests, serial.counters.steps / 12);   // every four to eight steps
+        EXPECT_EQ(changing.hash, serial.hash);
+        EXPECT_EQ(changing.counters, serial.counters);
+    }
+}
+
+TEST(ScheduleRunner, BordersFollowTheLinksThatTouch) {
+    // The chain moves a pitch in 0.7 ms. Most numbers of segments leave the longest no shorter with other borders within 0.3 ms; nine do.
+    Scene scene = settled({"run.until=300 us", "run.output_interval=100 us", "run.state_interval=100 us"});
+    const std::vector<Schedule> balanced{{parallel(), {Assembly::fused}, 9, 2, true}};
+    ChooserOptions options;
+    options.window = 0.0;
+    const RunnerOutcome moved = runner_outcome(scene, balanced, options);
+    EXPECT_GT(moved.moves, 0);
+    EXPECT_EQ(moved.hash, runner_outcome(scene, {Schedule{}}, {}).hash);
+}
+
+TEST(ScheduleRunner, NoMethodMindsOtherSegmentsBetweenItsSteps) {
+    for (const std::string& method : method_names()) {
+        Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+        scene.run.method = method;
+        scene.run.step = 1e-8;   // within every method's stability
+        SilentObserver quiet;
+        const engine::Cancellation never;
+        std::uint64_t expected = 0;
+        for (const std::vector<Schedule>& candidates : {std::vector{Schedule{}}, std::vector{Schedule{}, Schedule{"barrier", {Assembly::staged}, 5, 2}, Schedule{"serial", {Assembly::fused}, 24, 1}}}) {
+            Simulation simulation(scene, candidates, restless());
+            EXPECT_EQ(simulation.run_steps(30, quiet, never).kind, FaultKind::max_steps) << method;
+            if (candidates.size() == 1) expected = simulation.hash();
+            EXPECT_EQ(simulation.hash(), expected) << method;
+            EXPECT_EQ(simulation.runner().rests() > 0, candidates.size() > 1);
+        }
+    }
+}
+
+/// Counts allocations between outputs between which the run did not rest.
+class QuietAllocations final : public RunObserver {
+public:
+    void watch(const Simulation& simulation) { simulation_ = &simulation; }
+    void output(double, const Workspace&, const Counters&) override {
+        const long rests = simulation_->runner().rests(), now = engine::test::allocation_count();
+        if (outputs_ > 1 && rests == rests_) quiet_ += 1, allocations_ += now - before_;
+        ++outputs_;
+        rests_ = rests;
+        before_ = engine::test::allocation_count();
+    }
+    void transition(const TransitionRecord&) override {}
+    long quiet_ = 0, allocations_ = 0;
+
+private:
+    const Simulation* simulation_ = nullptr;
+    long outputs_ = 0, rests_ = 0, before_ = 0;
+};
+
+TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    Scene scene = settled({"run.until=150 us"});
+    scene.run.output_interval = 8.0 * scene.run.step;
+    ChooserOptions options = restless();
+    options.window = options.turn = 2e-3;   // some outputs
+    Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::staged}, 5, 2}}, options);
+    QuietAllocations counter;
+    counter.watch(simulation);
+    const engine::Cancellation never;
+    EXPECT_FALSE(simulation.run(scene.run.until, counter, never));
+    EXPECT_GT(simulation.runner().rests(), 3);
+    EXPECT_GT(counter.quiet_, 10);
+    EXPECT_EQ(counter.allocations_, 0);
+}
+
+TEST(ScheduleRunner, EndsWhenAskedWhileSchedulesChange) {
+    Scene scene = settled();
+    scene.run.max_steps = 50;
+    SilentObserver quiet;
+    const engine::Cancellation never;
+    Simulation simulation(scene, mixed(), restless());
+    EXPECT_EQ(simulation.run(1.0, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(simulation.counters().steps, 50);
+    engine::Cancellation at_once;
+    at_once.request();
+    EXPECT_EQ(simulation.run(1.0, quiet, at_once).kind, FaultKind::cancelled);
+}
+
+TEST(ScheduleRunner, SaysWhatItCameTo) {
+    const Scene scene = settled();
+    SilentObserver quiet;
+    const engine::Cancellation never;
+    Simulation brief(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, {});
+    EXPECT_EQ(brief.run_steps(3, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(brief.runner().text(), "serial (auto: no check finished, trials may cost 1 % of the time)");
+    EXPECT_EQ(Simulation(scene, Schedule{"barrier", {Assembly::staged}, 5, 2}).runner().text(), "barrier, staged, 5 segments, 2 threads");
+    ChooserOptions options = restless();
+    options.gain = options.edge = 1e9;   // nothing can bring that
+    Simulation longer(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, options);
+    EXPECT_EQ(longer.run_steps(200, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_THAT(longer.runner().text(), AllOf(StartsWith("serial (auto: "), HasSubstr(" us per cycle, barrier, fused, 2 segments, 2 threads "), HasSubstr("0 changes)")));
+}
+
+TEST(AutoSchedule, RespectsWhatTheSceneFixes) {
+    Scene scene = settled();
+    scene.run.threads = 1;
+    EXPECT_EQ(schedules_for(scene), std::vector<Schedule>{Schedule{}});
+    scene.run.threads = 2;
+    scene.run.segments = 6;
+    scene.run.assembly = Assembly::staged;
+    std::vector<Schedule> list = schedules_for(scene);
+    EXPECT_GE(list.size(), 2u);
+    EXPECT_EQ(list.front().executor, "serial");
+    EXPECT_TRUE(std::all_of(list.begin(), list.end(), [](const Schedule& each) { return each.segments == 6 && each.assembly.kind == Assembly::staged; }));
+    EXPECT_TRUE(std::all_of(list.begin() + 1, list.end(), [](const Schedule& each) { return each.executor == "flow" && each.threads == 2; }));
+    scene.run.schedule = "barrier";
+    EXPECT_EQ(schedules_for(scene), (std::vector<Schedule>{{"barrier", {Assembly::staged}, 6, 2}}));
+}
+
+TEST(AutoSchedule, TriesBothAssembliesBothPartitionsAndMoreSegmentsThanThreads) {
+    Scene scene = settled();
+    scene.run.threads = 2;
+    const std::vector<Schedule> list = schedules_for(scene);
+    const auto has = [&](auto which) { return std::any_of(list.begin(), list.end(), which); };
+    EXPECT_TRUE(has([](const Schedule& each) { return each.assembly.kind == Assembly::staged; }));
+    EXPECT_TRUE(has([](const Schedule& each) { return each.balanced; }));
+    EXPECT_TRUE(has([](const Schedule& each) { return each.segments == 4; }));
+    EXPECT_EQ(list.front(), Schedule{});
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

@@ -1,0 +1,89 @@
+#include "tasks/step/control/energy_ledger.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tasks/run/run_means.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+/// Samples of a chain that dissipates `power` [W] and whose energy changes at `rate` [W], for 4 ms.
+EnergyLedger sampled(double power, double rate) {
+    EnergyLedger ledger;
+    ledger.restart(1);
+    for (int k = 0; k <= 400; ++k) {
+        model::Account links;
+        links.lose(model::Loss::tip_friction, power);
+        links.store(model::Energy::plates, 1.0 + rate * 1e-5 * k);
+        ledger.sample(1e-5 * k, links, {}, 7e-4);
+    }
+    return ledger;
+}
+
+TEST(EnergyLedger, ClosesWhereWhatIsLostWasStored) {
+    const EnergyLedger honest = sampled(300.0, -300.0);
+    EXPECT_NEAR(honest.balance().loss, 300.0 * 4e-3, 1e-12);
+    EXPECT_NEAR(honest.balance().residual(), 0.0, 1e-12);
+    EXPECT_TRUE(honest.reliable());
+}
+
+TEST(EnergyLedger, CallsEnergyFromNowhereUnreliable) {
+    const EnergyLedger wrong = sampled(300.0, -297.0);   // a hundredth of what is lost comes from nowhere: ten times the tolerance
+    EXPECT_NEAR(wrong.balance().relative(), 0.01, 1e-9);
+    EXPECT_GT(wrong.suspicion(), 5.0);
+    EXPECT_FALSE(wrong.reliable());
+}
+
+TEST(EnergyLedger, GoesOnFromItsMemoryBitByBit) {
+    const EnergyLedger before = sampled(300.0, -297.0);
+    std::vector<double> memory, again;
+    before.save(memory);
+    EnergyLedger after;
+    after.load(memory, 1);
+    after.save(again);
+    EXPECT_EQ(memory, again);
+    EXPECT_EQ(after.suspicion(), before.suspicion());
+    memory.pop_back();
+    EXPECT_THROW(after.load(memory, 1), std::invalid_argument);
+}
+
+TEST(EnergySums, EfficiencyIsOneLessLossesOverWhatTheInputsBrought) {
+    EnergySums before, after;
+    after.loss[0] = 2.0;
+    after.work = {100.0, -98.0, 0.0};   // drive brings, load takes
+    EXPECT_DOUBLE_EQ(after.efficiency_since(before), 0.98);
+    EXPECT_TRUE(std::isnan(before.efficiency_since(before))) << "without input there is none";
+}
+
+TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
+    RunMeans means;
+    for (int k = 0; k <= 5000; ++k) {   // more outputs than bins: 100 ms of a chain that begins to slide
+        model::Observation now;
+        now.time = 2e-5 * k;
+        now.ratio = 1.0;
+        now.slip = k < 2500 ? 0.002 : 0.1;
+        now.slack = 100.0;
+        EnergySums sums;
+        sums.time = now.time;
+        sums.work[0] = 1e4 * now.time;
+        sums.loss[0] = 200.0 * now.time;
+        means.add(now, sums, 7e-4);
+    }
+    EXPECT_NEAR(means.all().slip, 0.051, 1e-4);
+    EXPECT_NEAR(means.last_fifth().slip, 0.1, 1e-14);   // rounding of a sum of a thousand
+    EXPECT_NEAR(means.all().efficiency, 0.98, 1e-9);
+    EXPECT_EQ(means.all().periods, std::floor(0.1 / 7e-4));
+    std::string names;
+    means.name_notes(names);
+    EXPECT_EQ(names, "gross_slip unsteady");
+    std::vector<double> memory;
+    means.save(memory);
+    RunMeans again;
+    EXPECT_TRUE(again.load(memory).empty());
+    EXPECT_EQ(again.all().slip, means.all().slip);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

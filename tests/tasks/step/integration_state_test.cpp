@@ -1,0 +1,207 @@
+#include "tasks/step/integration_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <limits>
+
+#include "tasks/method/method_choice.hpp"
+#include "tasks/run/checkpoint.hpp"
+#include "tasks/run/simulation.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+const engine::Cancellation never;
+
+Scene tiny() {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+    scene.parameters.start.settling_time = 2e-5;
+    scene.parameters.start.ramp_time = 1e-5;
+    scene.run.until = 2e-5;
+    scene.run.output_interval = 5e-6;
+    scene.run.schedule = "serial";
+    return scene;
+}
+
+/// Pauses at every output but the first; counts and hashes outputs and transitions.
+class Pauser final : public RunObserver {
+public:
+    explicit Pauser(bool pauses) : pauses_(pauses) {}
+    void output(double time, const Workspace&, const Counters&) override {
+        times.push_back(time);
+        pause = pauses_ && times.size() > 1;
+    }
+    void transition(const TransitionRecord& record) override { transitions.push_back(record.time); }
+    bool pause = false;
+    std::vector<double> times, transitions;
+
+private:
+    bool pauses_;
+};
+
+struct Course {
+    std::uint64_t hash;
+    Counters settling, run;
+    std::vector<double> times, transitions;
+    bool operator==(const Course&) const = default;
+};
+
+Course undisturbed(const Scene& scene) {
+    Simulation simulation(scene);
+    Pauser observer(false);
+    EXPECT_FALSE(simulation.settle(observer, never));
+    const Counters settling = simulation.counters();
+    EXPECT_FALSE(simulation.run(scene.run.until, observer, never));
+    return {simulation.hash(), settling, simulation.counters(), observer.times, observer.transitions};
+}
+
+/// At every output the simulation is thrown away; another one goes on from a checkpoint on disk.
+Course from_file_to_file(const Scene& scene, int segments) {
+    const std::string file = (std::filesystem::temp_directory_path() / ("cvtflow_checkpoint_" + std::to_string(getpid()) + ".h5")).string();
+    Pauser observer(true);
+    Course course{};
+    IntegrationState at;
+    bool fresh = true;
+    for (int session = 0; session < 100; ++session) {
+        Scene here = scene;
+        here.run.segments = session % 2 == 0 ? 1 : segments;
+        Simulation simulation(here);
+        if (!fresh) simulation.restore(at);
+        simulation.pause_on(&observer.pause);
+        observer.pause = false;
+        const bool settling = simulation.needs_settling();
+        const Fault fault = simulation.integration_state().started ? simulation.proceed(here.run.until, observer, never)
+                            : settling                             ? simulation.settle(observer, never)
+                                                                   : simulation.run(here.run.until, observer, never);
+        fresh = false;
+        if (settling) course.settling = simulation.counters();
+        if (!fault && !settling) {
+            course.hash = simulation.hash();
+            course.run = simulation.counters();
+            break;
+        }
+        Checkpoint checkpoint;
+        checkpoint.integration = simulation.integration_state();
+        sign(checkpoint, here, simulation.variator());
+        write_checkpoint(file, checkpoint);
+        const Checkpoint read = read_checkpoint(file);
+        require_same(file, read, here, simulation.variator());
+        EXPECT_EQ(read.integration, checkpoint.integration);
+        EXPECT_EQ(read.integration.hash(), checkpoint.integration.hash());
+        at = read.integration;
+    }
+    std::filesystem::remove(file);
+    course.times = observer.times;
+    course.transitions = observer.transitions;
+    return course;
+}
+
+class EveryMethod : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryMethod, GoesOnFromACheckpointBitForBit) {
+    Scene scene = tiny();
+    scene.run.method = GetParam();
+    scene.run.step = 5e-8;
+    try {
+        const Simulation usable(scene);
+    } catch (const SimulationError& error) {
+        GTEST_SKIP() << error.what();
+    }
+    const Course whole = undisturbed(scene);
+    EXPECT_GT(whole.settling.detected, 0);
+    EXPECT_EQ(from_file_to_file(scene, 3), whole);
+}
+
+INSTANTIATE_TEST_SUITE_P(IntegrationState, EveryMethod, testing::ValuesIn(method_names()), [](const auto& instance) {
+    std::string name = instance.param;
+    for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+    return name;
+});
+
+TEST(IntegrationState, GoesOnWithStickAndSlipLedgerAndControl) {
+    Scene scene = tiny();
+    scene.parameters.detail.stick_slip = true;
+    scene.parameters.ledger = true;
+    scene.parameters.control.enabled = true;
+    EXPECT_EQ(from_file_to_file(scene, 5), undisturbed(scene));
+}
+
+TEST(IntegrationState, OfAnotherSizeIsRefused) {
+    Scene other = tiny();
+    other.parameters.detail.order = 0;
+    const Simulation small(other);
+    Simulation simulation(tiny());
+    EXPECT_THROW(simulation.restore(small.integration_state()), SimulationError);
+    SilentObserver silent;
+    EXPECT_THROW((void)simulation.proceed(1.0, silent, never), SimulationError);
+}
+
+/// Somewhere within settling, with all that the method remembers.
+IntegrationState midway(const Scene& scene) {
+    Simulation simulation(scene);
+    Pauser observer(true);
+    simulation.pause_on(&observer.pause);
+    EXPECT_EQ(simulation.settle(observer, never).kind, FaultKind::cancelled);
+    return simulation.integration_state();
+}
+
+TEST(IntegrationState, WithLessThanItsMethodRemembersIsRefused) {
+    for (const char* method : {"dopri54", "dumka3", "fitted", "leapfrog-chebyshev", "leapfrog-rkc", "leapfrog-be", "trapezoidal-broyden", "trapezoidal-frozen"}) {
+        Scene scene = tiny();
+        scene.run.method = method;
+        const IntegrationState whole = midway(scene);
+        for (const std::size_t kept : {std::size_t{1}, std::size_t{2}, std::size_t{5}, whole.method.size() / 2, whole.method.size() - 1}) {
+            if (kept == 0 || kept >= whole.method.size()) continue;
+            IntegrationState cut = whole;
+            cut.method.resize(kept);
+            Simulation simulation(scene);
+            simulation.restore(cut);
+            SilentObserver silent;
+            EXPECT_THROW((void)simulation.proceed(0.0, silent, never), std::invalid_argument) << method << ", " << kept << " of " << whole.method.size();
+        }
+    }
+}
+
+TEST(IntegrationState, ThatCannotBeIsRefused) {
+    const IntegrationState good = midway(tiny());
+    ASSERT_EQ(good.unsound(), nullptr);
+    const auto refused = [&](const auto& change) {
+        IntegrationState bad = good;
+        change(bad);
+        Simulation simulation(tiny());
+        EXPECT_THROW(simulation.restore(bad), SimulationError);
+        EXPECT_NE(bad.unsound(), nullptr);
+    };
+    refused([](IntegrationState& s) { s.grid_number = -1; });
+    refused([](IntegrationState& s) { s.counters.steps = std::numeric_limits<long>::max(); });
+    refused([](IntegrationState& s) { s.outputs += 10; });
+    refused([](IntegrationState& s) { s.phases[3] = static_cast<model::Phase>(4); });
+    refused([](IntegrationState& s) { s.time = std::numeric_limits<double>::quiet_NaN(); });
+    refused([](IntegrationState& s) { s.output_interval = 0.0; });
+    refused([](IntegrationState& s) { s.step = std::numeric_limits<double>::infinity(); });
+    refused([](IntegrationState& s) { s.step = 1e-300; });   // output_interval / step is counted
+}
+
+TEST(Simulation, ResetIsANewOne) {
+    Scene scene = tiny();
+    Simulation used(scene);
+    Pauser observer(false);
+    ASSERT_FALSE(used.settle(observer, never));
+    scene.parameters.load.torque = model::TimeTable(7.0);
+    scene.parameters.tip.friction.saturation_speed *= 0.5;
+    ASSERT_TRUE(used.fits(scene));
+    used.reset(scene, nullptr);
+    Simulation fresh(scene);
+    ASSERT_FALSE(used.settle(observer, never));
+    ASSERT_FALSE(fresh.settle(observer, never));
+    EXPECT_EQ(used.hash(), fresh.hash());
+    EXPECT_EQ(used.counters(), fresh.counters());
+    scene.parameters.detail.order = 2;
+    EXPECT_FALSE(used.fits(scene));
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

@@ -1,0 +1,204 @@
+#include "tools/measure/detail_measure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "model/observe/observation.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tools/guard.hpp"
+#include "tools/measure/detail_state.hpp"
+#include "tools/output/interrupt.hpp"
+#include "tools/scene_arguments.hpp"
+#include "tools/text/watch_text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+/// Means over the outputs of one part of a run.
+struct Means {
+    std::array<double, 6> sum{};   ///< tight, slack, tip, slip, ratio, thrust ratio
+    double first_ratio = 0.0, last_ratio = 0.0, first_time = 0.0, last_time = 0.0;
+    long count = 0;
+
+    void add(const model::Observation& now) {
+        double tip = 0.0;
+        for (const double axial : now.tip_axial) tip = std::max(tip, std::abs(axial));
+        const std::array values{now.tight, now.slack, tip, now.slip, now.ratio, now.clamping[0] / now.clamping[1]};
+        for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += values[k];
+        if (count == 0) first_ratio = now.ratio;
+        if (count == 0) first_time = now.time;
+        last_ratio = now.ratio;
+        last_time = now.time;
+        ++count;
+    }
+    [[nodiscard]] double mean(std::size_t k) const { return sum[k] / static_cast<double>(count); }
+};
+
+/// Averages over both halves of a run.
+struct Averager final : tasks::RunObserver {
+    Averager(const tasks::Simulation& simulation, double from, double until) : observer(simulation.variator()), middle(0.5 * (from + until)) {}
+    void output(double time, const tasks::Workspace& w, const tasks::Counters&) override {
+        const model::Observation& now = observer.observe(time, w.states[0], w.phases.data());
+        watch.add(now, w);
+        (time < middle ? first : second).add(now);
+    }
+    void transition(const tasks::TransitionRecord&) override {}
+
+    model::Observer observer;
+    double middle;
+    Means first, second;
+    tasks::RunWatch watch;
+};
+
+/// Two integrations, each with a balance of its own: the jolt with which the state is brought over belongs to the first one. What they came to: a
+/// fault, or what the watch says of the second, suspicions of both.
+void settle_and_average(tasks::Simulation& simulation, double settle, Averager& seen, double until, DetailOutcome& outcome) {
+    tasks::SilentObserver silent;
+    tasks::Fault fault = simulation.run(settle, silent, catch_interrupts());
+    const double before = simulation.suspicion();
+    if (!fault) fault = simulation.run(until, seen, catch_interrupts());
+    outcome.watch = seen.watch.verdict(simulation.energy(), before);
+    outcome.status = outcome.watch.status(fault);
+    outcome.fault = fault ? fault.message() : unreliable_remark(fault, outcome.watch);
+    if (outcome.status == "unreliable") outcome.fault += "; a shorter --step is needed";
+}
+
+/// Best of several: the machine may be busy.
+double cost_of(const tasks::Simulation& simulation) {
+    model::EvaluationScratch scratch(simulation.variator().layout());
+    std::vector<double> slope(static_cast<std::size_t>(simulation.variator().layout().size()));
+    double best = 1.0;
+    for (int repetition = 0; repetition < 200; ++repetition) {
+        const auto begin = std::chrono::steady_clock::now();
+        for (int k = 0; k < 5; ++k) model::right_hand_side(simulation.variator(), 0.0, simulation.state(), simulation.phases().data(), slope.data(), scratch);
+        best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 5.0);
+    }
+    return best;
+}
+
+tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name, const DetailVariant& v, const std::string& until, std::vector<std::string> more = {}) {
+    SceneArguments scene;
+    scene.scene = name;
+    scene.settings = {fmt::format("detail.order={}", v.order), v.plates == model::PlateDetail::each ? "detail.plates=each" : "detail.plates=lumped",
+                      fmt::format("detail.joint_points={}", v.joint_points), v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
+                      "run.method=" + arguments.method, "run.step=" + arguments.step, "run.until=" + until, "run.threads=1", "run.schedule=serial"};
+    scene.settings.insert(scene.settings.end(), arguments.settings.begin(), arguments.settings.end());
+    scene.settings.insert(scene.settings.end(), more.begin(), more.end());
+    return load_scene(scene).scene;
+}
+
+/// Averages over both halves of the time after settling.
+void average(tasks::Simulation& simulation, double settle, double length, DetailOutcome& outcome) {
+    const double settled = simulation.time() + settle, until = settled + length;
+    Averager seen(simulation, settled, until);
+    settle_and_average(simulation, settled, seen, until, outcome);
+    if (!outcome.fault.empty()) return;
+    const Means &first = seen.first, &second = seen.second;
+    const auto both = [&](std::size_t k) { return 0.5 * (first.mean(k) + second.mean(k)); };
+    outcome.tight = both(0), outcome.slack = both(1), outcome.tip = both(2), outcome.slip = both(3);
+    outcome.ratio = both(4);
+    outcome.efficiency = outcome.watch.means.efficiency;
+    outcome.shift = (second.last_ratio / first.first_ratio - 1.0) / (second.last_time - first.first_time);
+    outcome.drift = second.mean(0) / first.mean(0) - 1.0;
+    outcome.cost = cost_of(simulation);
+}
+
+}  // namespace
+
+std::string DetailVariant::name() const {
+    return fmt::format("p={} {:6} {} pt {}", order, plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
+                       pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid");
+}
+
+std::vector<DetailVariant> detail_variants(bool all) {
+    using enum model::PlateDetail;
+    using enum model::PulleyDetail;
+    if (!all) {
+        return {full_detail, {2, each, 8, elastic}, {1, each, 8, elastic}, {0, each, 8, elastic}, {3, lumped, 8, elastic}, {3, each, 3, elastic}, {3, each, 1, elastic},
+                {3, each, 8, rigid}, {1, lumped, 3, elastic}, {1, lumped, 1, rigid}, {0, lumped, 1, rigid}};
+    }
+    std::vector<DetailVariant> list{full_detail};
+    for (int order = 3; order >= 0; --order) {
+        for (const auto plates : {each, lumped}) {
+            for (const int points : {8, 3, 1}) {
+                for (const auto pulleys : {elastic, rigid}) {
+                    if (list.size() > 1 || order != 3 || plates != each || points != 8 || pulleys != elastic) list.push_back({order, plates, points, pulleys});
+                }
+            }
+        }
+    }
+    return list;
+}
+
+namespace {
+
+/// The dials are this command's own: a setting would turn them in all variants alike, and all differences would be zero.
+void require_free_dials(const std::vector<std::string>& settings) {
+    for (const std::string& setting : settings) {
+        const std::string key = setting.substr(0, setting.find('='));
+        for (const char* dial : {"detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"}) {
+            if (key == dial) throw UsageError(fmt::format("--set {}: {} is one of the dials that are compared", setting, key));
+        }
+    }
+}
+
+}  // namespace
+
+DetailMeasure::DetailMeasure(DetailArguments arguments, std::string scene) : arguments_(std::move(arguments)), scene_(std::move(scene)) {
+    require_free_dials(arguments_.settings);
+    const tasks::Scene reference = scene_of(arguments_, scene_, full_detail, arguments_.settle);
+    if (reference.state_file.empty()) throw tasks::SceneError(fmt::format("{}: has no settled state of full detail to start from (start.state)", scene_));
+    settled_ = engine::read_state(reference.state_file);
+    reference_ = reference.parameters;
+    try {
+        const tasks::Simulation start(reference);   // refuses a state that does not fit, and names the differences
+        if (start.suspicion() > 1.0) throw tasks::SimulationError(reference.state_file + " is unreliable: the energy balance of its settling did not close");
+    } catch (const tasks::SimulationError& error) {
+        throw tasks::SceneError(fmt::format("{}: variants start from a settled state of full detail: {}", scene_, error.what()));
+    }
+}
+
+DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted) const {
+    DetailOutcome outcome;
+    outcome.variant = variant;
+    tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.settle);
+    const double settle = scene.run.until, length = scene_of(arguments_, scene_, variant, arguments_.average).run.until;
+    const StateFile start(brought_over(settled_, reference_, scene.parameters));
+    scene.state_file = start.path();
+    tasks::Simulation simulation(scene);
+    outcome.coordinates = simulation.variator().layout().coordinates();
+    average(simulation, settle, length, outcome);
+    if (outcome.fault.empty()) find_thrust(variant, wanted > 0.0 ? wanted : outcome.ratio, outcome);
+    return outcome;
+}
+
+/// Mean over the last fifth of the time that ratio control has; gains as in scene `control`.
+void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, DetailOutcome& outcome) const {
+    if (std::strtod(arguments_.control.c_str(), nullptr) == 0.0) return;
+    tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.control,
+                                  {"control.enabled=true", fmt::format("control.ratio={:.6f}", wanted), "control.proportional=1 MN", "control.integral=5e7 N/s"});
+    engine::SavedState settled = brought_over(settled_, reference_, scene.parameters);
+    settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));   // the controller's integral begins at zero
+    const StateFile start(settled);
+    scene.state_file = start.path();
+    tasks::Simulation simulation(scene);
+    const double found = simulation.time() + 0.8 * scene.run.until, until = simulation.time() + scene.run.until;
+    Averager seen(simulation, found, until);
+    DetailOutcome controlled;
+    settle_and_average(simulation, found, seen, until, controlled);
+    if (!controlled.fault.empty()) {
+        outcome.status = controlled.status;
+        outcome.fault = "under ratio control: " + controlled.fault;
+        return;
+    }
+    outcome.thrust = 0.5 * (seen.first.mean(5) + seen.second.mean(5));
+}
+
+}  // namespace cvtflow::tools

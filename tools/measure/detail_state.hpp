@@ -1,0 +1,29 @@
+#pragma once
+/// A settled state brought over to another level of detail.
+
+#include <string>
+
+#include "engine/record/run/state_file.hpp"
+#include "model/parameters/parameters.hpp"
+
+namespace cvtflow::tools {
+
+/// Coordinates that both have are copied, new ones begin at zero: Legendre coordinates of higher order, elastic displacements of sheaves. Rigid
+/// pulleys take angles from the shafts and the movable sheaves' positions against their shafts, and give them back. Phases stay. Control and ledger are
+/// left out: they begin at zero.
+[[nodiscard]] engine::SavedState brought_over(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to);
+
+/// A state file in the system's folder for such things, removed with this object.
+class StateFile {
+public:
+    explicit StateFile(const engine::SavedState& state);
+    ~StateFile();
+    StateFile(const StateFile&) = delete;
+    StateFile& operator=(const StateFile&) = delete;
+    [[nodiscard]] const std::string& path() const noexcept { return path_; }
+
+private:
+    std::string path_;
+};
+
+}  // namespace cvtflow::tools
