@@ -16,7 +16,8 @@ namespace {
 /// What a scene's state file must agree with.
 [[nodiscard]] std::string resolution(const tasks::Scene& scene) {
     std::string text;
-    for (const char* key : {"detail.order", "detail.plates", "detail.pulleys"}) text += tasks::value_text(*tasks::find_parameter(key), scene) + " ";
+    for (const char* key : {"detail.order", "detail.plates", "detail.pulleys"})
+        text += tasks::value_text(*tasks::find_parameter(key), scene) + " ";
     return text;
 }
 
@@ -33,7 +34,8 @@ Scene Scene::parse(const std::string& text, const std::string& name) {
 }
 
 Scene Scene::ready(const std::string& name) {
-    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(tasks::find_scene(name))})); });
+    return api::entered(ErrorCode::scene,
+                        [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(tasks::find_scene(name))})); });
 }
 
 Scene Scene::with(std::span<const std::string> settings) const {

@@ -1,8 +1,8 @@
-/// Jitter of advance_to() in a host's control loop: how long a call for 100 µs of the scene takes, over and over, with the host idle and with
-/// k busy host threads, for each way of running. Then how long the first step of a new simulation takes, and how long after cancel() from
-/// another thread a call returns, host idle. A plain program, since what counts is the distribution and not the best. The column "others" says how
-/// many processors other processes took meanwhile (a quiet machine: less than 0.05); where it says more, times are theirs as much as ours.
-/// Committed figures come from `bench_embedding --csv FILE` on a quiet machine.
+/// Jitter of advance_to() in a host's control loop: how long a call for 100 µs of the scene takes, over and over, with the host idle and
+/// with k busy host threads, for each way of running. Then how long the first step of a new simulation takes, and how long after cancel()
+/// from another thread a call returns, host idle. A plain program, since what counts is the distribution and not the best. The column
+/// "others" says how many processors other processes took meanwhile (a quiet machine: less than 0.05); where it says more, times are theirs
+/// as much as ours. Committed figures come from `bench_embedding --csv FILE` on a quiet machine.
 ///
 ///     bench_embedding [--scene NAME] [--calls N] [--busy N,N,…] [--threads N] [--csv FILE]
 
@@ -56,7 +56,7 @@ public:
 private:
     std::atomic<bool> stop_{false};
     std::atomic<double> sink_{0.0};
-    std::vector<std::jthread> threads_;   // last: they end before the rest goes
+    std::vector<std::jthread> threads_;  // last: they end before the rest goes
 };
 
 using Clock = std::chrono::steady_clock;
@@ -84,12 +84,14 @@ struct Row {
     const char* quantity;
     int busy = 0;
     std::string way;
-    std::vector<double> times{};   ///< [s], ascending
-    double others = 0.0;           ///< processors that other processes took meanwhile
+    std::vector<double> times{};  ///< [s], ascending
+    double others = 0.0;          ///< processors that other processes took meanwhile
     std::uint64_t hash = 0;
 
     /// The part-quantile [s].
-    [[nodiscard]] double at(double part) const { return times[std::min(times.size() - 1, static_cast<std::size_t>(part * static_cast<double>(times.size())))]; }
+    [[nodiscard]] double at(double part) const {
+        return times[std::min(times.size() - 1, static_cast<std::size_t>(part * static_cast<double>(times.size())))];
+    }
 };
 
 /// Fills in `times` by what `one` returns, `rounds` times over, and `others`.
@@ -152,14 +154,14 @@ Row cancellation(const cvtflow::Scene& scene, const cvtflow::State& start, const
 }
 
 void print_head() {
-    fmt::print("{:<14} {:>5} {:<12} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>7}  {}\n", "wall time, ms", "busy", "way", "least", "median", "90 %", "99 %", "most", "99%/med.",
-               "others", "hash of the end state");
+    fmt::print("{:<14} {:>5} {:<12} {:>8} {:>8} {:>8} {:>8} {:>8} {:>9} {:>7}  {}\n", "wall time, ms", "busy", "way", "least", "median",
+               "90 %", "99 %", "most", "99%/med.", "others", "hash of the end state");
 }
 
 const Row& print(const Row& row) {
-    fmt::print("{:<14} {:>5} {:<12} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f} {:>7.2f}  {}\n", row.quantity, row.busy, row.way, 1e3 * row.times.front(),
-               1e3 * row.at(0.5), 1e3 * row.at(0.9), 1e3 * row.at(0.99), 1e3 * row.times.back(), row.at(0.99) / row.at(0.5), row.others,
-               row.hash != 0 ? fmt::format("{:016x}", row.hash) : "");
+    fmt::print("{:<14} {:>5} {:<12} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>8.3f} {:>9.2f} {:>7.2f}  {}\n", row.quantity, row.busy, row.way,
+               1e3 * row.times.front(), 1e3 * row.at(0.5), 1e3 * row.at(0.9), 1e3 * row.at(0.99), 1e3 * row.times.back(),
+               row.at(0.99) / row.at(0.5), row.others, row.hash != 0 ? fmt::format("{:016x}", row.hash) : "");
     std::fflush(stdout);
     return row;
 }
@@ -167,11 +169,13 @@ const Row& print(const Row& row) {
 void write_csv(const std::vector<Row>& rows, const Arguments& arguments) {
     auto file = fmt::output_file(arguments.csv);
     const cvtflow::engine::Provenance here = cvtflow::engine::current_provenance();
-    file.print("quantity,scene,busy,way,rounds,least_ms,median_ms,p90_ms,p99_ms,most_ms,others,hash,commit,compiler,flags,tbb,cpu,cores,date\n");
+    file.print(
+        "quantity,scene,busy,way,rounds,least_ms,median_ms,p90_ms,p99_ms,most_ms,others,hash,commit,compiler,flags,tbb,cpu,cores,date\n");
     for (const Row& row : rows) {
-        file.print("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:016x},\"{}\",\"{} {}\",\"{}\",\"{}\",\"{}\",{},\"{}\"\n", row.quantity, arguments.scene, row.busy,
-                   row.way, row.times.size(), 1e3 * row.times.front(), 1e3 * row.at(0.5), 1e3 * row.at(0.9), 1e3 * row.at(0.99), 1e3 * row.times.back(), row.others, row.hash,
-                   here.commit, here.compiler, here.build_type, cvtflow::tasks::compiler_flags(), cvtflow::engine::tbb_version(), here.cpu, here.cores, here.date);
+        file.print("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:016x},\"{}\",\"{} {}\",\"{}\",\"{}\",\"{}\",{},\"{}\"\n",
+                   row.quantity, arguments.scene, row.busy, row.way, row.times.size(), 1e3 * row.times.front(), 1e3 * row.at(0.5),
+                   1e3 * row.at(0.9), 1e3 * row.at(0.99), 1e3 * row.times.back(), row.others, row.hash, here.commit, here.compiler,
+                   here.build_type, cvtflow::tasks::compiler_flags(), cvtflow::engine::tbb_version(), here.cpu, here.cores, here.date);
     }
 }
 
@@ -203,8 +207,10 @@ int main(int argc, char** argv) try {
     const Way ways[] = {{"caller", cvtflow::Threads::caller()},
                         {fmt::format("present({})", arguments.threads), cvtflow::Threads::present(arguments.threads)},
                         {fmt::format("own({})", arguments.threads), cvtflow::Threads::own(arguments.threads)}};
-    fmt::print("advance_to(1e-4) on {}, beside so many busy threads of the host; first steps and cancellations with the host idle; {} rounds each, {} processors\n",
-               arguments.scene, arguments.calls, std::thread::hardware_concurrency());
+    fmt::print(
+        "advance_to(1e-4) on {}, beside so many busy threads of the host; first steps and cancellations with the host idle; {} rounds "
+        "each, {} processors\n",
+        arguments.scene, arguments.calls, std::thread::hardware_concurrency());
     print_head();
     std::vector<Row> rows;
     for (const int busy : arguments.busy) {

@@ -10,9 +10,9 @@
 ///     lowest     order 0, lumped plates, 1 joint point, rigid sheaves
 ///     pulleys, transitions and the names of bench/parts/link_parts.hpp: parts of whole, over the whole chain
 ///
-/// Every row is the chain's share of one evaluation and carries a hash of what it computed. Columns: time, instructions and flops executed (counted
-/// one by one), flops per second; whole: share of the measured peak of additions and multiplications in vectors of that instruction set, and bytes of
-/// state read and slope written. BENCH_COUNT=0 leaves the counting out. A summary compares the rows that ran.
+/// Every row is the chain's share of one evaluation and carries a hash of what it computed. Columns: time, instructions and flops executed
+/// (counted one by one), flops per second; whole: share of the measured peak of additions and multiplications in vectors of that
+/// instruction set, and bytes of state read and slope written. BENCH_COUNT=0 leaves the counting out. A summary compares the rows that ran.
 
 #include <benchmark/benchmark.h>
 
@@ -39,18 +39,21 @@ namespace {
 
 using namespace cvtflow;
 
-constexpr std::string_view settings_of_lowest[] = {"detail.order=0", "detail.plates=lumped", "detail.joint_points=1", "detail.pulleys=rigid"};
+constexpr std::string_view settings_of_lowest[] = {"detail.order=0", "detail.plates=lumped", "detail.joint_points=1",
+                                                   "detail.pulleys=rigid"};
 
 /// The settled baseline at some detail with everything that a row needs.
 struct Case {
-    explicit Case(tasks::Scene scene) : parameters(scene.parameters), simulation(scene), phases(simulation.phases()), scratch(simulation.variator().layout()) {
+    explicit Case(tasks::Scene scene)
+        : parameters(scene.parameters), simulation(scene), phases(simulation.phases()), scratch(simulation.variator().layout()) {
         const auto& at = layout();
         variator().pulleys().motions(simulation.state() + at.pulley_begin(), scratch.sheaves);
         for (int link = 0; link < at.links; ++link) {
             model::TipProbe probe;
             variator().chain().probe(simulation.state() + at.link_begin(link), scratch.sheaves, false, probe);
             for (int tip = 0; tip < model::tips_per_link; ++tip) {
-                phases[static_cast<std::size_t>(model::tips_per_link * link + tip)] = probe.depth[tip] > 0.0 ? model::Phase::touching : model::Phase::free;
+                phases[static_cast<std::size_t>(model::tips_per_link * link + tip)] =
+                    probe.depth[tip] > 0.0 ? model::Phase::touching : model::Phase::free;
             }
         }
         model::fill_window(variator(), simulation.state(), scratch);
@@ -86,8 +89,12 @@ const Case& case_of(const std::string& what) {
     static std::map<std::string, std::unique_ptr<Case>> cases;
     auto& known = cases[what];
     if (known) return *known;
-    if (what == "lowest") known = lowest();
-    else known = std::make_unique<Case>(scene_with(what == "three" ? "detail.joint_points=3" : what == "smoothed" ? "detail.friction=smoothed" : ""));
+    if (what == "lowest")
+        known = lowest();
+    else
+        known = std::make_unique<Case>(scene_with(what == "three"      ? "detail.joint_points=3"
+                                                  : what == "smoothed" ? "detail.friction=smoothed"
+                                                                       : ""));
     return *known;
 }
 
@@ -116,12 +123,15 @@ void evaluate(const Case& c, const model::ChainKernels& kernels, model::Evaluati
     const double* tail = c.simulation.state() + c.layout().pulley_begin();
     model::fill_window(c.variator(), c.simulation.state(), scratch);
     c.variator().pulleys().motions(tail, scratch.sheaves);
-    kernels.slopes(c.variator().chain(), {0, c.layout().links, scratch.window.data(), scratch.sheaves, c.phases.data()}, slope, scratch.loads.data(), nullptr);
-    c.variator().close(0.0, tail, c.variator().sheave_forces(c.phases.data(), scratch.loads.data()), nullptr, slope + c.layout().pulley_begin());
+    kernels.slopes(c.variator().chain(), {0, c.layout().links, scratch.window.data(), scratch.sheaves, c.phases.data()}, slope,
+                   scratch.loads.data(), nullptr);
+    c.variator().close(0.0, tail, c.variator().sheave_forces(c.phases.data(), scratch.loads.data()), nullptr,
+                       slope + c.layout().pulley_begin());
 }
 
 /// @param peak flops per second that are possible, 0: unknown
-void whole(benchmark::State& run, const std::string& row, const std::string& what, model::ChainKernels (*kernels_of_order)(int) noexcept, double peak) {
+void whole(benchmark::State& run, const std::string& row, const std::string& what, model::ChainKernels (*kernels_of_order)(int) noexcept,
+           double peak) {
     const Case& c = case_of(what);
     const model::ChainKernels kernels = kernels_of_order(c.parameters.detail.order);
     std::vector<double> slope(static_cast<std::size_t>(c.layout().size()));
@@ -131,8 +141,9 @@ void whole(benchmark::State& run, const std::string& row, const std::string& wha
         once();
         benchmark::DoNotOptimize(slope.data());
     }
-    label(run, slope.data(), slope.size(), ", " + std::to_string(2 * slope.size() * sizeof(double)) + " bytes in and out, working set of a run " +
-                                               std::to_string(c.simulation.workspace().bytes() / 1024) + " KiB");
+    label(run, slope.data(), slope.size(),
+          ", " + std::to_string(2 * slope.size() * sizeof(double)) + " bytes in and out, working set of a run " +
+              std::to_string(c.simulation.workspace().bytes() / 1024) + " KiB");
     count(run, row, once, peak);
 }
 
@@ -157,7 +168,8 @@ void pulleys(benchmark::State& run) {
     const Case& c = case_of("whole");
     std::vector<double> slope(static_cast<std::size_t>(c.layout().size() - c.layout().pulley_begin()));
     for (auto _ : run) {
-        c.variator().close(0.0, c.simulation.state() + c.layout().pulley_begin(), c.variator().sheave_forces(c.phases.data(), c.scratch.loads.data()), nullptr, slope.data());
+        c.variator().close(0.0, c.simulation.state() + c.layout().pulley_begin(),
+                           c.variator().sheave_forces(c.phases.data(), c.scratch.loads.data()), nullptr, slope.data());
         benchmark::DoNotOptimize(slope.data());
     }
     label(run, slope.data(), slope.size());
@@ -168,7 +180,8 @@ void transitions(benchmark::State& run) {
     std::vector<model::TipProbe> probes(static_cast<std::size_t>(c.layout().links));
     for (auto _ : run) {
         for (int link = 0; link < c.layout().links; ++link) {
-            c.variator().chain().probe(c.simulation.state() + c.layout().link_begin(link), c.scratch.sheaves, c.parameters.detail.stick_slip, probes[static_cast<std::size_t>(link)]);
+            c.variator().chain().probe(c.simulation.state() + c.layout().link_begin(link), c.scratch.sheaves,
+                                       c.parameters.detail.stick_slip, probes[static_cast<std::size_t>(link)]);
         }
         benchmark::DoNotOptimize(probes.data());
     }
@@ -224,9 +237,11 @@ void register_rows() {
     add_row("plain/whole", plain_whole);
     const std::pair<const char*, void (*)(const plain::System&, plain::Totals&)> plain_parts[] = {
         {"inner", plain::add_inner_elements}, {"plates", plain::add_plates}, {"joints", plain::add_joints}, {"tips", plain::add_tips}};
-    for (const auto& [name, add] : plain_parts) add_row(std::string("plain/") + name, [add = add](benchmark::State& run) { plain_part(run, add); });
+    for (const auto& [name, add] : plain_parts)
+        add_row(std::string("plain/") + name, [add = add](benchmark::State& run) { plain_part(run, add); });
     add_rows("one_lane", model::chain_kernels<bench::one_lane>, bench::link_parts<bench::one_lane>(), 0.0);
-    for (const model::Isa isa : model::usable_isas()) add_rows(std::string(model::name_of(isa)), model::kernels_of(isa).chain, parts_of(isa), bench::peak_flops(isa));
+    for (const model::Isa isa : model::usable_isas())
+        add_rows(std::string(model::name_of(isa)), model::kernels_of(isa).chain, parts_of(isa), bench::peak_flops(isa));
     add_row("this_build/pulleys", pulleys);
     add_row("this_build/transitions", transitions);
 }

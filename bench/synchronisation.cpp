@@ -65,8 +65,8 @@ void work(void* context, int item) noexcept {
     own.value = x;
 }
 
-/// Cycles for 20 ms, each of them timed (9 ns for the clock), without the first 4 ms: when a run begins, threads are still on their way. On a busy machine
-/// longer, up to 300 ms, until there are enough to have a median that is not the neighbours'.
+/// Cycles for 20 ms, each of them timed (9 ns for the clock), without the first 4 ms: when a run begins, threads are still on their way. On
+/// a busy machine longer, up to 300 ms, until there are enough to have a median that is not the neighbours'.
 class Cycles final : public Controller {
 public:
     explicit Cycles(const TickScale& scale) : per_tick_(1e-3 * scale.nanoseconds_per_tick()) { times_.reserve(most); }
@@ -248,9 +248,9 @@ void write_csv(const std::vector<Contender>& contenders, const Settings& setting
     for (const Contender& each : contenders) {
         file.print("{},{},{}", each.name, each.tasks, each.task_time);
         for (const double part : {0.5, 0.25, 0.75, 0.0}) file.print(",{:.4f}", quantile(each, &Turn::typical, part));
-        file.print(",{:.4f},{},{},{},{},\"{}\",{},\"{}\",\"{}\",{},{},{},{},{}\n", quantile(each, &Turn::mean, 0.5), settings.threads, settings.pin,
-                   settings.wait_name, settings.repetitions, machine(), usable_processors(), __VERSION__, tbb_version(), openmp_version(),
-                   policy != nullptr ? policy : "", known ? fmt::format("{:.2f}", load) : "", here.commit, here.date);
+        file.print(",{:.4f},{},{},{},{},\"{}\",{},\"{}\",\"{}\",{},{},{},{},{}\n", quantile(each, &Turn::mean, 0.5), settings.threads,
+                   settings.pin, settings.wait_name, settings.repetitions, machine(), usable_processors(), __VERSION__, tbb_version(),
+                   openmp_version(), policy != nullptr ? policy : "", known ? fmt::format("{:.2f}", load) : "", here.commit, here.date);
     }
 }
 

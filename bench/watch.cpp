@@ -20,7 +20,7 @@ using namespace cvtflow::tasks;
 const cvtflow::engine::Cancellation never;
 
 struct Spread {
-    double median, low, high;   ///< quartiles
+    double median, low, high;  ///< quartiles
 };
 
 Spread spread(std::vector<double> values) {
@@ -32,7 +32,10 @@ Spread spread(std::vector<double> values) {
 /// Wall time of a span of simulated time from a settled start [s].
 class Stretch {
 public:
-    Stretch(const Scene& scene, const cvtflow::engine::SavedState& start, bool watch) : scene_(scene), start_(start), simulation_(scene, Schedule{}) { simulation_.keep_energies(watch); }
+    Stretch(const Scene& scene, const cvtflow::engine::SavedState& start, bool watch)
+        : scene_(scene), start_(start), simulation_(scene, Schedule{}) {
+        simulation_.keep_energies(watch);
+    }
     double run(double span) {
         simulation_.reset(scene_, &start_);
         SilentObserver silent;
@@ -50,7 +53,8 @@ private:
 
 void measure(const std::string& name, const std::string& method, double span, int rounds) {
     Scene scene = read_scene(find_scene(name));
-    set_values(scene, std::vector<std::string>{"run.method=" + method, "run.step=auto", "run.schedule=serial", "run.output_interval=20 us"});
+    set_values(scene,
+               std::vector<std::string>{"run.method=" + method, "run.step=auto", "run.schedule=serial", "run.output_interval=20 us"});
     Simulation settled(scene, Schedule{});
     SilentObserver silent;
     if (settled.needs_settling() && settled.settle(silent, never)) throw SimulationError("settling");
@@ -67,8 +71,9 @@ void measure(const std::string& name, const std::string& method, double span, in
         watch.push_back(100.0 * (b / c - 1.0));
     }
     const Spread w = spread(watch), s = spread(choice);
-    fmt::print("{:<10} {:<20} {:>6.3g} ms {:>9.3g} s   watch {:>+6.2f} % ({:+.2f} … {:+.2f})   automatic step {:>+6.2f} % ({:+.2f} … {:+.2f})\n", name, method, 1e3 * span, automatic.step(),
-               w.median, w.low, w.high, s.median, s.low, s.high);
+    fmt::print(
+        "{:<10} {:<20} {:>6.3g} ms {:>9.3g} s   watch {:>+6.2f} % ({:+.2f} … {:+.2f})   automatic step {:>+6.2f} % ({:+.2f} … {:+.2f})\n",
+        name, method, 1e3 * span, automatic.step(), w.median, w.low, w.high, s.median, s.low, s.high);
     std::fflush(stdout);
 }
 

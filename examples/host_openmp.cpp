@@ -1,5 +1,5 @@
-// A host that uses OpenMP: a parameter study, one simulation per iteration of a parallel loop. The results are the same bits as those of the
-// serial loop that follows, whatever the number of threads.
+// A host that uses OpenMP: a parameter study, one simulation per iteration of a parallel loop. The results are the same bits as those of
+// the serial loop that follows, whatever the number of threads.
 //
 //     host_openmp [CASES]
 
@@ -13,8 +13,8 @@
 namespace {
 
 struct Case {
-    double load = 0.0;        // [N m]
-    double slip = 0.0;        // [1]
+    double load = 0.0;  // [N m]
+    double slip = 0.0;  // [1]
     std::uint64_t hash = 0;
     std::string error;
 };
@@ -26,7 +26,7 @@ void run(const cvtflow::Scene& scene, Case& one) {
         simulation.advance_to(1e-3);
         one.slip = simulation.channel("slip")[0];
         one.hash = simulation.hash();
-    } catch (const cvtflow::Error& error) {   // no exception may leave an iteration
+    } catch (const cvtflow::Error& error) {  // no exception may leave an iteration
         one.error = error.what();
     }
 }
@@ -52,7 +52,8 @@ int main(int argc, char** argv) try {
         const bool same = one.hash == serial[k].hash && one.error == serial[k].error;
         different += same ? 0 : 1;
         if (one.error.empty()) {
-            std::printf("  %10.1f   %8.4f   %016llx%s\n", one.load, 100.0 * one.slip, static_cast<unsigned long long>(one.hash), same ? "" : "  differs from the serial loop");
+            std::printf("  %10.1f   %8.4f   %016llx%s\n", one.load, 100.0 * one.slip, static_cast<unsigned long long>(one.hash),
+                        same ? "" : "  differs from the serial loop");
         } else {
             std::printf("  %10.1f   %s\n", one.load, one.error.c_str());
         }

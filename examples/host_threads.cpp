@@ -1,7 +1,8 @@
 // A host with threads of its own: each runs a variator and holds its ratio with a controller of its own, 1,000 times a second.
 //
-// The scene `shift` has too little clamping: left alone, the ratio drifts away. Every millisecond the host reads the ratio and sets the clamping
-// force of the driving shaft. The simulations run on the threads that the host already has (Threads::caller()) and know nothing of each other.
+// The scene `shift` has too little clamping: left alone, the ratio drifts away. Every millisecond the host reads the ratio and sets the
+// clamping force of the driving shaft. The simulations run on the threads that the host already has (Threads::caller()) and know nothing of
+// each other.
 //
 //     host_threads [THREADS [MILLISECONDS]]
 
@@ -38,7 +39,7 @@ private:
 Outcome hold_ratio(const cvtflow::Scene& scene, double wanted, int periods) {
     Outcome outcome{wanted, 0.0, 0.0, 0.0, ""};
     try {
-        cvtflow::Simulation simulation(scene);   // on this thread alone
+        cvtflow::Simulation simulation(scene);  // on this thread alone
         constexpr double period = 1e-3;
         RatioController controller(wanted, simulation.input(cvtflow::Input::clamping_driving));
         const std::size_t ratio = simulation.find_channel("ratio");
@@ -62,7 +63,7 @@ int main(int argc, char** argv) try {
     const int threads = argc > 1 ? std::atoi(argv[1]) : 2;
     const int periods = argc > 2 ? std::atoi(argv[2]) : 20;
     const std::vector<std::string> settings{"run.method=dumka3-p5", "run.step=2 us"};
-    const cvtflow::Scene scene = cvtflow::Scene::ready("shift").with(settings);   // one scene, shared by all threads
+    const cvtflow::Scene scene = cvtflow::Scene::ready("shift").with(settings);  // one scene, shared by all threads
     std::vector<Outcome> outcomes(static_cast<std::size_t>(threads));
     {
         std::vector<std::jthread> team;

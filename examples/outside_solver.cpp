@@ -1,6 +1,6 @@
-// A solver of somebody else's drives our right-hand side: CVODE of SUNDIALS, Adams formulas with functional iteration (the equations are so stiff
-// that every explicit step is short, and so smooth within it that no Jacobian is needed). It shares no code with our integrators, which makes it
-// an independent check of them: both start from the same state and must agree at the end.
+// A solver of somebody else's drives our right-hand side: CVODE of SUNDIALS, Adams formulas with functional iteration (the equations are so
+// stiff that every explicit step is short, and so smooth within it that no Jacobian is needed). It shares no code with our integrators,
+// which makes it an independent check of them: both start from the same state and must agree at the end.
 //
 //     outside_solver [SCENE [MICROSECONDS [TOLERANCE]]]
 //
@@ -90,12 +90,13 @@ int main(int argc, char** argv) try {
     const std::string name = argc > 1 ? argv[1] : "tiny";
     const double span = 1e-6 * (argc > 2 ? std::atof(argv[2]) : 50.0);
     const double tolerance = argc > 3 ? std::atof(argv[3]) : 1e-6;
-    std::vector<std::string> settings{"run.method=rk4", "run.step=5 ns", "run.output_interval=1 us", "run.state_interval=1 us", "detail.friction=smoothed"};
+    std::vector<std::string> settings{"run.method=rk4", "run.step=5 ns", "run.output_interval=1 us", "run.state_interval=1 us",
+                                      "detail.friction=smoothed"};
     if (name == "tiny") settings.insert(settings.end(), {"start.settling_time=1 ms", "start.ramp_time=1 ms"});
     const cvtflow::Scene scene = cvtflow::Scene::ready(name).with(settings);
 
     cvtflow::Simulation simulation(scene);
-    simulation.advance_to(0.0);   // settles a geometric start
+    simulation.advance_to(0.0);  // settles a geometric start
     const std::vector<double> start(simulation.unknowns().begin(), simulation.unknowns().end());
     const double until = simulation.time() + span;
     const Solution theirs = solve_outside(simulation, until);

@@ -17,29 +17,29 @@ namespace cvtflow::model {
 /// Reaction of a link's tips on the sheaves of its pulley. Only written for links with a touching tip.
 struct LinkLoad {
     SheaveLoad load;
-    int shaft;   ///< 0 or 1: whose sheaves
+    int shaft;  ///< 0 or 1: whose sheaves
 };
 
 /// A range of links and where its inputs are.
 struct ChainRange {
-    int first, last;                ///< [first, last)
-    const double* window;           ///< states of links first-1 … last
-    const SheaveMotion* sheaves;    ///< [4] number 2 shaft + side; unused if the scene has no pulleys
-    const Phase* phases;            ///< [links * 4], of the whole chain
+    int first, last;              ///< [first, last)
+    const double* window;         ///< states of links first-1 … last
+    const SheaveMotion* sheaves;  ///< [4] number 2 shaft + side; unused if the scene has no pulleys
+    const Phase* phases;          ///< [links * 4], of the whole chain
 };
 
 /// Contact of one link's tips with its sheaves, for transitions and faults.
 struct TipProbe {
-    double depth[tips_per_link];    ///< δ [m], negative: gap
-    double slip[tips_per_link];     ///< |v_t| [m/s], 0 if not asked for
-    double radius;                  ///< distance of the link's middle from its shaft's axis [m]
+    double depth[tips_per_link];  ///< δ [m], negative: gap
+    double slip[tips_per_link];   ///< |v_t| [m/s], 0 if not asked for
+    double radius;                ///< distance of the link's middle from its shaft's axis [m]
 };
 
 /// What one link carries, for observation.
 struct LinkContact {
-    double tension;                 ///< sum of its plates' elastic tensions [N]
-    double normal[tips_per_link];   ///< N [N]
-    double axial[tips_per_link];    ///< force of each tip on its sheave along z [N]
+    double tension;                ///< sum of its plates' elastic tensions [N]
+    double normal[tips_per_link];  ///< N [N]
+    double axial[tips_per_link];   ///< force of each tip on its sheave along z [N]
 };
 
 class ChainModel;
@@ -66,15 +66,19 @@ public:
 
     /// Slopes [v | acceleration] of the links of a range, link_block() numbers each, to slope + (link - first) link_block();
     /// reactions on the sheaves to loads[link - first] where a tip touches.
-    void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept { kernels_.slopes(*this, range, slope, loads, nullptr); }
-    /// The same, with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) + part].
-    /// Accounts must be cleared before.
+    void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept {
+        kernels_.slopes(*this, range, slope, loads, nullptr);
+    }
+    /// The same, with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) +
+    /// part]. Accounts must be cleared before.
     void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) const noexcept {
         kernels_.observed_slopes(*this, range, slope, loads, accounts);
     }
     /// Depth of the four tips of one link, whatever their phase. `state` is the link's block.
     /// @param slip whether slip is asked for: only phases of sticking and slipping need it
-    void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept { kernels_.probe(*this, state, sheaves, slip, probe); }
+    void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept {
+        kernels_.probe(*this, state, sheaves, slip, probe);
+    }
     /// The same, bit by bit, for `links` neighbouring links. @param states their blocks   @param probes [links]
     void probe_links(const double* states, int links, const SheaveMotion* sheaves, bool slip, TipProbe* probes) const noexcept {
         kernels_.probe_links(*this, states, links, sheaves, slip, probes);

@@ -36,7 +36,9 @@ void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
 }  // namespace
 
 void Variator::adopt(const Parameters& before, const Parameters& p) {
-    const auto machine = [](const Parameters& of) { return std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.pulley, of.control.enabled, of.ledger); };
+    const auto machine = [](const Parameters& of) {
+        return std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.pulley, of.control.enabled, of.ledger);
+    };
     if (machine(before) != machine(p)) chain_ = ChainModel(p, chain_.isa());
     pulleys_.adopt(p);
 }
@@ -87,7 +89,8 @@ void Variator::close(double t, const double* tail, const SheaveForces& chain, co
 }
 
 EvaluationScratch::EvaluationScratch(const ChainLayout& layout)
-    : window(static_cast<std::size_t>((layout.links + 2) * layout.link_block())), loads(static_cast<std::size_t>(layout.links)),
+    : window(static_cast<std::size_t>((layout.links + 2) * layout.link_block())),
+      loads(static_cast<std::size_t>(layout.links)),
       accounts(static_cast<std::size_t>(account_parts * layout.links)) {}
 
 void fill_window(const Variator& variator, const double* state, EvaluationScratch& scratch) noexcept {
@@ -99,7 +102,8 @@ void fill_window(const Variator& variator, const double* state, EvaluationScratc
     std::memcpy(window + static_cast<std::size_t>(at.links + 1) * block, state, block * sizeof(double));
 }
 
-void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope, EvaluationScratch& scratch) noexcept {
+void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope,
+                     EvaluationScratch& scratch) noexcept {
     const ChainLayout& at = variator.layout();
     fill_window(variator, state, scratch);
     if (at.pulley_size != 0) variator.pulleys().motions(state + at.pulley_begin(), scratch.sheaves);
@@ -110,7 +114,8 @@ void right_hand_side(const Variator& variator, double t, const double* state, co
     } else {
         variator.chain().slopes(range, slope, scratch.loads.data());
     }
-    variator.close(t, state + at.pulley_begin(), variator.sheave_forces(phases, scratch.loads.data()), scratch.accounts.data(), slope + at.pulley_begin());
+    variator.close(t, state + at.pulley_begin(), variator.sheave_forces(phases, scratch.loads.data()), scratch.accounts.data(),
+                   slope + at.pulley_begin());
 }
 
 }  // namespace cvtflow::model

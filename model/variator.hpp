@@ -22,7 +22,8 @@ public:
     /// @param isa which kernels run; results do not depend on it
     explicit Variator(const Parameters& parameters, Isa isa = chosen_isa()) : chain_(parameters, isa), pulleys_(parameters) {}
 
-    /// Becomes the variator of other parameters, inputs released. Allocates nothing if the machine stays the same: chain, detail, pulleys' geometry.
+    /// Becomes the variator of other parameters, inputs released. Allocates nothing if the machine stays the same: chain, detail, pulleys'
+    /// geometry.
     /// @param before its parameters so far
     void adopt(const Parameters& before, const Parameters& parameters);
 
@@ -64,6 +65,7 @@ struct EvaluationScratch {
 void fill_window(const Variator& variator, const double* state, EvaluationScratch& scratch) noexcept;
 
 /// dy/dt at (t, state) with frozen phases: plain serial evaluation with the production kernels. state, slope: [layout.size()].
-void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope, EvaluationScratch& scratch) noexcept;
+void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope,
+                     EvaluationScratch& scratch) noexcept;
 
 }  // namespace cvtflow::model

@@ -58,7 +58,8 @@ int guarded(const std::function<int()>& work) noexcept {
 
 void take_standard_descriptors() noexcept {
     for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-        if (fcntl(number, F_GETFD) < 0 && errno == EBADF) static_cast<void>(open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY));   // the lowest free one
+        if (fcntl(number, F_GETFD) < 0 && errno == EBADF)
+            static_cast<void>(open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY));  // the lowest free one
     }
 }
 

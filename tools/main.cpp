@@ -59,12 +59,14 @@ int execute(int argc, char** argv) {
     CLI::App app("Dynamics of chain-driven continuously variable transmissions.", "cvtflow");
     app.set_version_flag("--version", version_text, "Print version, build and machine");
     app.require_subcommand(1);
-    app.add_option_function<std::string>("--isa", choose_isa, "Instruction set of the kernels: baseline, avx2, avx512 (default: the processor's best)")->type_name("NAME");
+    app.add_option_function<std::string>("--isa", choose_isa,
+                                         "Instruction set of the kernels: baseline, avx2, avx512 (default: the processor's best)")
+        ->type_name("NAME");
     app.get_formatter()->column_width(32);
     std::vector<Action> actions;
     for (const Command& command : commands()) {
         CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.description) + ".");
-        sub->fallthrough();   // --isa may follow the command
+        sub->fallthrough();  // --isa may follow the command
         actions.push_back(command.declare(*sub));
     }
     app.footer(
@@ -83,7 +85,8 @@ int execute(int argc, char** argv) {
         const std::string name(commands()[i].name);
         if (!app.got_subcommand(name)) continue;
         const ExitStatus status = actions[i]();
-        if (const CLI::Option* quiet = app.get_subcommand(name)->get_option_no_throw("--quiet"); quiet == nullptr || quiet->count() == 0) print_notices();
+        if (const CLI::Option* quiet = app.get_subcommand(name)->get_option_no_throw("--quiet"); quiet == nullptr || quiet->count() == 0)
+            print_notices();
         return static_cast<int>(status);
     }
     return static_cast<int>(ExitStatus::usage);

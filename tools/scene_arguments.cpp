@@ -133,7 +133,8 @@ double seconds_of(const std::string& option, const std::string& text) {
     const auto parsed = tasks::parse_quantity(text);
     const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
     const bool time = quantity != nullptr && quantity->has_unit && quantity->dimension == tasks::dimension_of("s");
-    if (!time || !(quantity->value > 0.0)) throw UsageError(fmt::format("{} {}: expected a time such as \"30 s\" or \"10 min\"", option, text));
+    if (!time || !(quantity->value > 0.0))
+        throw UsageError(fmt::format("{} {}: expected a time such as \"30 s\" or \"10 min\"", option, text));
     return quantity->value;
 }
 

@@ -35,9 +35,11 @@ cvtflow_code say_exception(cvtflow_message* message) noexcept {
 void fill_versioned(void* callers, const void* ours, std::size_t our_size, std::size_t first_size) {
     std::uint32_t size = 0;
     std::memcpy(&size, callers, sizeof size);
-    if (size < first_size) throw Error(ErrorCode::argument, "size: " + std::to_string(size) + " bytes, the first version has " + std::to_string(first_size));
-    constexpr std::size_t own = sizeof size;   // stays the caller's
-    std::memcpy(static_cast<std::byte*>(callers) + own, static_cast<const std::byte*>(ours) + own, std::min<std::size_t>(size, our_size) - own);
+    if (size < first_size)
+        throw Error(ErrorCode::argument, "size: " + std::to_string(size) + " bytes, the first version has " + std::to_string(first_size));
+    constexpr std::size_t own = sizeof size;  // stays the caller's
+    std::memcpy(static_cast<std::byte*>(callers) + own, static_cast<const std::byte*>(ours) + own,
+                std::min<std::size_t>(size, our_size) - own);
 }
 
 }  // namespace cvtflow::api

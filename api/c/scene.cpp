@@ -20,7 +20,8 @@ cvtflow_code cvtflow_scene_ready(const char* name, cvtflow_scene** scene, cvtflo
     return api::guarded(message, [&] { api::given(scene, "scene") = new cvtflow_scene{Scene::ready(&api::given(name, "name"))}; });
 }
 
-cvtflow_code cvtflow_scene_with(const cvtflow_scene* scene, const char* const* settings, size_t count, cvtflow_scene** changed, cvtflow_message* message) {
+cvtflow_code cvtflow_scene_with(const cvtflow_scene* scene, const char* const* settings, size_t count, cvtflow_scene** changed,
+                                cvtflow_message* message) {
     return api::guarded(message, [&] {
         std::vector<std::string> texts;
         if (count > 0) static_cast<void>(api::given(settings, "settings"));

@@ -28,11 +28,13 @@ T ask(const cvtflow_simulation* simulation, T nothing, Question&& question) noex
 
 extern "C" {
 
-cvtflow_code cvtflow_create(const cvtflow_scene* scene, const cvtflow_options* options, cvtflow_simulation** simulation, cvtflow_message* message) {
+cvtflow_code cvtflow_create(const cvtflow_scene* scene, const cvtflow_options* options, cvtflow_simulation** simulation,
+                            cvtflow_message* message) {
     return api::guarded(message, [&] {
-        if (options != nullptr && options->size < sizeof(cvtflow_options)) throw Error(ErrorCode::argument, "options: its size is not set (CVTFLOW_INIT)");
-        api::given(simulation, "simulation") =
-            new cvtflow_simulation{Simulation(api::given(scene, "scene").scene, threads_of(options), options != nullptr ? options->segments : 0)};
+        if (options != nullptr && options->size < sizeof(cvtflow_options))
+            throw Error(ErrorCode::argument, "options: its size is not set (CVTFLOW_INIT)");
+        api::given(simulation, "simulation") = new cvtflow_simulation{
+            Simulation(api::given(scene, "scene").scene, threads_of(options), options != nullptr ? options->segments : 0)};
     });
 }
 
@@ -71,7 +73,8 @@ cvtflow_code cvtflow_state_get(const cvtflow_simulation* simulation, void* bytes
         const State state = api::given(simulation, "simulation").simulation.state();
         const size_t room = std::exchange(api::given(size, "size"), state.bytes().size());
         if (bytes == nullptr) return;
-        if (room < *size) throw Error(ErrorCode::argument, "size: " + std::to_string(room) + " bytes for a state of " + std::to_string(*size));
+        if (room < *size)
+            throw Error(ErrorCode::argument, "size: " + std::to_string(room) + " bytes for a state of " + std::to_string(*size));
         std::memcpy(bytes, state.bytes().data(), *size);
     });
 }
@@ -93,7 +96,8 @@ cvtflow_code cvtflow_input_set(cvtflow_simulation* simulation, int32_t input, do
 }
 
 cvtflow_code cvtflow_input_get(const cvtflow_simulation* simulation, int32_t input, double* value, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::given(value, "value") = api::given(simulation, "simulation").simulation.input(static_cast<Input>(input)); });
+    return api::guarded(
+        message, [&] { api::given(value, "value") = api::given(simulation, "simulation").simulation.input(static_cast<Input>(input)); });
 }
 
 size_t cvtflow_size(const cvtflow_simulation* simulation) {
@@ -116,7 +120,8 @@ size_t cvtflow_channel_count(const cvtflow_simulation* simulation) {
     return ask(simulation, size_t{0}, [](const Simulation& s) { return s.channels(); });
 }
 
-cvtflow_code cvtflow_channel_describe(const cvtflow_simulation* simulation, size_t channel, cvtflow_channel_info* info, cvtflow_message* message) {
+cvtflow_code cvtflow_channel_describe(const cvtflow_simulation* simulation, size_t channel, cvtflow_channel_info* info,
+                                      cvtflow_message* message) {
     return api::guarded(message, [&] {
         const ChannelInfo row = api::given(simulation, "simulation").simulation.channel_info(channel);
         const cvtflow_channel_info ours{sizeof ours, 0, row.name.data(), row.unit.data(), row.description.data(), row.width};
@@ -130,7 +135,8 @@ cvtflow_code cvtflow_channel_find(const cvtflow_simulation* simulation, const ch
     });
 }
 
-cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, size_t channel, const double** values, size_t* width, cvtflow_message* message) {
+cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, size_t channel, const double** values, size_t* width,
+                                    cvtflow_message* message) {
     return api::guarded(message, [&] {
         const std::span<const double> now = api::given(simulation, "simulation").simulation.channel(channel);
         api::given(values, "values") = now.data();
@@ -154,7 +160,8 @@ cvtflow_code cvtflow_energy_get(const cvtflow_simulation* simulation, cvtflow_en
     });
 }
 
-cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, cvtflow_output_function function, void* user, cvtflow_message* message) {
+cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, cvtflow_output_function function, void* user,
+                               cvtflow_message* message) {
     return api::guarded(message, [&] {
         std::function<void(Simulation&)> callback;
         if (function != nullptr) {
@@ -166,7 +173,8 @@ cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, double interval, 
     });
 }
 
-cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_transition_function function, void* user, cvtflow_message* message) {
+cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_transition_function function, void* user,
+                                   cvtflow_message* message) {
     return api::guarded(message, [&] {
         std::function<void(Simulation&, const Transition&)> callback;
         if (function != nullptr) {

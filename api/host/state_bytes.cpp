@@ -83,7 +83,9 @@ void visit(Stream& stream, Record& record) {
     stream(held.angle);
     stream(state.started);
     stream(state.settling);
-    for (auto* value : {&state.time, &state.begin, &state.output_interval, &state.step, &state.next_step, &state.settling_suspicion, &state.settling_residual}) stream(*value);
+    for (auto* value : {&state.time, &state.begin, &state.output_interval, &state.step, &state.next_step, &state.settling_suspicion,
+                        &state.settling_residual})
+        stream(*value);
     stream(state.grid_number);
     stream(state.grid_steps);
     stream(state.outputs);

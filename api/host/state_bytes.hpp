@@ -17,7 +17,7 @@
 namespace cvtflow::api {
 
 struct StateRecord {
-    std::uint64_t fingerprint = 0;   ///< of the scene: what must agree for a state to fit
+    std::uint64_t fingerprint = 0;  ///< of the scene: what must agree for a state to fit
     model::HeldInputs held;
     tasks::IntegrationState integration;
 };

@@ -80,7 +80,8 @@ std::size_t Simulation::channels() const noexcept { return impl_->channels(); }
 ChannelInfo Simulation::channel_info(std::size_t index) const {
     return entered(ErrorCode::internal, [&] {
         const tasks::Channel& row = impl_->channel_row(index);
-        return ChannelInfo{row.name, row.unit, row.description, static_cast<std::size_t>(row.width(impl_->simulation().variator().layout()))};
+        return ChannelInfo{row.name, row.unit, row.description,
+                           static_cast<std::size_t>(row.width(impl_->simulation().variator().layout()))};
     });
 }
 std::size_t Simulation::find_channel(const std::string& name) const {
@@ -89,9 +90,7 @@ std::size_t Simulation::find_channel(const std::string& name) const {
 std::span<const double> Simulation::channel(std::size_t index) {
     return entered(ErrorCode::internal, [&] { return impl_->channel(index); });
 }
-std::span<const double> Simulation::channel(const std::string& name) {
-    return channel(find_channel(name));
-}
+std::span<const double> Simulation::channel(const std::string& name) { return channel(find_channel(name)); }
 
 Counters Simulation::counters() const noexcept { return impl_->counters(); }
 std::vector<std::string> Simulation::notices() const {

@@ -12,12 +12,15 @@ std::vector<std::string> Simulation::Impl::notices() const {
     std::vector<std::string> lines = simulation_.start_differences();
     if (!energy().reliable) {
         char text[200];
-        std::snprintf(text, sizeof text, "unreliable: the energy balance is off by %.2g times what an honest integration leaves; a shorter step is needed (run.step = \"auto\", or less)",
+        std::snprintf(text, sizeof text,
+                      "unreliable: the energy balance is off by %.2g times what an honest integration leaves; a shorter step is needed "
+                      "(run.step = \"auto\", or less)",
                       energy().suspicion);
         lines.emplace_back(text);
     }
     const engine::ThreadShortage threads = engine::thread_shortage();
-    if (threads.wanted > 0) lines.push_back("threads: the system gave " + std::to_string(threads.had) + " of " + std::to_string(threads.wanted));
+    if (threads.wanted > 0)
+        lines.push_back("threads: the system gave " + std::to_string(threads.had) + " of " + std::to_string(threads.wanted));
     return lines;
 }
 

@@ -27,10 +27,12 @@ constexpr int most_threads = 1024;
     const int links = scene.parameters.chain.pins;
     const bool own = threads.way() == Threads::Way::own;
     if (threads.count() < (own ? 0 : 1) || threads.count() > most_threads) {
-        throw Error(ErrorCode::argument, "threads: " + std::to_string(threads.count()) + " is outside " + (own ? "[0, 1024]" : "[1, 1024]"));
+        throw Error(ErrorCode::argument,
+                    "threads: " + std::to_string(threads.count()) + " is outside " + (own ? "[0, 1024]" : "[1, 1024]"));
     }
     if (segments < 0 || segments > links) {
-        throw Error(ErrorCode::argument, "segments: " + std::to_string(segments) + " is outside [0, " + std::to_string(links) + "], the links of this chain");
+        throw Error(ErrorCode::argument,
+                    "segments: " + std::to_string(segments) + " is outside [0, " + std::to_string(links) + "], the links of this chain");
     }
     tasks::Schedule schedule;
     schedule.threads = threads.count() == 0 ? tasks::usable_threads() : threads.count();
@@ -44,44 +46,16 @@ constexpr int most_threads = 1024;
 
 [[nodiscard]] bool has_pulleys(const tasks::Scene& scene) { return scene.parameters.detail.pulleys != model::PulleyDetail::absent; }
 
-/// An input: its key in scenes, whose range holds for it, and what a scene must have for it.
-struct InputRow {
-    const char* key;
-    std::optional<double> model::HeldInputs::*held;
-    const model::TimeTable& (*table)(const model::Parameters&);
-    bool (*present)(const model::Parameters&);
-    const char* needs;
-};
-
-using P = model::Parameters;
-[[nodiscard]] bool always(const P&) { return true; }
-[[nodiscard]] bool by_torque(const P& p) { return p.drive.mode == model::DriveMode::torque; }
-[[nodiscard]] bool by_speed(const P& p) { return p.drive.mode == model::DriveMode::speed; }
-[[nodiscard]] bool controlled(const P& p) { return p.control.enabled; }
-
-constexpr InputRow input_rows[] = {
-    {"clamping.driving", &model::HeldInputs::driving, [](const P& p) -> const model::TimeTable& { return p.clamping.driving; }, always, ""},
-    {"clamping.driven", &model::HeldInputs::driven, [](const P& p) -> const model::TimeTable& { return p.clamping.driven; }, always, ""},
-    {"load.torque", &model::HeldInputs::load_torque, [](const P& p) -> const model::TimeTable& { return p.load.torque; }, always, ""},
-    {"drive.torque", &model::HeldInputs::drive_torque, [](const P& p) -> const model::TimeTable& { return p.drive.torque; }, by_torque, "drive.mode = \"torque\""},
-    {"drive.speed", &model::HeldInputs::drive_speed, [](const P& p) -> const model::TimeTable& { return p.drive.speed; }, by_speed, "drive.mode = \"speed\""},
-    {"control.ratio", &model::HeldInputs::ratio, [](const P& p) -> const model::TimeTable& { return p.control.ratio; }, controlled, "control.enabled = true"},
-};
-
-[[nodiscard]] const InputRow& input_row(Input input, const tasks::Scene& scene) {
-    const auto number = static_cast<int>(input);
-    if (number < 0 || number >= static_cast<int>(std::size(input_rows))) throw Error(ErrorCode::argument, "input: there is no number " + std::to_string(number));
-    const InputRow& row = input_rows[number];
-    if (!has_pulleys(scene)) throw Error(ErrorCode::argument, std::string(row.key) + ": this scene has no pulleys");
-    if (!row.present(scene.parameters)) throw Error(ErrorCode::argument, std::string(row.key) + ": needs " + row.needs);
-    return row;
-}
-
 }  // namespace
 
 Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments)
-    : scene_(scene), threads_(threads), segments_(segments), schedule_(schedule_of(data(), threads, segments)), simulation_(data(), schedule_),
-      slope_(simulation_.variator(), simulation_.workspace().rule), observer_(simulation_.variator()) {
+    : scene_(scene),
+      threads_(threads),
+      segments_(segments),
+      schedule_(schedule_of(data(), threads, segments)),
+      simulation_(data(), schedule_),
+      slope_(simulation_.variator(), simulation_.workspace().rule),
+      observer_(simulation_.variator()) {
     for (const tasks::Channel& row : tasks::channels()) {
         if (row.needs_pulleys && !has_pulleys(data())) continue;
         channels_.push_back(&row);
@@ -93,7 +67,8 @@ Simulation::Impl::Stay::Stay(Impl& impl, As as) : impl_(impl), entered_(impl.occ
     if (entered_) return;
     const bool callback = impl.occupancy_.mine();
     if (callback && as == As::visitor) return;
-    throw Error(ErrorCode::busy, callback ? "a simulation cannot be stepped or replaced from its own callback" : "the simulation is in use by another thread");
+    throw Error(ErrorCode::busy, callback ? "a simulation cannot be stepped or replaced from its own callback"
+                                          : "the simulation is in use by another thread");
 }
 
 Simulation::Impl::Stay::~Stay() {
@@ -106,7 +81,9 @@ void Simulation::Impl::require_own_process() {
     const pid_t here = getpid();
     if (process_ == 0) process_ = here;
     if (process_ != here) {
-        throw Error(ErrorCode::forked, "this simulation ran on threads before the process was forked; make a new one here, on the caller alone, and set its state");
+        throw Error(
+            ErrorCode::forked,
+            "this simulation ran on threads before the process was forked; make a new one here, on the caller alone, and set its state");
     }
 }
 
@@ -122,7 +99,8 @@ void Simulation::Impl::transition(const tasks::TransitionRecord& record) {
     transitions_.push_back({record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)});
 }
 
-/// Calls back what has come due, in the host's floating-point environment. The host's callbacks may replace themselves, so copies are called.
+/// Calls back what has come due, in the host's floating-point environment. The host's callbacks may replace themselves, so copies are
+/// called.
 void Simulation::Impl::deliver(Simulation& self, api::FloatingDefaults& defaults) {
     const std::vector<Transition> happened = std::exchange(transitions_, {});
     for (const Transition& transition : happened) {
@@ -142,9 +120,11 @@ void Simulation::Impl::deliver(Simulation& self, api::FloatingDefaults& defaults
 /// A step that would do, where the step is the likely reason of a fault.
 std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
     using tasks::FaultKind;
-    if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave) return "";
+    if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave)
+        return "";
     const std::string& method = data().run.method;
-    const double stable = tasks::largest_stable_step(simulation_.variator(), method, simulation_.time(), simulation_.state(), simulation_.phases());
+    const double stable =
+        tasks::largest_stable_step(simulation_.variator(), method, simulation_.time(), simulation_.state(), simulation_.phases());
     if (!(stable > 0.0 && std::isfinite(stable))) return "";
     char text[64];
     std::snprintf(text, sizeof text, " up to about %.2g s here", stable);
@@ -161,7 +141,8 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         if (cancel_.withdraw()) throw Error(ErrorCode::cancelled, "cancelled");
         const long steps_before = simulation_.integration_state().counters.steps;
         observation_ = nullptr;
-        const tasks::Fault fault = api::translated(ErrorCode::internal, [&] { return simulation_.advance(next_stop(until), steps, *this, cancel_); });
+        const tasks::Fault fault =
+            api::translated(ErrorCode::internal, [&] { return simulation_.advance(next_stop(until), steps, *this, cancel_); });
         deliver(self, defaults);
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
         if (steps > 0 && (simulation_.integration_state().counters.steps != steps_before || !fault)) return;
@@ -182,47 +163,19 @@ api::StateRecord Simulation::Impl::record() const {
 
 void Simulation::Impl::restore(const StateRecord& record) {
     const Stay stay(*this, Stay::As::stepper);
-    if (record.fingerprint != api::fingerprint(data())) throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
+    if (record.fingerprint != api::fingerprint(data()))
+        throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
     api::translated(ErrorCode::state, [&] { simulation_.restore(record.integration); });
     hold(record.held);
     transitions_.clear();
     if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / output_interval_ + 1e-9)) + 1;
 }
 
-void Simulation::Impl::hold(const model::HeldInputs& held) {
-    simulation_.hold(held);
-    observation_ = nullptr;
-}
-
-void Simulation::Impl::set_input(Input input, double value) {
-    const Stay stay(*this, Stay::As::visitor);
-    const InputRow& row = input_row(input, data());
-    const tasks::Parameter& range = *tasks::find_parameter(row.key);
-    if (!(value >= range.min && value <= range.max)) {
-        throw Error(ErrorCode::argument, std::string(row.key) + ": " + tasks::number_text(value) + " is outside [" + tasks::number_text(range.min) + ", " +
-                                             tasks::number_text(range.max) + "] " + std::string(range.unit));
-    }
-    const model::PulleyModel& pulleys = simulation_.variator().pulleys();
-    model::HeldInputs held = pulleys.held();
-    if (input == Input::drive_speed) {   // the reference angle goes on from where it is
-        held.angle = pulleys.reference_angle(simulation_.time());
-        held.since = simulation_.time();
-    }
-    held.*row.held = value;
-    hold(held);
-    simulation_.inputs_changed();
-}
-
-double Simulation::Impl::input(Input input) const {
-    const InputRow& row = input_row(input, data());
-    const auto& held = simulation_.variator().pulleys().held().*row.held;
-    return held ? *held : row.table(data().parameters).at(std::max(simulation_.time(), 0.0));
-}
-
 void Simulation::Impl::rhs(double t, std::span<const double> x, std::span<double> out) {
     const std::size_t size = static_cast<std::size_t>(simulation_.variator().layout().size());
     if (x.size() != size || out.size() != size) {
-        throw Error(ErrorCode::argument, "rhs: spans of " + std::to_string(x.size()) + " and " + std::to_string(out.size()) + " numbers for " + std::to_string(size) + " unknowns");
+        throw Error(ErrorCode::argument, "rhs: spans of " + std::to_string(x.size()) + " and " + std::to_string(out.size()) +
+                                             " numbers for " + std::to_string(size) + " unknowns");
     }
     const Stay stay(*this, Stay::As::visitor);
     slope_(t, x.data(), out.data());
@@ -253,7 +206,8 @@ std::span<const double> Simulation::Impl::channel(std::size_t index) {
 
 void Simulation::Impl::on_output(double interval, std::function<void(Simulation&)> callback) {
     const Stay stay(*this, Stay::As::visitor);
-    if (callback && !(interval > 0.0 && std::isfinite(interval))) throw Error(ErrorCode::argument, "on_output: the interval must be positive");
+    if (callback && !(interval > 0.0 && std::isfinite(interval)))
+        throw Error(ErrorCode::argument, "on_output: the interval must be positive");
     output_callback_ = std::move(callback);
     output_interval_ = interval;
     if (output_callback_) outputs_ = static_cast<long>(std::floor(simulation_.time() / interval + 1e-9)) + 1;

@@ -81,17 +81,17 @@ private:
     tasks::Simulation simulation_;
     tasks::PlainSlope slope_;
     model::Observer observer_;
-    const model::Observation* observation_ = nullptr;   ///< of the present state; nullptr: not made yet
+    const model::Observation* observation_ = nullptr;  ///< of the present state; nullptr: not made yet
     std::vector<const tasks::Channel*> channels_;
-    std::vector<std::vector<double>> values_;           ///< [channel][width]
+    std::vector<std::vector<double>> values_;  ///< [channel][width]
     engine::Occupancy occupancy_;
     engine::Cancellation cancel_;
-    pid_t process_ = 0;                                 ///< in which it first ran on threads; 0: it has not
+    pid_t process_ = 0;  ///< in which it first ran on threads; 0: it has not
     std::function<void(Simulation&)> output_callback_;
-    double output_interval_ = 0.0;                      ///< [s]
-    long outputs_ = 0;                                  ///< the next one is due at outputs_ * output_interval_
+    double output_interval_ = 0.0;  ///< [s]
+    long outputs_ = 0;              ///< the next one is due at outputs_ * output_interval_
     std::function<void(Simulation&, const Transition&)> transition_callback_;
-    std::vector<Transition> transitions_;               ///< not delivered yet
+    std::vector<Transition> transitions_;  ///< not delivered yet
 };
 
 }  // namespace v0

@@ -37,7 +37,7 @@ Arithmetic decode(const std::uint8_t* code) {
 
 long flops(const std::uint8_t* code) {
     const Arithmetic a = decode(code);
-    constexpr std::array<std::uint8_t, 5> operations{0x51, 0x58, 0x59, 0x5c, 0x5e};   // sqrt, add, mul, sub, div
+    constexpr std::array<std::uint8_t, 5> operations{0x51, 0x58, 0x59, 0x5c, 0x5e};  // sqrt, add, mul, sub, div
     for (const std::uint8_t operation : operations) {
         if (a.operation == operation) return a.kind == 1 ? 2L << a.length : a.kind == 3 ? 1 : 0;
     }
@@ -65,7 +65,7 @@ std::optional<Counted> follow(pid_t child) {
         user_regs_struct registers;
         ptrace(PTRACE_GETREGS, child, nullptr, &registers);
         ++counted.instructions;
-        counted.flops += flops(reinterpret_cast<const std::uint8_t*>(registers.rip));   // a fork: its code lies where ours does
+        counted.flops += flops(reinterpret_cast<const std::uint8_t*>(registers.rip));  // a fork: its code lies where ours does
     }
 }
 

@@ -8,7 +8,7 @@ namespace cvtflow::bench {
 
 struct Counted {
     long instructions = 0;
-    long flops = 0;   ///< additions, subtractions, multiplications, divisions and square roots, once per lane (padding lanes too)
+    long flops = 0;  ///< additions, subtractions, multiplications, divisions and square roots, once per lane (padding lanes too)
 };
 
 /// Runs the body in a child process one instruction at a time (about 3 µs each), after one run at full speed.

@@ -56,19 +56,25 @@ void solve(const Pass& pass, int own, int count, const Pass::Columns& columns) n
     pass.solve(own, count, f.data());
 }
 
-std::size_t lane_memory(int links) { return sizeof(Pass::Columns) / sizeof(double) * static_cast<std::size_t>((links + width - 1) / width + 1); }
+std::size_t lane_memory(int links) {
+    return sizeof(Pass::Columns) / sizeof(double) * static_cast<std::size_t>((links + width - 1) / width + 1);
+}
 
 void run(int part, const ChainModel& model, const ChainRange& range, double* lanes, double* out, LinkLoad* loads) {
     const Pass pass(model, range, out, loads);
-    auto* columns = reinterpret_cast<Pass::Columns*>(lanes) + 1;   // before them those of the link before the first
+    auto* columns = reinterpret_cast<Pass::Columns*>(lanes) + 1;  // before them those of the link before the first
     const int links = range.last - range.first;
     if (part == 0) pass.read(-width, columns[-1]);
     for (int own = 0; own < links; own += width) {
         const int count = std::min(width, links - own), group = own / width;
-        if (part == 0) pass.read(own, columns[group]);
-        else if (part == 3) joints(pass, own, count, columns[group - 1], columns[group], out);
-        else if (part == 5) solve(pass, own, count, columns[group]);
-        else others(part, pass, own, count, columns[group], out, loads);
+        if (part == 0)
+            pass.read(own, columns[group]);
+        else if (part == 3)
+            joints(pass, own, count, columns[group - 1], columns[group], out);
+        else if (part == 5)
+            solve(pass, own, count, columns[group]);
+        else
+            others(part, pass, own, count, columns[group], out, loads);
     }
 }
 

@@ -17,13 +17,14 @@ struct LinkParts {
     std::size_t (*lane_memory)(int links);
     /// @param part index into link_part_names   @param lanes [lane_memory], on a cache line; written by part 0, read by the others
     /// @param out [links][2 link_size()]   @param loads [links], written by tips
-    void (*run)(int part, const model::ChainModel& model, const model::ChainRange& range, double* lanes, double* out, model::LinkLoad* loads);
+    void (*run)(int part, const model::ChainModel& model, const model::ChainRange& range, double* lanes, double* out,
+                model::LinkLoad* loads);
 };
 
 /// Of order 3. Defined in link_parts.cpp.
 template <model::Isa isa>
 LinkParts link_parts();
-inline constexpr auto one_lane = static_cast<model::Isa>(-1);   // bench/one_lane
+inline constexpr auto one_lane = static_cast<model::Isa>(-1);  // bench/one_lane
 template <>
 LinkParts link_parts<one_lane>();
 template <>

@@ -10,7 +10,7 @@ namespace {
 
 struct Goal {
     const char* who;
-    double speedup;   ///< of whole over one_lane
+    double speedup;  ///< of whole over one_lane
 };
 constexpr Goal goals[] = {{"one_lane", 1.0}, {"baseline", 2.0}, {"avx2", 3.5}, {"avx512", 5.0}};
 
@@ -37,7 +37,8 @@ void SummaryReporter::print_speedups(const std::string& who, double goal) const 
     const double plain = time("plain/whole"), one_lane = time("one_lane/whole");
     if (plain > 0.0) text += fmt::format(", {:5.1f} times faster than plain", plain / whole);
     if (one_lane > 0.0) text += fmt::format(", {:5.2f} than one lane (goal {:g})", one_lane / whole, goal);
-    if (time(who + "/smoothed") > 0.0) text += fmt::format("; smoothed law {:+.1f} % (goal 3)", 100.0 * (time(who + "/smoothed") / whole - 1.0));
+    if (time(who + "/smoothed") > 0.0)
+        text += fmt::format("; smoothed law {:+.1f} % (goal 3)", 100.0 * (time(who + "/smoothed") / whole - 1.0));
     if (time(who + "/lowest") > 0.0) text += fmt::format("; lowest detail 1/{:.1f} of it (goal 1/8)", whole / time(who + "/lowest"));
     fmt::print("{}\n", text);
     std::string parts;
@@ -45,7 +46,8 @@ void SummaryReporter::print_speedups(const std::string& who, double goal) const 
         const double here = time(who + "/" + part);
         if (here == 0.0) continue;
         parts += fmt::format("  {} {:.2f} us", part, here);
-        if (time(std::string("plain/") + part) > 0.0) parts += fmt::format(" (1/{:.0f} of plain)", time(std::string("plain/") + part) / here);
+        if (time(std::string("plain/") + part) > 0.0)
+            parts += fmt::format(" (1/{:.0f} of plain)", time(std::string("plain/") + part) / here);
     }
     if (!parts.empty()) fmt::print("          {}\n", parts);
 }

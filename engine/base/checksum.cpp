@@ -8,7 +8,7 @@ namespace cvtflow::engine {
 
 namespace {
 
-constexpr std::uint64_t odd_factor = 0x9e3779b97f4a7c15ULL;   // 2^64 / golden ratio
+constexpr std::uint64_t odd_factor = 0x9e3779b97f4a7c15ULL;  // 2^64 / golden ratio
 
 /// One to one in each argument while the other is held: what changes one word changes the result.
 /// The shift spreads high bits, which a product alone leaves where they are.

@@ -4,9 +4,7 @@
 
 namespace cvtflow::engine {
 
-void Hash::add_byte(std::uint8_t byte) noexcept {
-    value_ = (value_ ^ byte) * 0x100000001b3ULL;
-}
+void Hash::add_byte(std::uint8_t byte) noexcept { value_ = (value_ ^ byte) * 0x100000001b3ULL; }
 
 Hash& Hash::add(std::span<const std::byte> bytes) noexcept {
     for (const std::byte byte : bytes) {
@@ -15,9 +13,7 @@ Hash& Hash::add(std::span<const std::byte> bytes) noexcept {
     return *this;
 }
 
-Hash& Hash::add(std::span<const std::uint8_t> bytes) noexcept {
-    return add(std::as_bytes(bytes));
-}
+Hash& Hash::add(std::span<const std::uint8_t> bytes) noexcept { return add(std::as_bytes(bytes)); }
 
 Hash& Hash::add(std::span<const double> values) noexcept {
     for (const double value : values) {
@@ -26,9 +22,7 @@ Hash& Hash::add(std::span<const double> values) noexcept {
     return *this;
 }
 
-Hash& Hash::add(std::string_view text) noexcept {
-    return add(std::as_bytes(std::span(text.data(), text.size())));
-}
+Hash& Hash::add(std::string_view text) noexcept { return add(std::as_bytes(std::span(text.data(), text.size()))); }
 
 Hash& Hash::add(std::uint64_t word) noexcept {
     for (int shift = 0; shift < 64; shift += 8) {
@@ -37,9 +31,7 @@ Hash& Hash::add(std::uint64_t word) noexcept {
     return *this;
 }
 
-std::string Hash::hex() const {
-    return engine::hex(value_);
-}
+std::string Hash::hex() const { return engine::hex(value_); }
 
 std::string hex(std::uint64_t word) {
     std::string text(16, '0');
@@ -49,8 +41,6 @@ std::string hex(std::uint64_t word) {
     return text;
 }
 
-std::uint64_t state_hash(std::span<const double> state) noexcept {
-    return Hash{}.add(state).value();
-}
+std::uint64_t state_hash(std::span<const double> state) noexcept { return Hash{}.add(state).value(); }
 
 }  // namespace cvtflow::engine

@@ -15,7 +15,7 @@ namespace cvtflow::engine {
 
 namespace {
 
-constexpr long system_of_pipes = 0x50495045;   ///< where Linux keeps them (PIPEFS_MAGIC)
+constexpr long system_of_pipes = 0x50495045;  ///< where Linux keeps them (PIPEFS_MAGIC)
 
 [[noreturn]] void fail(int reason) { throw InputError(std::strerror(reason)); }
 
@@ -86,21 +86,28 @@ InputFile::InputFile(const std::string& path) {
 InputFile::~InputFile() { close(descriptor_); }
 
 bool InputFile::same_as(int descriptor) const noexcept {
-    struct stat here {}, there {};
+    struct stat here {
+    }, there{};
     return fstat(descriptor_, &here) == 0 && fstat(descriptor, &there) == 0 && here.st_dev == there.st_dev && here.st_ino == there.st_ino;
 }
 
-std::size_t InputFile::read(std::uint64_t offset, std::byte* bytes, std::size_t count) const { return read_at(descriptor_, offset, bytes, count); }
+std::size_t InputFile::read(std::uint64_t offset, std::byte* bytes, std::size_t count) const {
+    return read_at(descriptor_, offset, bytes, count);
+}
 
 std::string read_text_input(const std::string& path, std::uint64_t most, double patience) {
     const Opened file(path);
     const bool pipe = file.nameless_pipe();
     if (!pipe) file.require_regular();
     const std::string limit = std::to_string(most), size = std::to_string(file.about.st_size);
-    if (static_cast<std::uint64_t>(file.about.st_size) > most) throw InputError(size + " bytes, more than the " + limit + " that such a file may have");
+    if (static_cast<std::uint64_t>(file.about.st_size) > most)
+        throw InputError(size + " bytes, more than the " + limit + " that such a file may have");
     std::string text;
     std::byte block[65536];
-    const auto next = [&] { return pipe ? read_pipe(file.descriptor, block, sizeof block, patience) : read_at(file.descriptor, text.size(), block, sizeof block); };
+    const auto next = [&] {
+        return pipe ? read_pipe(file.descriptor, block, sizeof block, patience)
+                    : read_at(file.descriptor, text.size(), block, sizeof block);
+    };
     // Not by its size: files of /proc have none, and others may grow.
     for (std::size_t some = 0; (some = next()) > 0;) {
         text.append(reinterpret_cast<const char*>(block), some);

@@ -1,5 +1,6 @@
 #pragma once
-/// Files that are read: regular ones, of a size that can be meant. A pipe that lies in a folder would be waited for, a device would never end.
+/// Files that are read: regular ones, of a size that can be meant. A pipe that lies in a folder would be waited for, a device would never
+/// end.
 
 #include <cstddef>
 #include <cstdint>
@@ -36,7 +37,8 @@ private:
     std::uint64_t size_ = 0;
 };
 
-/// All of a text, without a byte order mark at its beginning. It may also come through a pipe without a name (`… | cvtflow check /dev/stdin`,
+/// All of a text, without a byte order mark at its beginning. It may also come through a pipe without a name (`… | cvtflow check
+/// /dev/stdin`,
 /// `<(…)`), for which its writer is waited.
 /// @param most longest text [byte]
 /// @param patience time after which such a pipe is given up if nothing comes [s]

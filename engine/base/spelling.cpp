@@ -25,7 +25,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string closest(std::string_view word, const std::vector<std::string>& candidates) {
-    if (word.size() > 100) return {};   // no slip of the fingers, and a megabyte would take seconds
+    if (word.size() > 100) return {};  // no slip of the fingers, and a megabyte would take seconds
     std::size_t best = std::max<std::size_t>(2, word.size() / 3) + 1;
     std::string found;
     for (const auto& candidate : candidates) {

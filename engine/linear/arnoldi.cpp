@@ -21,7 +21,7 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 class KrylovSpace {
 public:
     KrylovSpace(const std::vector<double>& matrix, int size) : matrix_(Eigen::Map<const Matrix>(matrix.data(), size, size).sparseView()) {
-        std::mt19937_64 random(20);   // raw draws are the same everywhere, distributions are not
+        std::mt19937_64 random(20);  // raw draws are the same everywhere, distributions are not
         Vector start(size);
         for (double& entry : start) entry = static_cast<double>(random() >> 11) * 0x1p-53 - 0.5;
         basis_.resize(size, 1);
@@ -47,7 +47,7 @@ private:
         const auto basis = basis_.leftCols(k + 1);
         Vector next = matrix_ * basis_.col(k);
         const double before = next.norm();
-        for (int pass = 0; pass < 2; ++pass) {   // twice is enough
+        for (int pass = 0; pass < 2; ++pass) {  // twice is enough
             const Vector shares = basis.transpose() * next;
             next.noalias() -= basis * shares;
             projected_.col(k).head(k + 1) += shares;
@@ -60,8 +60,8 @@ private:
     }
 
     const Eigen::SparseMatrix<double, Eigen::RowMajor> matrix_;
-    Matrix basis_;       ///< [size, dimension + 1]
-    Matrix projected_;   ///< H and the row of β below it
+    Matrix basis_;      ///< [size, dimension + 1]
+    Matrix projected_;  ///< H and the row of β below it
     int dimension_ = 0;
     double beta_ = 0.0;
 };
@@ -96,7 +96,8 @@ double last_component(const RowMajor& hessenberg, std::complex<double> value) {
     for (Index row = m - 1; row > 0; --row) {
         const auto entries = hessenberg.row(row).segment(row, m - row);
         const double re = entries.dot(real.tail(m - row)) - value.real() * real[row] + value.imag() * imaginary[row];
-        const double im = value.imag() == 0.0 ? 0.0 : entries.dot(imaginary.tail(m - row)) - value.real() * imaginary[row] - value.imag() * real[row];
+        const double im =
+            value.imag() == 0.0 ? 0.0 : entries.dot(imaginary.tail(m - row)) - value.real() * imaginary[row] - value.imag() * real[row];
         real[row - 1] = -re / hessenberg(row, row - 1);
         imaginary[row - 1] = -im / hessenberg(row, row - 1);
         const double size = std::max(std::abs(real[row - 1]), std::abs(imaginary[row - 1]));
@@ -108,7 +109,8 @@ double last_component(const RowMajor& hessenberg, std::complex<double> value) {
 
 /// Those left of the border and the pair that oscillates fastest.
 Eigenvalues selected(const Eigenvalues& values, double left_of) {
-    const auto fastest = std::max_element(values.begin(), values.end(), [](const auto& a, const auto& b) { return std::abs(a.imag()) < std::abs(b.imag()); });
+    const auto fastest = std::max_element(values.begin(), values.end(),
+                                          [](const auto& a, const auto& b) { return std::abs(a.imag()) < std::abs(b.imag()); });
     Eigenvalues chosen;
     for (const auto& value : values) {
         const bool pair = value.real() == fastest->real() && std::abs(value.imag()) == std::abs(fastest->imag());

@@ -13,14 +13,26 @@ namespace {
 }  // namespace
 
 BlockChain::BlockChain(int count, int size, int border)
-    : count_(count), size_(size), border_(border), lower_(zeros(count * size * size)), diagonal_(lower_), panel_(zeros(count * size * (2 * size + border))),
-      outer_(zeros(count * (size + border) * size)), exchanges_(static_cast<std::size_t>(count * size)), right_lower_(zeros(size * size)),
-      left_upper_(right_lower_), right_row_(zeros(size * (2 * size + border))), outer_sum_(zeros((size + border) * (2 * size + border))),
-      right_part_(zeros(size)), outer_part_(zeros(size + border)), solution_(zeros(count * size)) {}
+    : count_(count),
+      size_(size),
+      border_(border),
+      lower_(zeros(count * size * size)),
+      diagonal_(lower_),
+      panel_(zeros(count * size * (2 * size + border))),
+      outer_(zeros(count * (size + border) * size)),
+      exchanges_(static_cast<std::size_t>(count * size)),
+      right_lower_(zeros(size * size)),
+      left_upper_(right_lower_),
+      right_row_(zeros(size * (2 * size + border))),
+      outer_sum_(zeros((size + border) * (2 * size + border))),
+      right_part_(zeros(size)),
+      outer_part_(zeros(size + border)),
+      solution_(zeros(count * size)) {}
 
 void BlockChain::clear(int active) noexcept {
     active_ = active;
-    for (std::vector<double>* all : {&lower_, &diagonal_, &panel_, &outer_, &right_lower_, &left_upper_}) std::fill(all->begin(), all->end(), 0.0);
+    for (std::vector<double>* all : {&lower_, &diagonal_, &panel_, &outer_, &right_lower_, &left_upper_})
+        std::fill(all->begin(), all->end(), 0.0);
 }
 
 BlockChain::Rows BlockChain::block(int i) noexcept {

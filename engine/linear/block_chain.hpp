@@ -62,10 +62,10 @@ private:
     void eliminate_outer(int i) noexcept;
 
     int count_, size_, border_, active_ = 0;
-    std::vector<double> lower_, diagonal_;   ///< [count][size × size]
-    std::vector<double> panel_;              ///< [count][size × (2 size + active)]: U | left | C, then D⁻¹ times it
-    std::vector<double> outer_;              ///< [count][(size + active) × size]: outer rows on the block when its turn comes
-    std::vector<int> exchanges_;             ///< [count][size]
+    std::vector<double> lower_, diagonal_;  ///< [count][size × size]
+    std::vector<double> panel_;             ///< [count][size × (2 size + active)]: U | left | C, then D⁻¹ times it
+    std::vector<double> outer_;             ///< [count][(size + active) × size]: outer rows on the block when its turn comes
+    std::vector<int> exchanges_;            ///< [count][size]
     std::vector<double> right_lower_, left_upper_, right_row_, outer_sum_, right_part_, outer_part_, solution_;
 };
 

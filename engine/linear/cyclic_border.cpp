@@ -23,10 +23,19 @@ void add(int rows, int columns, const double* part, int stride, double* into, in
 }  // namespace
 
 CyclicBorder::CyclicBorder(int blocks, int size, int border, int chunks)
-    : blocks_(blocks), size_(size), border_(border), active_(static_cast<std::size_t>(chunks * border)), active_count_(static_cast<std::size_t>(chunks)),
-      all_border_(static_cast<std::size_t>(border)), separators_(zero_vector(chunks * size * (size + 2 * border))), ring_(chunks - 1, size, border),
-      corner_(zero_vector(border * border)), matrix_(zero_vector((size + border) * (size + border))), exchanges_(static_cast<std::size_t>(size + border)),
-      known_(zero_vector(chunks * size + border)), seen_(zero_vector(chunks * border)) {
+    : blocks_(blocks),
+      size_(size),
+      border_(border),
+      active_(static_cast<std::size_t>(chunks * border)),
+      active_count_(static_cast<std::size_t>(chunks)),
+      all_border_(static_cast<std::size_t>(border)),
+      separators_(zero_vector(chunks * size * (size + 2 * border))),
+      ring_(chunks - 1, size, border),
+      corner_(zero_vector(border * border)),
+      matrix_(zero_vector((size + border) * (size + border))),
+      exchanges_(static_cast<std::size_t>(size + border)),
+      known_(zero_vector(chunks * size + border)),
+      seen_(zero_vector(chunks * border)) {
     const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(blocks) * k / chunks); };
     for (int chunk = 0; chunk < chunks; ++chunk) {
         ranges_.push_back({cut(chunk), cut(chunk + 1)});
@@ -56,7 +65,14 @@ CyclicBorder::Block CyclicBorder::block(int number) noexcept {
     }
     double* given = separator(chunk);
     double* columns = given + size_ * size_;
-    return {inner(chunk).right_lower(), given, inner(next(chunk)).left_upper(), columns, columns + size_ * border_, size_, border_, all_border_};
+    return {inner(chunk).right_lower(),
+            given,
+            inner(next(chunk)).left_upper(),
+            columns,
+            columns + size_ * border_,
+            size_,
+            border_,
+            all_border_};
 }
 
 bool CyclicBorder::eliminate(int chunk) noexcept { return inner(chunk).eliminate(); }
@@ -95,7 +111,7 @@ void CyclicBorder::collect_inner(int chunk) noexcept {
     const BlockChain& from = inner(chunk);
     const std::span<const int> seen = active(chunk);
     const int sees = from.active(), stride = from.stride(), border = chunks();
-    const auto put = [&](int row, const double* part) {   // [on right | on left | on active]
+    const auto put = [&](int row, const double* part) {  // [on right | on left | on active]
         const bool outside = row == border;
         const int rows = outside ? sees : size_;
         const std::span<const int> row_of = outside ? seen : std::span<const int>{};

@@ -24,16 +24,16 @@ class CyclicBorder {
 public:
     /// Entries of one block's rows and of the border's rows on it; row-major, all zero after clear().
     struct Block {
-        double* lower;                 ///< L_i [size × size]
-        double* diagonal;              ///< D_i [size × size]
-        double* upper;                 ///< U_i [size × size], rows `upper_stride` apart; a separator's belongs to the next chunk
-        double* columns;               ///< C_i [size × border.size()], rows `columns_stride` apart
-        double* rows;                  ///< R_i [border.size() × size]
+        double* lower;     ///< L_i [size × size]
+        double* diagonal;  ///< D_i [size × size]
+        double* upper;     ///< U_i [size × size], rows `upper_stride` apart; a separator's belongs to the next chunk
+        double* columns;   ///< C_i [size × border.size()], rows `columns_stride` apart
+        double* rows;      ///< R_i [border.size() × size]
         int upper_stride, columns_stride;
-        std::span<const int> border;   ///< border unknowns that C_i and R_i stand for
+        std::span<const int> border;  ///< border unknowns that C_i and R_i stand for
     };
     struct Range {
-        int first, last;   ///< blocks [first, last); last - 1 is the separator
+        int first, last;  ///< blocks [first, last); last - 1 is the separator
         [[nodiscard]] int size() const noexcept { return last - first; }
     };
 
@@ -89,12 +89,12 @@ private:
     std::vector<Range> ranges_;
     std::vector<std::unique_ptr<BlockChain>> inner_;
     std::vector<int> active_, active_count_, all_border_;
-    std::vector<double> separators_;          ///< [chunk] D, C, R of its separator
-    BlockChain ring_;                         ///< separators but the last
-    std::vector<double> corner_, matrix_;     ///< B; last separator and border: [size + border]²
+    std::vector<double> separators_;       ///< [chunk] D, C, R of its separator
+    BlockChain ring_;                      ///< separators but the last
+    std::vector<double> corner_, matrix_;  ///< B; last separator and border: [size + border]²
     std::vector<int> exchanges_;
-    std::vector<double> known_;               ///< separators and border: right-hand side, then solution
-    std::vector<double> seen_;                ///< [chunk][border] solution of the active border unknowns
+    std::vector<double> known_;  ///< separators and border: right-hand side, then solution
+    std::vector<double> seen_;   ///< [chunk][border] solution of the active border unknowns
 };
 
 }  // namespace cvtflow::engine

@@ -35,7 +35,8 @@ void subtract_rows(int inner, int columns, const double* __restrict a, const dou
 
 }  // namespace
 
-void subtract_product(int rows, int inner, int columns, const double* a, int a_stride, const double* b, int b_stride, double* c, int c_stride) noexcept {
+void subtract_product(int rows, int inner, int columns, const double* a, int a_stride, const double* b, int b_stride, double* c,
+                      int c_stride) noexcept {
     for (int row = 0; row < rows; ++row) subtract_rows(inner, columns, a + row * a_stride, b, b_stride, c + row * c_stride);
 }
 

@@ -5,7 +5,8 @@
 namespace cvtflow::engine {
 
 /// C -= A B.   A is [rows × inner], B [inner × columns], C [rows × columns]; a `stride` is the distance of two rows.
-void subtract_product(int rows, int inner, int columns, const double* a, int a_stride, const double* b, int b_stride, double* c, int c_stride) noexcept;
+void subtract_product(int rows, int inner, int columns, const double* a, int a_stride, const double* b, int b_stride, double* c,
+                      int c_stride) noexcept;
 
 /// P A = L U in place with row exchanges: row k was exchanged with row exchanges[k] ≥ k. A is [size × size], rows `size` apart.
 /// @return false if a pivot is zero or not finite; A is then of no use

@@ -49,7 +49,8 @@ void balance(std::vector<double>& matrix, int size) {
 }
 
 void sort_by_decay(Eigenvalues& values) {
-    std::sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return a.real() != b.real() ? a.real() < b.real() : a.imag() < b.imag(); });
+    std::sort(values.begin(), values.end(),
+              [](const auto& a, const auto& b) { return a.real() != b.real() ? a.real() < b.real() : a.imag() < b.imag(); });
 }
 
 Eigenvalues dense_eigenvalues(const double* matrix, int size) {

@@ -103,7 +103,8 @@ std::span<const StagePlan> methods() {
         for (const int stages : {10, 20, 40}) list.push_back(rock2(stages));
         for (const int stages : {10, 20, 40}) list.push_back(rock4(stages));
         for (const int stages : {10, 20, 40}) list.push_back(serk2(stages));
-        for (const char* name : {"fitted-l100-w1", "fitted-l200-w2", "fitted-l300-w3", "fitted-l400-w4"}) list.push_back(*fitted_by_name(name));
+        for (const char* name : {"fitted-l100-w1", "fitted-l200-w2", "fitted-l300-w3", "fitted-l400-w4"})
+            list.push_back(*fitted_by_name(name));
         return list;
     }();
     return all;

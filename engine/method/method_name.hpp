@@ -7,8 +7,8 @@
 
 namespace cvtflow::engine {
 
-/// Values by letter, if the name is `family` followed by -<letter><number> once or more, each letter one of `letters` and at most once, each
-/// number finite, in plain digits (no exponent); nothing otherwise.
+/// Values by letter, if the name is `family` followed by -<letter><number> once or more, each letter one of `letters` and at most once,
+/// each number finite, in plain digits (no exponent); nothing otherwise.
 [[nodiscard]] std::optional<std::map<char, double>> name_values(std::string_view name, std::string_view family, std::string_view letters);
 
 }  // namespace cvtflow::engine

@@ -63,8 +63,8 @@ struct alignas(128) Counter {
 
 double bare_barrier_cycle(int threads, double seconds) {
     using Clock = std::chrono::steady_clock;
-    if (startable_threads(threads - 1) < threads - 1) too_few_threads(threads);   // those that begin would wait for the others
-    Counter opened;  // number of the open cycle; negative: leave
+    if (startable_threads(threads - 1) < threads - 1) too_few_threads(threads);  // those that begin would wait for the others
+    Counter opened;                                                              // number of the open cycle; negative: leave
     std::vector<Counter> answered(static_cast<std::size_t>(std::max(0, threads - 1)));
     std::vector<std::jthread> others;
     for (Counter& own : answered) {

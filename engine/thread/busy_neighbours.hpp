@@ -5,8 +5,8 @@
 
 namespace cvtflow::engine {
 
-/// That many threads of this process spin as long as this lives: neighbours on a shared machine. They are not oneTBB's, so that no scheduler
-/// knows of them.
+/// That many threads of this process spin as long as this lives: neighbours on a shared machine. They are not oneTBB's, so that no
+/// scheduler knows of them.
 class BusyNeighbours {
 public:
     /// Zero or less: none.

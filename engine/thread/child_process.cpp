@@ -25,7 +25,9 @@ SharedSlots::SharedSlots(int count) {
 
 SharedSlots::~SharedSlots() { munmap(slots_.data(), slots_.size_bytes()); }
 
-void SharedSlots::set(int slot, long number) noexcept { std::atomic_ref(slots_[static_cast<std::size_t>(slot)]).store(number, std::memory_order_relaxed); }
+void SharedSlots::set(int slot, long number) noexcept {
+    std::atomic_ref(slots_[static_cast<std::size_t>(slot)]).store(number, std::memory_order_relaxed);
+}
 
 void SharedSlots::clear() noexcept { std::fill(slots_.begin(), slots_.end(), none); }
 
@@ -47,7 +49,7 @@ std::vector<int> ending_signals() {
 
 namespace {
 
-volatile std::sig_atomic_t child_at_work = 0, wished = 0;   // a signal handler can reach nothing but globals
+volatile std::sig_atomic_t child_at_work = 0, wished = 0;  // a signal handler can reach nothing but globals
 
 void hand_on(int signal, siginfo_t* from, void* /*context*/) {
     wished = 1;
@@ -88,7 +90,7 @@ private:
 /// The child's whole life: it must not unwind into what its parent had begun.
 [[noreturn]] void live(pid_t parent, const std::function<int()>& work) noexcept {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) _exit(1);   // the parent died before that took effect
+    if (getppid() != parent) _exit(1);  // the parent died before that took effect
     const int status = work();
     std::fflush(nullptr);
     _exit(status);

@@ -27,8 +27,8 @@ private:
     std::span<long> slots_;
 };
 
-/// Signals that ask work to end in good order: SIGINT, SIGTERM; SIGHUP (the terminal is gone), SIGXCPU (the limit of processor time, once a second
-/// until it is final) and SIGPIPE (nobody reads any more) unless this process was started with them ignored, as under nohup.
+/// Signals that ask work to end in good order: SIGINT, SIGTERM; SIGHUP (the terminal is gone), SIGXCPU (the limit of processor time, once a
+/// second until it is final) and SIGPIPE (nobody reads any more) unless this process was started with them ignored, as under nohup.
 [[nodiscard]] std::vector<int> ending_signals();
 
 /// How a child has ended.
@@ -38,8 +38,8 @@ struct ChildEnd {
     bool interrupted = false;  ///< an ending signal came while it lived
 };
 
-/// Runs `work` in a child and waits for it. Ending signals of other processes are handed on to it (a terminal's Ctrl-C reaches both anyway); it dies with
-/// its parent. One at a time.
+/// Runs `work` in a child and waits for it. Ending signals of other processes are handed on to it (a terminal's Ctrl-C reaches both
+/// anyway); it dies with its parent. One at a time.
 /// @param work must not throw; its result is the exit status   @throws std::system_error if there can be no more processes
 [[nodiscard]] ChildEnd run_child(const std::function<int()>& work);
 

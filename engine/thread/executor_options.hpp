@@ -17,9 +17,9 @@ enum class Wait {
 struct ExecutorOptions {
     int threads = 1;  ///< ≥ 1, the calling thread included; a limit, not a demand
     Wait wait = Wait::balanced;
-    double spin = -1.0;                 ///< time of pauses before the first yield [µs]; negative: the policy's
-    bool pin = false;                   ///< each thread on one processor during run(); masks are restored afterwards
-    bool present_arena = false;         ///< oneTBB only: in the arena that run() is called in, isolated, instead of an own one; `pin` is ignored
+    double spin = -1.0;          ///< time of pauses before the first yield [µs]; negative: the policy's
+    bool pin = false;            ///< each thread on one processor during run(); masks are restored afterwards
+    bool present_arena = false;  ///< oneTBB only: in the arena that run() is called in, isolated, instead of an own one; `pin` is ignored
     StampRecorder* recorder = nullptr;  ///< times of tasks go there; has at least `threads` tracks and outlives the executor
 };
 

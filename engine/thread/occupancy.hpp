@@ -19,7 +19,7 @@ public:
     [[nodiscard]] bool mine() const noexcept { return owner_.load(std::memory_order_relaxed) == self(); }
 
 private:
-    [[nodiscard]] static unsigned long self() noexcept { return pthread_self(); }   // the address of a control block: never 0
+    [[nodiscard]] static unsigned long self() noexcept { return pthread_self(); }  // the address of a control block: never 0
 
     std::atomic<unsigned long> owner_{0};
 };

@@ -16,8 +16,8 @@ namespace {
 /// oneTBB's workers, as far as this process has asked for them.
 struct Workers {
     std::mutex mutex;
-    int known = 0;     ///< have been startable at once
-    int in_use = 0;    ///< by runs that are under way
+    int known = 0;   ///< have been startable at once
+    int in_use = 0;  ///< by runs that are under way
     bool refused = false;
     ThreadShortage shortage;
 };

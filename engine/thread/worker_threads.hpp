@@ -9,8 +9,8 @@ namespace cvtflow::engine {
 
 /// The system would not start as many threads as a run wanted, which then had fewer, down to the caller alone. Results do not depend on it.
 struct ThreadShortage {
-    int wanted = 0;   ///< 0: there has been no shortage
-    int had = 0;      ///< the calling thread included
+    int wanted = 0;  ///< 0: there has been no shortage
+    int had = 0;     ///< the calling thread included
 
     /// Keeps the larger shortage.
     void note(int wanted_now, int had_now) noexcept {

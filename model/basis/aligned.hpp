@@ -15,7 +15,9 @@ struct LineAllocator {
     LineAllocator() = default;
     template <class U>
     LineAllocator(const LineAllocator<U>&) noexcept {}
-    [[nodiscard]] T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), std::align_val_t(cache_line))); }
+    [[nodiscard]] T* allocate(std::size_t count) {
+        return static_cast<T*>(::operator new(count * sizeof(T), std::align_val_t(cache_line)));
+    }
     void deallocate(T* memory, std::size_t) noexcept { ::operator delete(memory, std::align_val_t(cache_line)); }
     bool operator==(const LineAllocator&) const noexcept { return true; }
 };

@@ -1,6 +1,6 @@
 #pragma once
-/// Sixteen floats side by side, for factors of matrices that only have to be good enough to converge with. As with Lanes, every lane is rounded by
-/// itself: results do not depend on the instruction set.
+/// Sixteen floats side by side, for factors of matrices that only have to be good enough to converge with. As with Lanes, every lane is
+/// rounded by itself: results do not depend on the instruction set.
 
 #include "model/basis/lanes.hpp"
 
@@ -77,14 +77,17 @@ template <int W>
 
 /// `chosen` where a > b, else `otherwise`; false for NaN.
 template <int W>
-[[nodiscard]] inline Floats<W> chosen_where_greater(const Floats<W>& a, const Floats<W>& b, const Floats<W>& chosen, const Floats<W>& otherwise) noexcept {
+[[nodiscard]] inline Floats<W> chosen_where_greater(const Floats<W>& a, const Floats<W>& b, const Floats<W>& chosen,
+                                                    const Floats<W>& otherwise) noexcept {
     if constexpr (W == native_floats) {
         return a.v > b.v ? chosen.v : otherwise.v;
     } else {
-        return {chosen_where_greater<W / 2>(a.low, b.low, chosen.low, otherwise.low), chosen_where_greater<W / 2>(a.high, b.high, chosen.high, otherwise.high)};
+        return {chosen_where_greater<W / 2>(a.low, b.low, chosen.low, otherwise.low),
+                chosen_where_greater<W / 2>(a.high, b.high, chosen.high, otherwise.high)};
     }
 }
-[[nodiscard]] inline FloatLanes select_greater(const FloatLanes& a, const FloatLanes& b, const FloatLanes& chosen, const FloatLanes& otherwise) noexcept {
+[[nodiscard]] inline FloatLanes select_greater(const FloatLanes& a, const FloatLanes& b, const FloatLanes& chosen,
+                                               const FloatLanes& otherwise) noexcept {
     return chosen_where_greater<float_lanes>(a, b, chosen, otherwise);
 }
 
@@ -107,7 +110,8 @@ template <int begin, int... lane>
 template <int W>
 [[nodiscard]] inline Floats<W> narrow(const Lanes<W>& lanes) noexcept {
     if constexpr (W == native_floats) {
-        return joined(__builtin_convertvector(lanes.low.v, HalfFloats), __builtin_convertvector(lanes.high.v, HalfFloats), std::make_integer_sequence<int, W>{});
+        return joined(__builtin_convertvector(lanes.low.v, HalfFloats), __builtin_convertvector(lanes.high.v, HalfFloats),
+                      std::make_integer_sequence<int, W>{});
     } else {
         return {narrow<W / 2>(lanes.low), narrow<W / 2>(lanes.high)};
     }
@@ -118,7 +122,8 @@ template <int W>
     if constexpr (W == native_floats) {
         using Half = Lanes<native_lanes>;
         constexpr auto all = std::make_integer_sequence<int, native_lanes>{};
-        return {Half(__builtin_convertvector(half_of<0>(floats, all), typename Half::Vector)), Half(__builtin_convertvector(half_of<native_lanes>(floats, all), typename Half::Vector))};
+        return {Half(__builtin_convertvector(half_of<0>(floats, all), typename Half::Vector)),
+                Half(__builtin_convertvector(half_of<native_lanes>(floats, all), typename Half::Vector))};
     } else {
         return {widen<W / 2>(floats.low), widen<W / 2>(floats.high)};
     }

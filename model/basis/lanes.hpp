@@ -1,6 +1,7 @@
 #pragma once
-/// Vector lanes: the plates of one link, the points of one of its joints, its tips; or links side by side (model/kernels/lanes/link_lanes.hpp). A lane count
-/// is a compile-time constant, padding lanes carry weight zero, and sums are taken in one fixed tree: results do not depend on the instruction set.
+/// Vector lanes: the plates of one link, the points of one of its joints, its tips; or links side by side
+/// (model/kernels/lanes/link_lanes.hpp). A lane count is a compile-time constant, padding lanes carry weight zero, and sums are taken in
+/// one fixed tree: results do not depend on the instruction set.
 ///
 /// Everything here and in the headers of kernels lies in unnamed namespaces: each translation unit has a copy of its own, compiled for its
 /// own instruction set, and no linker can put the AVX-512 copy of a function where the baseline's is meant.
@@ -40,16 +41,13 @@ struct Lanes {
 
 /// One vector of the processor.
 template <int W>
-    requires(W <= native_lanes)
-struct Lanes<W> {
+requires(W <= native_lanes) struct Lanes<W> {
     using Vector = typename NativeVector<W>::Type;
     Vector v;
 
     Lanes() = default;
     Lanes(double value) noexcept : v(value - Vector{}) {}
-    Lanes(Vector vector) noexcept
-        requires(W > 1)
-        : v(vector) {}
+    Lanes(Vector vector) noexcept requires(W > 1) : v(vector) {}
 
     [[nodiscard]] double operator[](std::size_t lane) const noexcept {
         if constexpr (W == 1) {
@@ -111,12 +109,13 @@ template <int W>
 
 /// Its two halves added.
 template <int W>
-[[nodiscard]] inline Lanes<W / 2> folded(const Lanes<W>& lanes) noexcept { return half<W>(lanes, 0) + half<W>(lanes, 1); }
+[[nodiscard]] inline Lanes<W / 2> folded(const Lanes<W>& lanes) noexcept {
+    return half<W>(lanes, 0) + half<W>(lanes, 1);
+}
 
 /// Lanes [by, by + W) of both, those of `low` first. One vector of the processor, 0 ≤ by ≤ W.
 template <int W, int by>
-    requires(W <= native_lanes)
-[[nodiscard]] inline Lanes<W> slide(const Lanes<W>& low, const Lanes<W>& high) noexcept {
+requires(W <= native_lanes) [[nodiscard]] inline Lanes<W> slide(const Lanes<W>& low, const Lanes<W>& high) noexcept {
     if constexpr (by == 0 || by == W) {
         return by == 0 ? low : high;
     } else {
@@ -127,8 +126,7 @@ template <int W, int by>
 /// Lane k of row j to lane j of row k.
 /// @param rows [W]
 template <int W, int half = W / 2>
-    requires(W <= native_lanes)
-inline void transpose(Lanes<W>* rows) noexcept {
+requires(W <= native_lanes) inline void transpose(Lanes<W>* rows) noexcept {
     if constexpr (half >= 1) {
         for (int row = 0; row < W; ++row) {
             if ((row & half) == 0) native_exchange<W, half>(rows[row].v, rows[row + half].v, std::make_integer_sequence<int, W>{});
@@ -139,11 +137,13 @@ inline void transpose(Lanes<W>* rows) noexcept {
 
 /// `chosen` where a > b, else `otherwise`; false for NaN.
 template <int W>
-[[nodiscard]] inline Lanes<W> select_greater(const Lanes<W>& a, const Lanes<W>& b, const Lanes<W>& chosen, const Lanes<W>& otherwise) noexcept {
+[[nodiscard]] inline Lanes<W> select_greater(const Lanes<W>& a, const Lanes<W>& b, const Lanes<W>& chosen,
+                                             const Lanes<W>& otherwise) noexcept {
     if constexpr (W <= native_lanes) {
         return a.v > b.v ? chosen.v : otherwise.v;
     } else {
-        return {select_greater<W / 2>(a.low, b.low, chosen.low, otherwise.low), select_greater<W / 2>(a.high, b.high, chosen.high, otherwise.high)};
+        return {select_greater<W / 2>(a.low, b.low, chosen.low, otherwise.low),
+                select_greater<W / 2>(a.high, b.high, chosen.high, otherwise.high)};
     }
 }
 
@@ -203,8 +203,8 @@ template <int W>
     }
 }
 
-/// Sums of several, in the same tree and therefore the same bits as sum(), side by side: vectors are folded into each other, which takes about
-/// one addition per value instead of log2 W.
+/// Sums of several, in the same tree and therefore the same bits as sum(), side by side: vectors are folded into each other, which takes
+/// about one addition per value instead of log2 W.
 /// @param totals [count] sums[k] = sum(terms[k])
 template <int W, std::size_t count>
 inline void sums(const std::array<Lanes<W>, count>& terms, double* totals) noexcept {

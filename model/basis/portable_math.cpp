@@ -8,8 +8,8 @@ namespace {
 using Real = long double;
 
 constexpr Real half_pi = 1.570796326794896619231321691639751442L, log_2 = 0.693147180559945309417232121458176568L;
-constexpr Real half_pi_high = 0x1.921fb54p+0L, log_2_high = 0x1.62e42fep-1L;   ///< few digits: exact times any number that occurs
-constexpr Real half_pi_low = 9.9209357968054044163975144209e-10L, log_2_low = 1.8206359985041461839581765680e-9L;   ///< the rest
+constexpr Real half_pi_high = 0x1.921fb54p+0L, log_2_high = 0x1.62e42fep-1L;  ///< few digits: exact times any number that occurs
+constexpr Real half_pi_low = 9.9209357968054044163975144209e-10L, log_2_low = 1.8206359985041461839581765680e-9L;  ///< the rest
 
 /// Σ over k = first, first + 2, … ≤ 23 of ±r^k / k!
 Real alternating(Real r, int first) noexcept {
@@ -33,7 +33,7 @@ Real wave(Real x, int quarter) noexcept {
 /// log(x), x > 0
 Real logarithm(Real x) noexcept {
     int exponent = 0;
-    Real mantissa = std::frexp(x, &exponent);   // 0.5 … 1
+    Real mantissa = std::frexp(x, &exponent);  // 0.5 … 1
     if (mantissa < 0.70710678118654752440L) {
         mantissa *= 2.0L;
         --exponent;
@@ -68,7 +68,7 @@ double portable_cos(double x) noexcept { return static_cast<double>(wave(x, 1));
 double portable_asin(double x) noexcept {
     const Real tangent = static_cast<Real>(x) / (1.0L + std::sqrt((1.0L - static_cast<Real>(x)) * (1.0L + static_cast<Real>(x))));
     Real half = tangent;
-    for (int iteration = 0; iteration < 4; ++iteration) {   // an error e becomes e³/3, and the first is below 0.22
+    for (int iteration = 0; iteration < 4; ++iteration) {  // an error e becomes e³/3, and the first is below 0.22
         const Real sine = wave(half, 0), cosine = wave(half, 1);
         half -= (sine - tangent * cosine) / (cosine + tangent * sine);
     }

@@ -1,6 +1,6 @@
 #pragma once
-/// Functions on which results depend, from additions, multiplications, divisions and roots alone. The C library has several of each and takes
-/// one by the processor (with fused operations or without), and they differ in last bits; these are the same everywhere.
+/// Functions on which results depend, from additions, multiplications, divisions and roots alone. The C library has several of each and
+/// takes one by the processor (with fused operations or without), and they differ in last bits; these are the same everywhere.
 
 #include <cmath>
 

@@ -17,17 +17,29 @@ template <class Real>
 concept Computed = !std::same_as<Real, Zero>;
 
 template <Computed Real>
-[[nodiscard]] inline Zero operator*(const Real&, Zero) noexcept { return {}; }
+[[nodiscard]] inline Zero operator*(const Real&, Zero) noexcept {
+    return {};
+}
 template <Computed Real>
-[[nodiscard]] inline Zero operator*(Zero, const Real&) noexcept { return {}; }
+[[nodiscard]] inline Zero operator*(Zero, const Real&) noexcept {
+    return {};
+}
 template <Computed Real>
-[[nodiscard]] inline Real operator+(const Real& a, Zero) noexcept { return a; }
+[[nodiscard]] inline Real operator+(const Real& a, Zero) noexcept {
+    return a;
+}
 template <Computed Real>
-[[nodiscard]] inline Real operator+(Zero, const Real& a) noexcept { return a; }
+[[nodiscard]] inline Real operator+(Zero, const Real& a) noexcept {
+    return a;
+}
 template <Computed Real>
-[[nodiscard]] inline Real operator-(const Real& a, Zero) noexcept { return a; }
+[[nodiscard]] inline Real operator-(const Real& a, Zero) noexcept {
+    return a;
+}
 template <Computed Real>
-[[nodiscard]] inline Real operator-(Zero, const Real& a) noexcept { return -a; }
+[[nodiscard]] inline Real operator-(Zero, const Real& a) noexcept {
+    return -a;
+}
 
 }  // namespace
 }  // namespace cvtflow::model

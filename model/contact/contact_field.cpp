@@ -9,7 +9,7 @@ namespace cvtflow::model {
 
 namespace {
 
-constexpr int line = 8;   // doubles of a cache line
+constexpr int line = 8;  // doubles of a cache line
 
 }  // namespace
 
@@ -18,10 +18,12 @@ Columns::Columns(int components, int columns) : stride_((columns + line - 1 + li
 }
 
 ContactField::ContactField(const ChainModel& chain)
-    : components{chain.coefficients().joint_points.count, chain.coefficients().plates.count}, columns(components.count(), chain.layout().links + 2),
+    : components{chain.coefficients().joint_points.count, chain.coefficients().plates.count},
+      columns(components.count(), chain.layout().links + 2),
       arms(static_cast<std::size_t>(chain.layout().links)) {
-    for (int corner = 0; corner < tips_per_link; ++corner) {   // a tip that has never touched must not divide by zero
-        for (int column = 0; column < columns.stride(); ++column) *columns.at(components.tip(corner) + ContactComponents::Tip::least, column) = 1.0;
+    for (int corner = 0; corner < tips_per_link; ++corner) {  // a tip that has never touched must not divide by zero
+        for (int column = 0; column < columns.stride(); ++column)
+            *columns.at(components.tip(corner) + ContactComponents::Tip::least, column) = 1.0;
     }
 }
 
@@ -51,8 +53,11 @@ MirroredInverse inverse_of(const double* rows, int size) {
 }  // namespace
 
 FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
-    : chain_(chain), frictionless_(without_friction(chain.coefficients())), lateral_inverse_(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral())),
-      axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 2)), by_phase_(by_phase),
+    : chain_(chain),
+      frictionless_(without_friction(chain.coefficients())),
+      lateral_inverse_(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral())),
+      axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 2)),
+      by_phase_(by_phase),
       kernels_(kernels_of(chain.isa()).friction(chain.layout().order)) {}
 
 int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 4) * joint_stride(links); }

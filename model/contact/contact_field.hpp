@@ -13,8 +13,8 @@ namespace cvtflow::model {
 
 /// Numbers of the components of a contact field.
 struct ContactComponents {
-    int joint_points;   ///< integration points of a joint
-    int plates;         ///< plates of a link
+    int joint_points;  ///< integration points of a joint
+    int plates;        ///< plates of a link
 
     /// Frame of the link: t_x, t_y, 1/|d0|.
     static constexpr int frame_x = 0, frame_y = 1, inverse_length = 2;
@@ -43,7 +43,9 @@ public:
     Columns(int components, int columns);
 
     [[nodiscard]] double* at(std::ptrdiff_t component, std::ptrdiff_t column) noexcept { return data() + component * stride_ + column; }
-    [[nodiscard]] const double* at(std::ptrdiff_t component, std::ptrdiff_t column) const noexcept { return data() + component * stride_ + column; }
+    [[nodiscard]] const double* at(std::ptrdiff_t component, std::ptrdiff_t column) const noexcept {
+        return data() + component * stride_ + column;
+    }
     [[nodiscard]] int stride() const noexcept { return static_cast<int>(stride_); }
     [[nodiscard]] const double* data() const noexcept { return memory_.data() + before_first; }
     [[nodiscard]] double* data() noexcept { return memory_.data() + before_first; }
@@ -63,24 +65,24 @@ struct ContactField {
 
     ContactComponents components;
     Columns columns;
-    std::vector<TipArms> arms;   ///< [links], where a tip touches
+    std::vector<TipArms> arms;  ///< [links], where a tip touches
 };
 
 /// Inverse of a mass matrix of a link, by its symmetries: both ends are alike, and so are both halves of the pins' length.
 /// [[a, b], [b, a]] acts on the sum of both ends as a + b and on their difference as a - b; modes of even and of odd order do not couple.
 struct MirroredInverse {
-    std::array<double, most_lateral * most_lateral> sum{}, difference{};   ///< (a ± b)/2, rows most_lateral apart; where m + k is odd: 0
+    std::array<double, most_lateral * most_lateral> sum{}, difference{};  ///< (a ± b)/2, rows most_lateral apart; where m + k is odd: 0
 };
 
 class FrictionOperator;
 
 struct FrictionRange {
-    int first, last;          ///< links [first, last)
-    const double* velocity;   ///< [link_size()][stride] of links first - 1 … last
-    std::ptrdiff_t stride;    ///< of velocity
-    double* scratch;          ///< FrictionOperator::scratch_size(last - first)
-    const Phase* phases;      ///< [links * 4], of the whole chain
-    double time;              ///< of the velocities, from the middle of the step, in steps
+    int first, last;         ///< links [first, last)
+    const double* velocity;  ///< [link_size()][stride] of links first - 1 … last
+    std::ptrdiff_t stride;   ///< of velocity
+    double* scratch;         ///< FrictionOperator::scratch_size(last - first)
+    const Phase* phases;     ///< [links * 4], of the whole chain
+    double time;             ///< of the velocities, from the middle of the step, in steps
 };
 
 /// Accelerations by everything but friction, linear in time: now + lean (now - before). Columns over links (column = link + 1).
@@ -96,8 +98,8 @@ struct VelocityRow {
     std::array<const Columns*, most_terms> from{};
     std::array<double, most_terms> weight{};
     std::size_t terms = 0;
-    double slope_weight = 0.0;   ///< [s]
-    Columns* to = nullptr;       ///< none of `from`, nor the columns evaluated
+    double slope_weight = 0.0;  ///< [s]
+    Columns* to = nullptr;      ///< none of `from`, nor the columns evaluated
 
     void add(const Columns& columns, double factor) noexcept {
         from[terms] = &columns;
@@ -105,19 +107,20 @@ struct VelocityRow {
     }
 };
 
-/// What an evaluation of friction is for: its slopes alone, or a row of a table. Columns over links (column = link + 1), all of the same shape.
+/// What an evaluation of friction is for: its slopes alone, or a row of a table. Columns over links (column = link + 1), all of the same
+/// shape.
 struct FrictionStage {
     const FrictionBase* base = nullptr;
-    Columns* slope = nullptr;            ///< may be absent from a row
-    const VelocityRow* next = nullptr;   ///< with base, or neither
-    double weight = 0.0;           ///< of the tips' forces in impulses
-    Columns* impulses = nullptr;   ///< [3 tips_per_link] rows: x, y, z of each tip
+    Columns* slope = nullptr;           ///< may be absent from a row
+    const VelocityRow* next = nullptr;  ///< with base, or neither
+    double weight = 0.0;                ///< of the tips' forces in impulses
+    Columns* impulses = nullptr;        ///< [3 tips_per_link] rows: x, y, z of each tip
 };
 
 /// What a field has to know of the step in whose middle it is recorded.
 struct ContactDrift {
-    double step = 0.0;          ///< h [s]
-    SheaveMotion change[4]{};   ///< of the sheaves' velocities over the step
+    double step = 0.0;         ///< h [s]
+    SheaveMotion change[4]{};  ///< of the sheaves' velocities over the step
 };
 
 /// Functions of one order and one instruction set.
@@ -148,14 +151,20 @@ public:
     void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, LinkLoad* loads) const noexcept {
         kernels_.record(chain_, range, drift, field, loads);
     }
-    /// The same, and the accelerations of the range's links by everything but friction, in one pass over them: to rows of push, column = link + 1.
-    void record_and_push(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push, LinkLoad* loads) const noexcept {
+    /// The same, and the accelerations of the range's links by everything but friction, in one pass over them: to rows of push, column =
+    /// link + 1.
+    void record_and_push(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push,
+                         LinkLoad* loads) const noexcept {
         kernels_.push(*this, range, drift, field, push, loads);
     }
     /// slope = base + A⁻¹ friction(velocity) of links first … last - 1, and what the stage makes of it.
-    void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept { kernels_.slopes(*this, field, range, stage); }
+    void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept {
+        kernels_.slopes(*this, field, range, stage);
+    }
     /// The same for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
-    void steepest(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept { kernels_.steepest(*this, field, range, {nullptr, &slope}); }
+    void steepest(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept {
+        kernels_.steepest(*this, field, range, {nullptr, &slope});
+    }
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
     /// Those of the chain without friction.
@@ -168,8 +177,8 @@ public:
 private:
     const ChainModel& chain_;
     Coefficients frictionless_;
-    MirroredInverse lateral_inverse_;   ///< of x, and of y
-    MirroredInverse axial_inverse_;     ///< of z and e
+    MirroredInverse lateral_inverse_;  ///< of x, and of y
+    MirroredInverse axial_inverse_;    ///< of z and e
     bool by_phase_;
     FrictionKernels kernels_;
 };

@@ -23,7 +23,11 @@ public:
     static constexpr int joint_rows = 2 * n + 4;
 
     FrictionLanes(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range) noexcept
-        : friction_(friction), c_(friction.chain().coefficients()), field_(field), range_(range), joint_stride_(FrictionOperator::joint_stride(range.last - range.first)) {}
+        : friction_(friction),
+          c_(friction.chain().coefficients()),
+          field_(field),
+          range_(range),
+          joint_stride_(FrictionOperator::joint_stride(range.last - range.first)) {}
 
     /// Joint of the rear pins of links first + own … + W - 1, to scratch.
     void joints(int own) const noexcept {
@@ -84,15 +88,15 @@ private:
     /// Sliding of point g across the axis.
     [[nodiscard]] V slip_of(int own, int g, const V& x, const V& y, const JointRates& rates) const noexcept {
         const int row = field_.components.joint(g);
-        return contact(row + Joint::normal_x, own) * y - contact(row + Joint::normal_y, own) * x + rates.before * contact(row + Joint::lever_before, own) +
-               rates.after * contact(row + Joint::lever_after, own);
+        return contact(row + Joint::normal_x, own) * y - contact(row + Joint::normal_y, own) * x +
+               rates.before * contact(row + Joint::lever_before, own) + rates.after * contact(row + Joint::lever_after, own);
     }
 
     /// Force at point g that slides with slip and axial; moments to force.
     [[nodiscard]] PointForce point_force(int own, int g, const V& slip, const V& axial, const V& factor, V* force) const noexcept {
         const int row = field_.components.joint(g);
         const V grip = contact(row + Joint::grip, own) * factor;
-        const V across = grip * slip;   // against the motion: signs below
+        const V across = grip * slip;  // against the motion: signs below
         force[2 * n + 2] = force[2 * n + 2] - across * contact(row + Joint::lever_before, own);
         force[2 * n + 3] = force[2 * n + 3] - across * contact(row + Joint::lever_after, own);
         return {across * contact(row + Joint::normal_y, own), -(across * contact(row + Joint::normal_x, own)), -(grip * axial)};
@@ -103,11 +107,14 @@ private:
         const int h = field_.components.joint_points - 1 - g;
         const double xi = c_.joint_points.position[static_cast<std::size_t>(g)];
         const Halves x = halves_at(rates.x, g), y = halves_at(rates.y, g);
-        const V slip_g = slip_of(own, g, x.even + x.odd, y.even + y.odd, rates), slip_h = slip_of(own, h, x.even - x.odd, y.even - y.odd, rates);
+        const V slip_g = slip_of(own, g, x.even + x.odd, y.even + y.odd, rates),
+                slip_h = slip_of(own, h, x.even - x.odd, y.even - y.odd, rates);
         const V tilt = xi * rates.e;
         const V axial_g = rates.z + tilt, axial_h = rates.z - tilt;
-        const auto [factor_g, factor_h] = sliding_factors<W, Steepest>(c_.joint.friction, slip_g * slip_g + axial_g * axial_g, slip_h * slip_h + axial_h * axial_h);
-        const PointForce a = point_force(own, g, slip_g, axial_g, factor_g, force), b = point_force(own, h, slip_h, axial_h, factor_h, force);
+        const auto [factor_g, factor_h] =
+            sliding_factors<W, Steepest>(c_.joint.friction, slip_g * slip_g + axial_g * axial_g, slip_h * slip_h + axial_h * axial_h);
+        const PointForce a = point_force(own, g, slip_g, axial_g, factor_g, force),
+                         b = point_force(own, h, slip_h, axial_h, factor_h, force);
         spread(g, a.x + b.x, a.x - b.x, force);
         spread(g, a.y + b.y, a.y - b.y, force + n);
         force[2 * n] += a.along + b.along;
@@ -117,7 +124,8 @@ private:
     /// The point at ξ = 0.
     void middle_point(int own, int g, const JointRates& rates, V* force) const noexcept {
         const V slip = slip_of(own, g, halves_at(rates.x, g).even, halves_at(rates.y, g).even, rates);
-        const PointForce f = point_force(own, g, slip, rates.z, sliding_factor<W, Steepest>(c_.joint.friction, slip * slip + rates.z * rates.z), force);
+        const PointForce f =
+            point_force(own, g, slip, rates.z, sliding_factor<W, Steepest>(c_.joint.friction, slip * slip + rates.z * rates.z), force);
         spread(g, f.x, V(0.0), force);
         spread(g, f.y, V(0.0), force + n);
         force[2 * n] += f.along;
@@ -144,7 +152,8 @@ private:
     [[nodiscard]] V turning(int own) const noexcept {
         const V vx = velocity(at<P>.x(End::front, 0), own) - velocity(at<P>.x(End::rear, 0), own);
         const V vy = velocity(at<P>.y(End::front, 0), own) - velocity(at<P>.y(End::rear, 0), own);
-        return (contact(ContactComponents::frame_x, own) * vy - contact(ContactComponents::frame_y, own) * vx) * contact(ContactComponents::inverse_length, own);
+        return (contact(ContactComponents::frame_x, own) * vy - contact(ContactComponents::frame_y, own) * vx) *
+               contact(ContactComponents::inverse_length, own);
     }
 
     void add_joints(int own, V* f) const noexcept {
@@ -194,11 +203,14 @@ private:
                 (m % 2 == 0 ? y.even : y.odd) += velocity(at<P>.y(end, m), own);
             }
             const V z = velocity(at<P>.z(end), own), e = velocity(at<P>.e(end), own);
-            const int low = 2 * static_cast<int>(end), high = low + 1;   // at ξ = -1 and at ξ = 1
-            const TipSlip a = tip_slip(own, low, x.even - x.odd, y.even - y.odd, z - e, turn), b = tip_slip(own, high, x.even + x.odd, y.even + y.odd, z + e, turn);
+            const int low = 2 * static_cast<int>(end), high = low + 1;  // at ξ = -1 and at ξ = 1
+            const TipSlip a = tip_slip(own, low, x.even - x.odd, y.even - y.odd, z - e, turn),
+                          b = tip_slip(own, high, x.even + x.odd, y.even + y.odd, z + e, turn);
             const auto [factor_a, factor_b] = tip_factors(own, low, a.square(), b.square());
-            const PointForce below = tip_force(own, low, a, factor_a, moment, stage), above = tip_force(own, high, b, factor_b, moment, stage);
-            const V sum_x = below.x + above.x, sum_y = below.y + above.y, difference_x = above.x - below.x, difference_y = above.y - below.y;
+            const PointForce below = tip_force(own, low, a, factor_a, moment, stage),
+                             above = tip_force(own, high, b, factor_b, moment, stage);
+            const V sum_x = below.x + above.x, sum_y = below.y + above.y, difference_x = above.x - below.x,
+                    difference_y = above.y - below.y;
             for (int m = 0; m < n; ++m) {
                 f[at<P>.x(end, m)] += m % 2 == 0 ? sum_x : difference_x;
                 f[at<P>.y(end, m)] += m % 2 == 0 ? sum_y : difference_y;
@@ -227,7 +239,8 @@ private:
         return {vx - along * gx, vy - along * gy, vz - along * gz};
     }
 
-    [[nodiscard]] PointForce tip_force(int own, int corner, const TipSlip& slip, const V& factor, V& moment, const FrictionStage& stage) const noexcept {
+    [[nodiscard]] PointForce tip_force(int own, int corner, const TipSlip& slip, const V& factor, V& moment,
+                                       const FrictionStage& stage) const noexcept {
         const int row = field_.components.tip(corner);
         const V grip = -contact(row + Tip::grip, own) * factor;
         const PointForce force{grip * slip.x, grip * slip.y, grip * slip.z};

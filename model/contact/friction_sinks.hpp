@@ -1,6 +1,6 @@
 #pragma once
-/// What becomes of an acceleration by friction: a slope, or a row of a table. All addresses are at hand: looking them up for every number would
-/// take longer than the sums.
+/// What becomes of an acceleration by friction: a slope, or a row of a table. All addresses are at hand: looking them up for every number
+/// would take longer than the sums.
 
 #include <algorithm>
 #include <array>
@@ -24,8 +24,13 @@ template <int W, std::size_t Terms>
 class RowSink {
 public:
     RowSink(const FrictionStage& stage, const VelocityRow& next, int column) noexcept
-        : now_(stage.base->now->at(0, column)), before_(stage.base->before->at(0, column)), lean_(stage.base->lean), slope_weight_(next.slope_weight),
-          slope_(stage.slope != nullptr ? stage.slope->at(0, column) : nullptr), to_(next.to->at(0, column)), stride_(next.to->stride()) {
+        : now_(stage.base->now->at(0, column)),
+          before_(stage.base->before->at(0, column)),
+          lean_(stage.base->lean),
+          slope_weight_(next.slope_weight),
+          slope_(stage.slope != nullptr ? stage.slope->at(0, column) : nullptr),
+          to_(next.to->at(0, column)),
+          stride_(next.to->stride()) {
         for (std::size_t k = 0; k < Terms; ++k) {
             from_[k] = next.from[std::min(k, next.terms - 1)]->at(0, column);
             weight_[k] = k < next.terms ? next.weight[k] : 0.0;
@@ -43,7 +48,7 @@ public:
     }
 
 private:
-    const double *now_, *before_;   ///< forces of the base
+    const double *now_, *before_;  ///< forces of the base
     double lean_, slope_weight_;
     double *slope_, *to_;
     std::ptrdiff_t stride_;

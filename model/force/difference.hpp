@@ -47,7 +47,7 @@ struct Difference {
 /// Points along ξ, loaded for one chunk of lanes.
 template <int P, int W>
 struct AxisPoints {
-    Lanes<W> basis[P + 1];   ///< P_m(ξ), m ≥ 1
+    Lanes<W> basis[P + 1];  ///< P_m(ξ), m ≥ 1
     Lanes<W> xi;
 
     template <int Most>
@@ -77,7 +77,7 @@ struct AxisPoints {
 /// One of these points, for links side by side.
 template <int P, int W>
 struct AxisPoint {
-    double basis[P + 1];   ///< P_m(ξ), m ≥ 1
+    double basis[P + 1];  ///< P_m(ξ), m ≥ 1
     double xi;
 
     template <int Most>

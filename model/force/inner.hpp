@@ -22,7 +22,8 @@ template <bool Observe, class Springs, class Real>
 
 /// The same for several elements side by side.
 template <int W, bool Observe>
-[[nodiscard]] inline Lanes<W> element_forces(const BendingLanes& springs, const Lanes<W>& u, const Lanes<W>& rate, Account* account) noexcept {
+[[nodiscard]] inline Lanes<W> element_forces(const BendingLanes& springs, const Lanes<W>& u, const Lanes<W>& rate,
+                                             Account* account) noexcept {
     const auto stiffness = load<W>(springs.stiffness.data()), damping = load<W>(springs.damping.data());
     if constexpr (Observe) {
         account->store(Energy::inner, 0.5 * sum<W>(stiffness * u * u));
@@ -31,13 +32,17 @@ template <int W, bool Observe>
     return stiffness * u + damping * rate;
 }
 
-/// Bending modes 2…P of both halves, split along travel and height; lanes: rear 2…P, front 2…P. Adds forces; returns the moment on the link.
+/// Bending modes 2…P of both halves, split along travel and height; lanes: rear 2…P, front 2…P. Adds forces; returns the moment on the
+/// link.
 template <int P, bool Observe>
-[[nodiscard]] inline double bending(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v, double* f, Account* account) noexcept {
+[[nodiscard]] inline double bending(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v, double* f,
+                                    Account* account) noexcept {
     constexpr int modes = P - 1;
     constexpr int xa = at<P>.x(End::rear, 2), xb = at<P>.x(End::front, 2), ya = at<P>.y(End::rear, 2), yb = at<P>.y(End::front, 2);
     using V = Lanes<2 * modes>;
-    const auto both = [](const double* from, int rear, int front) { return join<modes>(load<modes>(from + rear), load<modes>(from + front)); };
+    const auto both = [](const double* from, int rear, int front) {
+        return join<modes>(load<modes>(from + rear), load<modes>(from + front));
+    };
     const auto add = [f](int begin, const Lanes<modes>& force) { (load<modes>(f + begin) + force).copy_to(f + begin); };
     const V qx = both(q, xa, xb), qy = both(q, ya, yb), vx = both(v, xa, xb), vy = both(v, ya, yb);
     const V along = qx * frame.tx + qy * frame.ty, across = qy * frame.tx - qx * frame.ty;
@@ -55,7 +60,8 @@ template <int P, bool Observe>
 
 /// The same for links side by side, mode by mode: the same sums in the same order.
 template <int P, bool Observe, int W>
-[[nodiscard]] inline Lanes<W> bending(const Coefficients& c, const LinkFrameOf<Lanes<W>>& frame, const Lanes<W>* q, const Lanes<W>* v, Lanes<W>* f, Account*) noexcept {
+[[nodiscard]] inline Lanes<W> bending(const Coefficients& c, const LinkFrameOf<Lanes<W>>& frame, const Lanes<W>* q, const Lanes<W>* v,
+                                      Lanes<W>* f, Account*) noexcept {
     using V = Lanes<W>;
     constexpr std::size_t modes = P - 1;
     std::array<V, 2 * modes> moment;
@@ -71,14 +77,16 @@ template <int P, bool Observe, int W>
         f[y] += -(ft * frame.ty + fn * frame.tx);
         moment[k] = fn * along - ft * across;
     }
-    if constexpr (modes == 1) return moment[0] + moment[1];
-    else return (moment[0] + moment[2]) + (moment[1] + moment[3]);
+    if constexpr (modes == 1)
+        return moment[0] + moment[1];
+    else
+        return (moment[0] + moment[2]) + (moment[1] + moment[3]);
 }
 
 /// Plate pack as a beam between the tilts of the two pins. Adds forces; returns the moment on the link.
 template <int P, bool Observe, class Kind, class Real>
-[[nodiscard]] inline Real plate_pack(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q, const Real* v, Real* f,
-                                     Account* account) noexcept {
+[[nodiscard]] inline Real plate_pack(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q, const Real* v,
+                                     Real* f, Account* account) noexcept {
     constexpr int za = at<P>.z(End::rear);
     constexpr int zb = at<P>.z(End::front);
     const Real lean = 2.0 * kind.inverse_length;
@@ -93,13 +101,14 @@ template <int P, bool Observe, class Kind, class Real>
         constexpr int xa = at<P>.x(End::rear, 1), ya = at<P>.y(End::rear, 1), xb = at<P>.x(End::front, 1), yb = at<P>.y(End::front, 1);
         const double s = c.slope_scale;
         const Real tx = s * frame.tx, ty = s * frame.ty;
-        const Real ta = q[xa] * tx + q[ya] * ty, tb = q[xb] * tx + q[yb] * ty;   // slopes along t …
-        const Real na = q[ya] * tx - q[xa] * ty, nb = q[yb] * tx - q[xb] * ty;   // … and along n
+        const Real ta = q[xa] * tx + q[ya] * ty, tb = q[xb] * tx + q[yb] * ty;  // slopes along t …
+        const Real na = q[ya] * tx - q[xa] * ty, nb = q[yb] * tx - q[xb] * ty;  // … and along n
         const Real w = frame.turning;
         const Real ta_rate = v[xa] * tx + v[ya] * ty + w * na, tb_rate = v[xb] * tx + v[yb] * ty + w * nb;
         const Real na_rate = v[ya] * tx - v[xa] * ty - w * ta, nb_rate = v[yb] * tx - v[xb] * ty - w * tb;
         const Real bend = element_force<Observe>(kind.bending, Real(ta - tb), Real(ta_rate - tb_rate), Energy::pack, account);
-        const Real shear = element_force<Observe>(kind.shear, Real(-ta - tb - rise), Real(-ta_rate - tb_rate - rise_rate), Energy::pack, account);
+        const Real shear =
+            element_force<Observe>(kind.shear, Real(-ta - tb - rise), Real(-ta_rate - tb_rate - rise_rate), Energy::pack, account);
         const Real twist = element_force<Observe>(kind.torsion, Real(nb - na), Real(nb_rate - na_rate), Energy::pack, account);
         f[xa] -= (bend - shear) * tx + twist * ty;
         f[ya] -= (bend - shear) * ty - twist * tx;
@@ -113,8 +122,8 @@ template <int P, bool Observe, class Kind, class Real>
 
 /// All elasticity inside a link. Adds to the generalized forces f of the link; returns the moment about z on the link [N·m].
 template <int P, bool Observe, class Kind, class Real>
-[[nodiscard]] inline Real inner_elasticity(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q, const Real* v, Real* f,
-                                           Account* account) noexcept {
+[[nodiscard]] inline Real inner_elasticity(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q,
+                                           const Real* v, Real* f, Account* account) noexcept {
     Real moment = plate_pack<P, Observe>(c, kind, frame, q, v, f, account);
     for (const End end : {End::rear, End::front}) {
         const int e = at<P>.e(end);

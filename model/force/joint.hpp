@@ -17,9 +17,9 @@ namespace {
 template <int P, class Real = double>
 struct JointForce {
     static constexpr std::size_t rows = 2 * P + 6;
-    Difference<P, Real> on_front;   ///< generalized forces [N]
-    Real before{0.0};               ///< moment about z on link i-1 [N·m]
-    Real after{0.0};                ///< moment about z on link i [N·m]
+    Difference<P, Real> on_front;  ///< generalized forces [N]
+    Real before{0.0};              ///< moment about z on link i-1 [N·m]
+    Real after{0.0};               ///< moment about z on link i [N·m]
 
     /// Adds totals in the order of the members.
     void add(const Real* total) noexcept {
@@ -49,13 +49,13 @@ struct JointFrames {
 /// Positions and velocities of the contact, lanes over the points of one joint or over joints at one point.
 template <int W>
 struct JointMotion {
-    Lanes<W> dx, dy;         ///< Δ, between the centres of the arcs [m]
-    Lanes<W> vx, vy;         ///< Δ' [m/s]
-    Lanes<W> nx, ny;         ///< ν
-    Lanes<W> distance;       ///< D [m]
-    Lanes<W> depth;          ///< δ [m]
-    Lanes<W> slip, axial;    ///< slip along k×ν and along z [m/s]
-    Lanes<W> lever_before, lever_after;   ///< of each link's turning along k×ν [m]
+    Lanes<W> dx, dy;                     ///< Δ, between the centres of the arcs [m]
+    Lanes<W> vx, vy;                     ///< Δ' [m/s]
+    Lanes<W> nx, ny;                     ///< ν
+    Lanes<W> distance;                   ///< D [m]
+    Lanes<W> depth;                      ///< δ [m]
+    Lanes<W> slip, axial;                ///< slip along k×ν and along z [m/s]
+    Lanes<W> lever_before, lever_after;  ///< of each link's turning along k×ν [m]
 };
 
 /// @param points AxisPoints of one joint, or one AxisPoint of several joints side by side
@@ -112,8 +112,8 @@ using JointTerms = std::array<Lanes<W>, JointForce<P>::rows>;
 
 /// Rolling contact: normal force and friction.
 template <int P, int W, bool Observe, class Real, class Points>
-[[nodiscard]] inline JointTerms<P, W> press(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points, const Lanes<W>& weight,
-                                            const JointMotion<W>& m, Account* account) noexcept {
+[[nodiscard]] inline JointTerms<P, W> press(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
+                                            const Lanes<W>& weight, const JointMotion<W>& m, Account* account) noexcept {
     using V = Lanes<W>;
     const V closing = -(m.nx * m.vx + m.ny * m.vy);
     const auto contact = line_contact<W>(j, weight, m.depth);
@@ -136,16 +136,17 @@ template <int P, int W, bool Observe, class Real, class Points>
 
 /// How far the square of the transverse offset of the arc centres exceeds that of the clearance, times |t₋ + t₊|².
 template <int W, class Real>
-[[nodiscard]] inline Lanes<W> beyond_clearance(const JointCoefficients& j, const JointFrames<Real>& frames, const JointMotion<W>& m) noexcept {
+[[nodiscard]] inline Lanes<W> beyond_clearance(const JointCoefficients& j, const JointFrames<Real>& frames,
+                                               const JointMotion<W>& m) noexcept {
     const Real square = frames.sx * frames.sx + frames.sy * frames.sy;
-    const Lanes<W> slanted = m.dy * frames.sx - m.dx * frames.sy;   // along k×b, times |t₋ + t₊|
+    const Lanes<W> slanted = m.dy * frames.sx - m.dx * frames.sy;  // along k×b, times |t₋ + t₊|
     return slanted * slanted - j.clearance * j.clearance * square;
 }
 
 /// Clearance of the plate opening: holds the transverse offset of the arc centres against the bisector.
 template <int P, int W, bool Observe, class Real, class Points>
-[[nodiscard]] inline JointTerms<P, W> confine(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points, const Lanes<W>& weight,
-                                              const JointMotion<W>& m, Account* account) noexcept {
+[[nodiscard]] inline JointTerms<P, W> confine(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
+                                              const Lanes<W>& weight, const JointMotion<W>& m, Account* account) noexcept {
     using V = Lanes<W>;
     using std::sqrt;
     const Real inverse = 1.0 / sqrt(frames.sx * frames.sx + frames.sy * frames.sy), bx = frames.sx * inverse, by = frames.sy * inverse;
@@ -177,7 +178,7 @@ inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFram
     const auto motion = joint_motion<P, W>(c.joint, frames, points, Difference<P>(q_before, End::front, q_after, End::rear),
                                            Difference<P>(v_before, End::front, v_after, End::rear));
     out.template add_sums<W>(press<P, W, Observe>(c.joint, frames, points, weight, motion, account));
-    if (all_at_most<W>(beyond_clearance<W>(c.joint, frames, motion), 0.0)) return;   // the rule: rolling keeps the centres on the bisector
+    if (all_at_most<W>(beyond_clearance<W>(c.joint, frames, motion), 0.0)) return;  // the rule: rolling keeps the centres on the bisector
     out.template add_sums<W>(confine<P, W, Observe>(c.joint, frames, points, weight, motion, account));
 }
 

@@ -15,9 +15,9 @@ inline constexpr ChainLayout at{P};
 /// Of one link (Real: double) or of several side by side (Real: Lanes).
 template <class Real>
 struct LinkFrameOf {
-    Real tx, ty;           ///< t, unit vector from the rear to the front half; n = (-ty, tx), outward o = (ty, -tx)
-    Real inverse_length;   ///< 1/|d0| [1/m]
-    Real turning;          ///< θ' [rad/s]
+    Real tx, ty;          ///< t, unit vector from the rear to the front half; n = (-ty, tx), outward o = (ty, -tx)
+    Real inverse_length;  ///< 1/|d0| [1/m]
+    Real turning;         ///< θ' [rad/s]
 };
 using LinkFrame = LinkFrameOf<double>;
 

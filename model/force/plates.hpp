@@ -11,8 +11,9 @@ namespace {
 
 /// Elastic and damping tension of plates [N], as plate_terms() has it.
 template <int P, int W, class Real, class Points, class Number>
-[[nodiscard]] inline Lanes<W> plate_tension(const Coefficients& c, const Real& free_length, const Points& at_plates, const Number& stiffness,
-                                            const Number& damping, const Difference<P, Real>& d, const Difference<P, Real>& rate) noexcept {
+[[nodiscard]] inline Lanes<W> plate_tension(const Coefficients& c, const Real& free_length, const Points& at_plates,
+                                            const Number& stiffness, const Number& damping, const Difference<P, Real>& d,
+                                            const Difference<P, Real>& rate) noexcept {
     using V = Lanes<W>;
     const V dx = at_plates.along(d.x), dy = at_plates.along(d.y), dz = d.z + at_plates.xi * d.e;
     const V vx = at_plates.along(rate.x), vy = at_plates.along(rate.y), vz = rate.z + at_plates.xi * rate.e;
@@ -24,8 +25,9 @@ template <int P, int W, class Real, class Points, class Number>
 /// What W plates of a link, or one plate of W links, add to the force on the front half, in the order of Difference.
 /// @param stiffness, damping Lanes<W> over plates, or numbers of the one plate
 template <int P, int W, bool Observe, class Real, class Points, class Number>
-[[nodiscard]] inline std::array<Lanes<W>, 2 * P + 4> plate_terms(const Coefficients& c, const Real& free_length, const Points& at_plates, const Number& stiffness,
-                                                                 const Number& damping, const Difference<P, Real>& d, const Difference<P, Real>& rate,
+[[nodiscard]] inline std::array<Lanes<W>, 2 * P + 4> plate_terms(const Coefficients& c, const Real& free_length, const Points& at_plates,
+                                                                 const Number& stiffness, const Number& damping,
+                                                                 const Difference<P, Real>& d, const Difference<P, Real>& rate,
                                                                  Account* account) noexcept {
     using V = Lanes<W>;
     const V dx = at_plates.along(d.x), dy = at_plates.along(d.y), dz = d.z + at_plates.xi * d.e;
@@ -36,7 +38,8 @@ template <int P, int W, bool Observe, class Real, class Points, class Number>
     const V stretch = length - free_length;
     const V stretching = (dx * vx + dy * vy + dz * vz) * inverse.first;
     const V tension = stiffness * stretch + damping * stretching;
-    const V slide = c.plate_friction.coefficient * positive_part<W>(tension) * slip_factor<W>(c.plate_friction, sliding, inverse.second) * vz;
+    const V slide =
+        c.plate_friction.coefficient * positive_part<W>(tension) * slip_factor<W>(c.plate_friction, sliding, inverse.second) * vz;
     const V along = tension * inverse.first;
     std::array<V, 2 * P + 4> terms;
     at_plates.spread(-along * dx, -along * dy, -along * dz - slide, terms.data());
@@ -50,11 +53,13 @@ template <int P, int W, bool Observe, class Real, class Points, class Number>
 
 /// One chunk of W plates; adds the force on the front half to `pull`.
 template <int P, int W, bool Observe>
-inline void plate_chunk(const Coefficients& c, double free_length, const Difference<P>& d, const Difference<P>& rate, int first, Difference<P>& pull,
-                        Account* account) noexcept {
+inline void plate_chunk(const Coefficients& c, double free_length, const Difference<P>& d, const Difference<P>& rate, int first,
+                        Difference<P>& pull, Account* account) noexcept {
     const auto of = [first](const auto& numbers) { return load<W>(&numbers[static_cast<std::size_t>(first)]); };
     alignas(64) double total[2 * P + 4];
-    sums<W>(plate_terms<P, W, Observe>(c, free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight), of(c.plates.damping), d, rate, account), total);
+    sums<W>(plate_terms<P, W, Observe>(c, free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight), of(c.plates.damping), d,
+                                       rate, account),
+            total);
     pull.add(total);
 }
 

@@ -44,7 +44,8 @@ void PulleyModel::adopt(const Parameters& p) {
 void PulleyModel::add_inertia() {
     const std::array<double, 2> added{drive_.inertia, load_.inertia};
     if (!elastic()) {
-        for (int shaft = 0; shaft < 2; ++shaft) inertia_.push_back(pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + added[at(shaft)]);
+        for (int shaft = 0; shaft < 2; ++shaft)
+            inertia_.push_back(pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + added[at(shaft)]);
         inertia_.insert(inertia_.end(), 2, pulley_.sheave_mass);
         return;
     }
@@ -103,8 +104,8 @@ void PulleyModel::motions(const double* block, SheaveMotion* sheaves) const noex
             SheaveMotion& s = sheaves[2 * shaft + side];
             if (elastic()) {
                 const int b = body_freedom(sheave_body(shaft, side), 0);
-                s = {axis + q[b + ux], q[b + uy], plane + q[b + axial], q[b + tilt_x], q[b + tilt_y],
-                     v[b + ux], v[b + uy], v[b + axial], v[b + tilt_x], v[b + tilt_y], v[b + turn]};
+                s = {axis + q[b + ux], q[b + uy],    plane + q[b + axial], q[b + tilt_x], q[b + tilt_y], v[b + ux],
+                     v[b + uy],        v[b + axial], v[b + tilt_x],        v[b + tilt_y], v[b + turn]};
             } else {
                 const bool moves = sheave_body(shaft, side) == movable_body(shaft);
                 s = {axis, 0.0, plane + (moves ? q[2 + shaft] : 0.0), 0.0, 0.0, 0.0, 0.0, moves ? v[2 + shaft] : 0.0, 0.0, 0.0, v[shaft]};
@@ -136,7 +137,8 @@ Inputs PulleyModel::inputs(double t, const double* block, double control) const 
     in.load_torque = -factor * (held_.load_torque ? *held_.load_torque : load_.torque.at(now));
     double driving = held_.driving ? *held_.driving : clamping_.driving.at(now);
     if (control_.enabled) {
-        const double error = (shaft_speed(block, 0) - (held_.ratio ? *held_.ratio : control_.ratio.at(now)) * shaft_speed(block, 1)) / reference_speed_;
+        const double error =
+            (shaft_speed(block, 0) - (held_.ratio ? *held_.ratio : control_.ratio.at(now)) * shaft_speed(block, 1)) / reference_speed_;
         const double correction = control_.proportional * error + control_.integral * control;
         in.control_limited = std::abs(correction) > control_.authority;
         const bool winds_up = in.control_limited && correction * error > 0.0;
@@ -156,7 +158,8 @@ WorkRates PulleyModel::works(const double* block, const Inputs& inputs) const no
 WorkRates PulleyModel::work(const double* from, const double* to, const Inputs& inputs) const noexcept {
     const auto turned = [&](int shaft) { return to[rotation(shaft)] - from[rotation(shaft)]; };
     WorkRates done{inputs.drive_torque * turned(0), inputs.load_torque * turned(1), 0.0};
-    for (int shaft = 0; shaft < 2; ++shaft) done[2] -= movable_side(shaft) * inputs.clamping[at(shaft)] * (opening(to, shaft) - opening(from, shaft));
+    for (int shaft = 0; shaft < 2; ++shaft)
+        done[2] -= movable_side(shaft) * inputs.clamping[at(shaft)] * (opening(to, shaft) - opening(from, shaft));
     return done;
 }
 
@@ -221,7 +224,8 @@ void PulleyModel::add_chain(const SheaveForces& chain, double* force) const noex
     }
 }
 
-void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept {
+void PulleyModel::slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope,
+                        Account* account) const noexcept {
     const double* v = block + size_;
     double* force = slope + size_;
     std::copy(v, v + size_, slope);

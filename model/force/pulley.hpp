@@ -16,23 +16,23 @@ using SheaveForces = std::array<std::array<double, 6>, 4>;
 
 /// What the outside does at one instant.
 struct Inputs {
-    double drive_torque = 0.0;       ///< on shaft 1 [N·m]
-    double load_torque = 0.0;        ///< on shaft 2, negative brakes [N·m]
-    std::array<double, 2> clamping{};///< S_1, S_2 [N]
-    double control_rate = 0.0;       ///< I' of ratio control, zero without control
-    bool control_limited = false;    ///< ratio control asks for more than its authority
+    double drive_torque = 0.0;         ///< on shaft 1 [N·m]
+    double load_torque = 0.0;          ///< on shaft 2, negative brakes [N·m]
+    std::array<double, 2> clamping{};  ///< S_1, S_2 [N]
+    double control_rate = 0.0;         ///< I' of ratio control, zero without control
+    bool control_limited = false;      ///< ratio control asks for more than its authority
 };
 
 /// Inputs that somebody has set by hand: a value in place of the scene's table, from then on.
 struct HeldInputs {
-    std::optional<double> driving;        ///< S_1 [N]
-    std::optional<double> driven;         ///< S_2 [N]
-    std::optional<double> load_torque;    ///< against the travel of shaft 2 [N·m]
-    std::optional<double> drive_torque;   ///< drive mode torque [N·m]
-    std::optional<double> drive_speed;    ///< drive mode speed [rad/s]; the reference angle goes on from `angle` at `since`
-    double since = 0.0;                   ///< [s]
-    double angle = 0.0;                   ///< [rad]
-    std::optional<double> ratio;          ///< of ratio control [1]
+    std::optional<double> driving;       ///< S_1 [N]
+    std::optional<double> driven;        ///< S_2 [N]
+    std::optional<double> load_torque;   ///< against the travel of shaft 2 [N·m]
+    std::optional<double> drive_torque;  ///< drive mode torque [N·m]
+    std::optional<double> drive_speed;   ///< drive mode speed [rad/s]; the reference angle goes on from `angle` at `since`
+    double since = 0.0;                  ///< [s]
+    double angle = 0.0;                  ///< [rad]
+    std::optional<double> ratio;         ///< of ratio control [1]
     bool operator==(const HeldInputs&) const = default;
 };
 
@@ -106,8 +106,8 @@ private:
     Start start_;
     HeldInputs held_;
     int size_;
-    double half_length_;               ///< ℓ_p/2, distance of a flank plane from the middle [m]
-    std::vector<double> inertia_;      ///< diagonal
+    double half_length_;           ///< ℓ_p/2, distance of a flank plane from the middle [m]
+    std::vector<double> inertia_;  ///< diagonal
     std::vector<Support> supports_;
     double governor_stiffness_, governor_damping_, reference_speed_;
 };

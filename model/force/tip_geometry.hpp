@@ -48,7 +48,9 @@ struct OneTip {
 
 /// Coefficient m of both halves; c points at the rear half's m = 0, the front half's follow.
 template <int P, class Corner>
-[[nodiscard]] inline typename Corner::Tips coefficient(const Corner& at_tips, const typename Corner::Real* c, int m) noexcept { return at_tips.by_end(c[m], c[P + 1 + m]); }
+[[nodiscard]] inline typename Corner::Tips coefficient(const Corner& at_tips, const typename Corner::Real* c, int m) noexcept {
+    return at_tips.by_end(c[m], c[P + 1 + m]);
+}
 
 /// Σ c_m P_m(±1) of both halves: P_m(±1) = (±1)^m.
 template <int P, class Corner>
@@ -83,7 +85,9 @@ struct Vector3 {
     Tips x, y, z;
 };
 template <class Tips>
-[[nodiscard]] inline Tips dot(const Vector3<Tips>& a, const Vector3<Tips>& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
+[[nodiscard]] inline Tips dot(const Vector3<Tips>& a, const Vector3<Tips>& b) noexcept {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 /// Both sheaves of a pulley as the tips see them. @tparam Displaced Zero where pulleys are rigid: sheaves that turn and move along z alone
 template <class Tips, class Displaced = Tips>
@@ -92,24 +96,28 @@ struct SheaveLanes {
         Tips x;
         Displaced y;
         Tips z;
-    } position;   ///< O [m]
+    } position;  ///< O [m]
     Displaced tilt_x, tilt_y;
     struct Velocity {
         Displaced x, y;
         Tips z;
-    } velocity, spin;   ///< [m/s], [rad/s]
+    } velocity, spin;  ///< [m/s], [rad/s]
 };
 
 /// @param s the two sheaves; their numbers, or Lanes where links side by side have different pulleys
 template <class Corner, class Sheave>
 [[nodiscard, gnu::always_inline]] inline SheaveLanes<typename Corner::Tips> sheaves_at(const Corner& at_tips, const Sheave* s) noexcept {
     const auto of = [&](auto number) -> typename Corner::Tips { return at_tips.by_side(s[0].*number, s[1].*number); };
-    return {{of(&Sheave::x), of(&Sheave::y), of(&Sheave::z)}, of(&Sheave::tilt_x), of(&Sheave::tilt_y),
-            {of(&Sheave::vx), of(&Sheave::vy), of(&Sheave::vz)}, {of(&Sheave::spin_x), of(&Sheave::spin_y), of(&Sheave::spin_z)}};
+    return {{of(&Sheave::x), of(&Sheave::y), of(&Sheave::z)},
+            of(&Sheave::tilt_x),
+            of(&Sheave::tilt_y),
+            {of(&Sheave::vx), of(&Sheave::vy), of(&Sheave::vz)},
+            {of(&Sheave::spin_x), of(&Sheave::spin_y), of(&Sheave::spin_z)}};
 }
 /// The same for rigid pulleys.
 template <class Corner, class Sheave>
-[[nodiscard, gnu::always_inline]] inline SheaveLanes<typename Corner::Tips, Zero> rigid_sheaves_at(const Corner& at_tips, const Sheave* s) noexcept {
+[[nodiscard, gnu::always_inline]] inline SheaveLanes<typename Corner::Tips, Zero> rigid_sheaves_at(const Corner& at_tips,
+                                                                                                   const Sheave* s) noexcept {
     const auto of = [&](auto number) -> typename Corner::Tips { return at_tips.by_side(s[0].*number, s[1].*number); };
     return {{of(&Sheave::x), {}, of(&Sheave::z)}, {}, {}, {{}, {}, of(&Sheave::vz)}, {{}, {}, of(&Sheave::spin_z)}};
 }
@@ -118,20 +126,21 @@ template <class Corner, class Sheave>
 template <int P, class Tips>
 struct TipGeometry {
     using Slope = std::conditional_t<P == 0, Zero, Tips>;
-    Tips side;            ///< s = ±1
-    Vector3<Tips> end;    ///< E
-    Vector3<Tips> offset; ///< S - E
-    Slope slope_x, slope_y;   ///< σ_s
-    Slope lean;           ///< σ_s·o
-    Vector3<Tips> arm;    ///< r = S - O
-    Vector3<Tips> local;  ///< ν, in the sheave's frame
-    Vector3<Tips> normal; ///< G, in space
-    Tips depth;           ///< δ [m], negative: gap
+    Tips side;               ///< s = ±1
+    Vector3<Tips> end;       ///< E
+    Vector3<Tips> offset;    ///< S - E
+    Slope slope_x, slope_y;  ///< σ_s
+    Slope lean;              ///< σ_s·o
+    Vector3<Tips> arm;       ///< r = S - O
+    Vector3<Tips> local;     ///< ν, in the sheave's frame
+    Vector3<Tips> normal;    ///< G, in space
+    Tips depth;              ///< δ [m], negative: gap
 };
 
 /// Sphere centre of every tip, without the sheave.
 template <int P, class Corner>
-[[gnu::always_inline]] inline void place_spheres(const Coefficients& c, const Corner& at_tips, const LinkFrameOf<typename Corner::Real>& frame, const typename Corner::Real* q,
+[[gnu::always_inline]] inline void place_spheres(const Coefficients& c, const Corner& at_tips,
+                                                 const LinkFrameOf<typename Corner::Real>& frame, const typename Corner::Real* q,
                                                  TipGeometry<P, typename Corner::Tips>& g) noexcept {
     using Tips = typename Corner::Tips;
     using Real = typename Corner::Real;
@@ -153,9 +162,9 @@ template <int P, class Corner>
 /// Geometry of tips against the sheaves of their pulley.
 template <int P, class Corner, class Sheaves>
 [[nodiscard, gnu::always_inline]] inline TipGeometry<P, typename Corner::Tips> tip_geometry(const Coefficients& c, const Corner& at_tips,
-                                                                                        const LinkFrameOf<typename Corner::Real>& frame,
-                                                                                        const typename Corner::Real* q,
-                                                                                        const Sheaves& o) noexcept {
+                                                                                            const LinkFrameOf<typename Corner::Real>& frame,
+                                                                                            const typename Corner::Real* q,
+                                                                                            const Sheaves& o) noexcept {
     using Tips = typename Corner::Tips;
     TipGeometry<P, Tips> g;
     place_spheres<P>(c, at_tips, frame, q, g);
@@ -172,7 +181,7 @@ template <int P, class Corner, class Sheaves>
     const Tips h1 = e1 + c.tip.reach * c.tip.sine;
     const Tips h2 = e2 - (c.tip.reach * c.tip.cosine) * g.side;
     const Tips distance = sqrt(h1 * h1 + h2 * h2);
-    const Tips overall = c.tip.reach + distance, plane = radius * distance, share = 1.0 / (plane * overall);   // one division for three
+    const Tips overall = c.tip.reach + distance, plane = radius * distance, share = 1.0 / (plane * overall);  // one division for three
     g.depth = -(2.0 * c.tip.reach * (c.tip.sine * e1 - c.tip.cosine * g.side * e2) + e1 * e1 + e2 * e2) * (share * plane);
     const Tips radial = h1 * (share * overall);
     g.local = {radial * lx, radial * ly, h2 * (share * overall * radius)};

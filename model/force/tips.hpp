@@ -15,38 +15,40 @@ namespace {
 /// Velocities at the contact of every tip.
 template <class Tips>
 struct TipMotion {
-    Tips closing;               ///< δ' [m/s]
-    Vector3<Tips> material;     ///< v of the tip's material at P relative to the sheave's [m/s]
-    Tips lever_x, lever_y;      ///< P - E [m]
-    Vector3<Tips> sheave_arm;   ///< r_P = P - O [m]
+    Tips closing;              ///< δ' [m/s]
+    Vector3<Tips> material;    ///< v of the tip's material at P relative to the sheave's [m/s]
+    Tips lever_x, lever_y;     ///< P - E [m]
+    Vector3<Tips> sheave_arm;  ///< r_P = P - O [m]
 };
 
 template <int P, class Corner, class Sheaves>
-[[nodiscard, gnu::always_inline]] inline TipMotion<typename Corner::Tips> tip_motion(const Coefficients& c, const Corner& at_tips,
-                                                                                    const LinkFrameOf<typename Corner::Real>& frame,
-                                                                                    const typename Corner::Real* v, const Sheaves& o,
-                                                                                    const TipGeometry<P, typename Corner::Tips>& g) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipMotion<typename Corner::Tips> tip_motion(
+    const Coefficients& c, const Corner& at_tips, const LinkFrameOf<typename Corner::Real>& frame, const typename Corner::Real* v,
+    const Sheaves& o, const TipGeometry<P, typename Corner::Tips>& g) noexcept {
     using Tips = typename Corner::Tips;
     TipMotion<Tips> m;
     const double outward = c.tip.radius * c.tip.sine;
     const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
     const auto& w = frame.turning;
     const Tips ex = end_values<P>(at_tips, v), ey = end_values<P>(at_tips, v + 2 * (P + 1));
-    const Tips ez = at_tips.by_end(v[at<P>.z(End::rear)], v[at<P>.z(End::front)]) + g.side * at_tips.by_end(v[at<P>.e(End::rear)], v[at<P>.e(End::front)]);
+    const Tips ez = at_tips.by_end(v[at<P>.z(End::rear)], v[at<P>.z(End::front)]) +
+                    g.side * at_tips.by_end(v[at<P>.e(End::rear)], v[at<P>.e(End::front)]);
     const auto slope_x = c.slope_scale * end_slopes<P>(at_tips, v), slope_y = c.slope_scale * end_slopes<P>(at_tips, v + 2 * (P + 1));
     const auto lean = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
     const auto& [ux, uy, uz] = o.velocity;
     const auto& [wx, wy, wz] = o.spin;
 
-    const Vector3<Tips> sphere{ex + outward * w * frame.tx - sideways * slope_x, ey + outward * w * frame.ty - sideways * slope_y, ez - outward * lean};
-    m.closing = -dot(g.normal, Vector3<Tips>{sphere.x - ux, sphere.y - uy, sphere.z - uz}) + wx * (g.arm.y * g.local.z - g.arm.z * g.local.y) +
-                wy * (g.arm.z * g.local.x - g.arm.x * g.local.z);
+    const Vector3<Tips> sphere{ex + outward * w * frame.tx - sideways * slope_x, ey + outward * w * frame.ty - sideways * slope_y,
+                               ez - outward * lean};
+    m.closing = -dot(g.normal, Vector3<Tips>{sphere.x - ux, sphere.y - uy, sphere.z - uz}) +
+                wx * (g.arm.y * g.local.z - g.arm.z * g.local.y) + wy * (g.arm.z * g.local.x - g.arm.x * g.local.z);
 
     m.lever_x = g.offset.x - c.tip.radius * g.normal.x;
     m.lever_y = g.offset.y - c.tip.radius * g.normal.y;
     m.sheave_arm = {g.arm.x - c.tip.radius * g.normal.x, g.arm.y - c.tip.radius * g.normal.y, g.arm.z - c.tip.radius * g.normal.z};
     const Vector3<Tips>& p = m.sheave_arm;
-    m.material = {ex - w * m.lever_y - ux - (wy * p.z - wz * p.y), ey + w * m.lever_x - uy - (wz * p.x - wx * p.z), ez - uz - (wx * p.y - wy * p.x)};
+    m.material = {ex - w * m.lever_y - ux - (wy * p.z - wz * p.y), ey + w * m.lever_x - uy - (wz * p.x - wx * p.z),
+                  ez - uz - (wx * p.y - wy * p.x)};
     return m;
 }
 
@@ -66,10 +68,10 @@ template <class Tips>
 
 /// Phases of the tips in the lanes.
 struct TipPhases {
-    const Phase* first;   ///< of lane 0
-    int stride;           ///< from lane to lane
-    bool by_phase;        ///< whether any of them is `stick` or `slip`
-    std::size_t count;    ///< lanes that stand for tips
+    const Phase* first;  ///< of lane 0
+    int stride;          ///< from lane to lane
+    bool by_phase;       ///< whether any of them is `stick` or `slip`
+    std::size_t count;   ///< lanes that stand for tips
     [[nodiscard]] Phase operator[](std::size_t lane) const noexcept { return first[static_cast<std::size_t>(stride) * lane]; }
 };
 
@@ -107,8 +109,9 @@ struct TipForces {
 
 /// @param touching 1 or 0
 template <bool Observe, int W, int P>
-[[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g, const TipMotion<Lanes<W>>& motion,
-                                                                       const Lanes<W>& touching, const TipPhases& phases, Account* account) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
+                                                                        const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
+                                                                        const TipPhases& phases, Account* account) noexcept {
     using Tips = Lanes<W>;
     const Tips depth = touching * positive_part<W>(g.depth);
     const Tips elastic = tip.hertz * depth * sqrt(depth);
@@ -133,8 +136,9 @@ struct TipPush {
 };
 
 template <int P, class Real, class Tips>
-[[nodiscard, gnu::always_inline]] inline TipPush<Tips> tip_push(const Coefficients& c, const LinkFrameOf<Real>& frame, const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
-                                                               const TipForces<Tips>& t) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipPush<Tips> tip_push(const Coefficients& c, const LinkFrameOf<Real>& frame,
+                                                                const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+                                                                const TipForces<Tips>& t) noexcept {
     const double outward = c.tip.radius * c.tip.sine;
     const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
     const Vector3<Tips> push{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
@@ -174,7 +178,9 @@ template <int P>
     push.total.z.copy_to(number[2]);
     push.tilt_x.copy_to(number[3]);
     push.tilt_y.copy_to(number[4]);
-    const auto of = [&](int tip) { return TipPush<double>{{number[0][tip], number[1][tip], number[2][tip]}, number[3][tip], number[4][tip], 0.0}; };
+    const auto of = [&](int tip) {
+        return TipPush<double>{{number[0][tip], number[1][tip], number[2][tip]}, number[3][tip], number[4][tip], 0.0};
+    };
     load_end<P>(End::rear, of(0), of(1), f);
     load_end<P>(End::front, of(2), of(3), f);
     return sum<tips_per_link>(push.moment);
@@ -187,18 +193,21 @@ struct TipReaction {
 };
 
 template <int P, class Tips>
-[[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion, const TipForces<Tips>& t) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+                                                                        const TipForces<Tips>& t) noexcept {
     const Vector3<Tips>& p = motion.sheave_arm;
     const Vector3<Tips>& r = g.arm;
     return {{-(t.normal * g.normal.x + t.friction.x), -(t.normal * g.normal.y + t.friction.y), -(t.normal * g.normal.z + t.friction.z)},
             {-t.normal * (r.y * g.local.z - r.z * g.local.y) - (p.y * t.friction.z - p.z * t.friction.y),
-             -t.normal * (r.z * g.local.x - r.x * g.local.z) - (p.z * t.friction.x - p.x * t.friction.z), -(p.x * t.friction.y - p.y * t.friction.x)}};
+             -t.normal * (r.z * g.local.x - r.x * g.local.z) - (p.z * t.friction.x - p.x * t.friction.z),
+             -(p.x * t.friction.y - p.y * t.friction.x)}};
 }
 
 /// Reactions of the four tips of a link on the two sheaves.
 template <int P>
-[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& motion, const TipForces<TipLanes>& t) noexcept {
-    const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };   // rear + front, by side
+[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& motion,
+                                                                 const TipForces<TipLanes>& t) noexcept {
+    const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };  // rear + front, by side
     const auto [force, moment] = tip_reaction(g, motion, t);
     SheaveLoad load;
     pair(force.x, load.fx);
@@ -212,13 +221,14 @@ template <int P>
 
 /// All tips of a link; `sheaves` are the two of its pulley. Adds to the link's generalized forces, returns the moment about z on it.
 template <int P, bool Observe>
-[[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v, const SheaveMotion* sheaves, const Phase* phases,
-                                 double* f, SheaveLoad& load, Account* account) noexcept {
+[[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v,
+                                 const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account) noexcept {
     const FourTips four;
     const auto own = sheaves_at(four, sheaves);
     const auto geometry = tip_geometry<P>(c, four, frame, q, own);
     const auto motion = tip_motion<P>(c, four, frame, v, own, geometry);
-    const auto forces = tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
+    const auto forces =
+        tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
     load = load_sheaves(geometry, motion, forces);
     return load_link<P>(tip_push(c, frame, geometry, motion, forces), f);
 }

@@ -1,7 +1,7 @@
 #pragma once
-/// Derivatives of all accelerations with respect to coordinates and velocities, as blocks: a link sees its two neighbours and, while it touches,
-/// the sheaves of its pulley. The pulleys' block counts the control integral I, where there is one, as its last unknown: a velocity without a
-/// coordinate, whose "acceleration" is I'.
+/// Derivatives of all accelerations with respect to coordinates and velocities, as blocks: a link sees its two neighbours and, while it
+/// touches, the sheaves of its pulley. The pulleys' block counts the control integral I, where there is one, as its last unknown: a
+/// velocity without a coordinate, whose "acceleration" is I'.
 
 #include <span>
 #include <vector>
@@ -30,13 +30,19 @@ public:
     [[nodiscard]] const double* link(int link, Near near, With with) const noexcept { return numbers_.data() + link_at(link, near, with); }
     /// ∂(acceleration of a link)/∂(pulleys): [size × border]. Zero for links that do not touch.
     [[nodiscard]] double* columns(int link, With with) noexcept { return numbers_.data() + columns_begin_ + border_at(link, with); }
-    [[nodiscard]] const double* columns(int link, With with) const noexcept { return numbers_.data() + columns_begin_ + border_at(link, with); }
+    [[nodiscard]] const double* columns(int link, With with) const noexcept {
+        return numbers_.data() + columns_begin_ + border_at(link, with);
+    }
     /// ∂(acceleration of the pulleys)/∂(a link): [border × size].
     [[nodiscard]] double* rows(int link, With with) noexcept { return numbers_.data() + rows_begin_ + border_at(link, with); }
     [[nodiscard]] const double* rows(int link, With with) const noexcept { return numbers_.data() + rows_begin_ + border_at(link, with); }
     /// ∂(acceleration of the pulleys)/∂(pulleys): [border × border].
-    [[nodiscard]] double* corner(With with) noexcept { return numbers_.data() + corner_begin_ + static_cast<int>(with) * border_ * border_; }
-    [[nodiscard]] const double* corner(With with) const noexcept { return numbers_.data() + corner_begin_ + static_cast<int>(with) * border_ * border_; }
+    [[nodiscard]] double* corner(With with) noexcept {
+        return numbers_.data() + corner_begin_ + static_cast<int>(with) * border_ * border_;
+    }
+    [[nodiscard]] const double* corner(With with) const noexcept {
+        return numbers_.data() + corner_begin_ + static_cast<int>(with) * border_ * border_;
+    }
 
     /// All of them, one block after the other.
     [[nodiscard]] std::span<double> numbers() noexcept { return numbers_; }
@@ -51,7 +57,7 @@ private:
 
     int links_, size_, border_;
     int columns_begin_, rows_begin_, corner_begin_;
-    std::vector<double> numbers_;   ///< links, columns, rows, corner
+    std::vector<double> numbers_;  ///< links, columns, rows, corner
 };
 
 }  // namespace cvtflow::model

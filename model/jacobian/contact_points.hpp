@@ -1,6 +1,6 @@
 #pragma once
-/// Forces at single points - a plate, a point of a joint, a tip - in any number type, for their derivatives. The same formulas as the kernels
-/// of model/force, lane by lane; a test holds their values against each other. (model/EQUATIONS.md sections 4 to 6)
+/// Forces at single points - a plate, a point of a joint, a tip - in any number type, for their derivatives. The same formulas as the
+/// kernels of model/force, lane by lane; a test holds their values against each other. (model/EQUATIONS.md sections 4 to 6)
 
 #include "model/jacobian/dual.hpp"
 #include "model/machine/coefficients.hpp"
@@ -25,7 +25,8 @@ struct Force3 {
 
 /// Force of one plate on the front half. d, v: difference of the halves and its rate.
 template <class T>
-[[nodiscard]] inline Force3<T> plate_force(const Coefficients& c, double free_length, std::size_t plate, const Force3<T>& d, const Force3<T>& v) noexcept {
+[[nodiscard]] inline Force3<T> plate_force(const Coefficients& c, double free_length, std::size_t plate, const Force3<T>& d,
+                                           const Force3<T>& v) noexcept {
     const T length = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
     const T reciprocal = inverse(length);
     const T stretching = (d.x * v.x + d.y * v.y + d.z * v.z) * reciprocal;
@@ -38,9 +39,9 @@ template <class T>
 /// What a point of a joint depends on.
 template <class T>
 struct JointPoint {
-    T gx, gy;                   ///< front half of the link before minus rear half of the link after [m]
-    T ax, ay, az;               ///< its rate [m/s]
-    T before_x, before_y, before_turning, after_x, after_y, after_turning;   ///< directions of the links, and their turning
+    T gx, gy;      ///< front half of the link before minus rear half of the link after [m]
+    T ax, ay, az;  ///< its rate [m/s]
+    T before_x, before_y, before_turning, after_x, after_y, after_turning;  ///< directions of the links, and their turning
 };
 
 /// What it does: force on the front half of the link before, moments on both links.
@@ -61,8 +62,9 @@ struct JointContact {
         const T reciprocal = inverse(distance);
         nx = dx * reciprocal;
         ny = dy * reciprocal;
-        depth = (j.square_excess - (p.gx * p.gx + p.gy * p.gy) - 2.0 * j.arm * (p.gx * sx + p.gy * sy) + j.arm * j.arm * (cx * cx + cy * cy)) *
-                inverse(distance + j.diameter);
+        depth =
+            (j.square_excess - (p.gx * p.gx + p.gy * p.gy) - 2.0 * j.arm * (p.gx * sx + p.gy * sy) + j.arm * j.arm * (cx * cx + cy * cy)) *
+            inverse(distance + j.diameter);
         vx = p.ax - j.arm * (p.before_turning * p.before_y + p.after_turning * p.after_y);
         vy = p.ay + j.arm * (p.before_turning * p.before_x + p.after_turning * p.after_x);
         lever_before = j.arm * (p.before_x * nx + p.before_y * ny) - 0.5 * distance;
@@ -73,10 +75,12 @@ struct JointContact {
 
 /// Rolling contact with friction.
 template <class T>
-inline void add_press(const JointCoefficients& j, double weight, const JointPoint<T>& p, const JointContact<T>& m, JointEffect<T>& out) noexcept {
+inline void add_press(const JointCoefficients& j, double weight, const JointPoint<T>& p, const JointContact<T>& m,
+                      JointEffect<T>& out) noexcept {
     const T closing = -(m.nx * m.vx + m.ny * m.vy);
     const T pressed = positive_part(m.depth);
-    const T elastic = j.palmgren ? j.stiffness * j.reference_depth * weight * ten_ninths(pressed * (1.0 / j.reference_depth)) : j.stiffness * weight * pressed;
+    const T elastic = j.palmgren ? j.stiffness * j.reference_depth * weight * ten_ninths(pressed * (1.0 / j.reference_depth))
+                                 : j.stiffness * weight * pressed;
     const T normal = positive_part(elastic * (1.0 + j.damping * closing));
     const T grip = j.friction.coefficient * (normal * slip_factor_of_square(j.friction, m.slip * m.slip + p.az * p.az));
     const T tangential = -(grip * m.slip);
@@ -90,7 +94,8 @@ inline void add_press(const JointCoefficients& j, double weight, const JointPoin
 
 /// Clearance of the plate opening.
 template <class T>
-inline void add_confinement(const JointCoefficients& j, double weight, const JointPoint<T>& p, const JointContact<T>& m, JointEffect<T>& out) noexcept {
+inline void add_confinement(const JointCoefficients& j, double weight, const JointPoint<T>& p, const JointContact<T>& m,
+                            JointEffect<T>& out) noexcept {
     const T sx = p.before_x + p.after_x, sy = p.before_y + p.after_y;
     const T reciprocal = inverse(sqrt(sx * sx + sy * sy));
     const T bx = sx * reciprocal, by = sy * reciprocal;
@@ -99,7 +104,8 @@ inline void add_confinement(const JointCoefficients& j, double weight, const Joi
     const T along = m.dx * bx + m.dy * by;
     const double sign = across.value > 0.0 ? 1.0 : -1.0;
     const T rate = m.vy * bx - m.vx * by - 0.5 * ((p.before_turning + p.after_turning) * along);
-    const T force = j.clearance_stiffness * weight * ((across - sign * j.clearance) * positive_part(1.0 + j.clearance_damping * sign * rate));
+    const T force =
+        j.clearance_stiffness * weight * ((across - sign * j.clearance) * positive_part(1.0 + j.clearance_damping * sign * rate));
     out.fx += force * by;
     out.fy -= force * bx;
     out.before -= force * (j.arm * (p.before_x * bx + p.before_y * by) - 0.5 * along);

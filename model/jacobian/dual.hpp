@@ -1,6 +1,6 @@
 #pragma once
-/// A number with its derivatives in N directions (forward differentiation): forces written in it yield exact Jacobians, kinks of friction laws
-/// included, where the branch taken is that of the value.
+/// A number with its derivatives in N directions (forward differentiation): forces written in it yield exact Jacobians, kinks of friction
+/// laws included, where the branch taken is that of the value.
 
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@ struct Dual {
     std::array<double, N> slope{};
 
     Dual() noexcept = default;
-    Dual(double constant) noexcept : value(constant) {}   // constants are written as numbers in formulas
+    Dual(double constant) noexcept : value(constant) {}  // constants are written as numbers in formulas
     /// The variable of one direction.
     static Dual variable(double at, int direction) noexcept {
         Dual d(at);

@@ -14,10 +14,11 @@ namespace {
 
 template <int P>
 [[nodiscard]] DualFrame dual_frame(const double* state) noexcept {
-    constexpr int n = at<P>.link_size(), xa = at<P>.x(End::rear, 0), ya = at<P>.y(End::rear, 0), xb = at<P>.x(End::front, 0), yb = at<P>.y(End::front, 0);
+    constexpr int n = at<P>.link_size(), xa = at<P>.x(End::rear, 0), ya = at<P>.y(End::rear, 0), xb = at<P>.x(End::front, 0),
+                  yb = at<P>.y(End::front, 0);
     using T = Dual<4>;
-    return frame_of_difference<T>(T::variable(state[xb] - state[xa], 0), T::variable(state[yb] - state[ya], 1), T::variable(state[n + xb] - state[n + xa], 2),
-                                  T::variable(state[n + yb] - state[n + ya], 3));
+    return frame_of_difference<T>(T::variable(state[xb] - state[xa], 0), T::variable(state[yb] - state[ya], 1),
+                                  T::variable(state[n + xb] - state[n + xa], 2), T::variable(state[n + yb] - state[n + ya], 3));
 }
 
 /// Rows of a link, brought to the blocks of the Jacobian.
@@ -45,8 +46,8 @@ void store(const ExactJacobian& exact, LinkRows<P>& rows, int link, int shaft, A
 }
 
 template <int P>
-void add_tips(const ExactJacobian& exact, const Coefficients& c, const double* state, const DualFrame& frame, const Phase* phases, int link, int shaft,
-              const SheaveMotion* sheaves, LinkRows<P>& rows, AccelerationJacobian& out, SheaveStiffness* stiffness) noexcept {
+void add_tips(const ExactJacobian& exact, const Coefficients& c, const double* state, const DualFrame& frame, const Phase* phases, int link,
+              int shaft, const SheaveMotion* sheaves, LinkRows<P>& rows, AccelerationJacobian& out, SheaveStiffness* stiffness) noexcept {
     for (int tip = 0; tip < tips_per_link; ++tip) {
         if (phases[tip] == Phase::free) continue;
         const int side = tip % 2, number = 2 * shaft + side;
@@ -57,8 +58,8 @@ void add_tips(const ExactJacobian& exact, const Coefficients& c, const double* s
 }
 
 template <int P>
-void link_jacobian(const ExactJacobian& exact, const Variator& variator, const double* state, const Phase* phases, int link, AccelerationJacobian& out,
-                   SheaveStiffness* stiffness, const SheaveMotion* sheaves) noexcept {
+void link_jacobian(const ExactJacobian& exact, const Variator& variator, const double* state, const Phase* phases, int link,
+                   AccelerationJacobian& out, SheaveStiffness* stiffness, const SheaveMotion* sheaves) noexcept {
     const Coefficients& c = variator.chain().coefficients();
     const ChainLayout& layout = variator.layout();
     const auto of = [&](int number) { return state + layout.link_begin(number); };
@@ -82,8 +83,11 @@ void link_jacobian(const ExactJacobian& exact, const Variator& variator, const d
 }  // namespace
 
 ExactJacobian::ExactJacobian(const Variator& variator)
-    : variator_(variator), stiffness_(2 * static_cast<std::size_t>(variator.layout().links)),
-      tail_(static_cast<std::size_t>(variator.layout().size() - variator.layout().pulley_begin())), above_(tail_), below_(tail_) {
+    : variator_(variator),
+      stiffness_(2 * static_cast<std::size_t>(variator.layout().links)),
+      tail_(static_cast<std::size_t>(variator.layout().size() - variator.layout().pulley_begin())),
+      above_(tail_),
+      below_(tail_) {
     switch (variator.layout().order) {
         case 0: link_ = link_jacobian<0>; break;
         case 1: link_ = link_jacobian<1>; break;
@@ -98,7 +102,9 @@ void ExactJacobian::find_maps() {
     const int half = variator_.layout().pulley_size;
     const PulleyModel& pulleys = variator_.pulleys();
     std::vector<double> block(static_cast<std::size_t>(2 * half), 0.0), slope(block);
-    const auto motion = [](const SheaveMotion& s) { return std::array{s.x, s.y, s.z, s.tilt_x, s.tilt_y, s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z}; };
+    const auto motion = [](const SheaveMotion& s) {
+        return std::array{s.x, s.y, s.z, s.tilt_x, s.tilt_y, s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z};
+    };
     SheaveMotion rest[4], moved[4];
     pulleys.motions(block.data(), rest);
     for (SheaveMap& map : sheaves_) map.coordinate.fill(-1);
@@ -118,7 +124,8 @@ void ExactJacobian::find_maps() {
             unit[s][load] = 1.0;
             pulleys.slope(block.data(), Inputs{}, unit, slope.data(), nullptr);
             for (int k = 0; k < half; ++k) {
-                if (const double factor = slope[static_cast<std::size_t>(half + k)]; factor != 0.0) sheaves_[s].effects[load].push_back({k, factor});
+                if (const double factor = slope[static_cast<std::size_t>(half + k)]; factor != 0.0)
+                    sheaves_[s].effects[load].push_back({k, factor});
             }
         }
     }
@@ -127,7 +134,8 @@ void ExactJacobian::find_maps() {
 void ExactJacobian::links(const double* state, const Phase* phases, int first, int last, AccelerationJacobian& out) noexcept {
     SheaveMotion sheaves[4]{};
     if (variator_.layout().pulley_size != 0) variator_.pulleys().motions(state + variator_.layout().pulley_begin(), sheaves);
-    for (int link = first; link < last; ++link) link_(*this, variator_, state, phases + tips_per_link * link, link, out, stiffness_.data() + 2 * link, sheaves);
+    for (int link = first; link < last; ++link)
+        link_(*this, variator_, state, phases + tips_per_link * link, link, out, stiffness_.data() + 2 * link, sheaves);
 }
 
 /// Central differences of the pulleys alone: no chain force changes with them here.
@@ -173,7 +181,8 @@ void ExactJacobian::corner(double t, const double* state, const Phase* phases, A
                 if (map.coordinate[d] < 0) continue;
                 double* column = out.corner(d < sheave_positions ? With::position : With::velocity) + map.coordinate[d];
                 for (std::size_t load = 0; load < 6; ++load) {
-                    for (const auto& effect : map.effects[load]) column[effect.coordinate * out.border()] += effect.factor * stiffness[load][d];
+                    for (const auto& effect : map.effects[load])
+                        column[effect.coordinate * out.border()] += effect.factor * stiffness[load][d];
                 }
             }
         }

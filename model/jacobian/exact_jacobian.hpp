@@ -1,6 +1,6 @@
 #pragma once
-/// The Jacobian exactly, by forward differentiation where forces are made - at a plate, a point of a joint, a tip - and by the chain rule from
-/// there to coordinates. Of a kink, the side on which the state lies counts.
+/// The Jacobian exactly, by forward differentiation where forces are made - at a plate, a point of a joint, a tip - and by the chain rule
+/// from there to coordinates. Of a kink, the side on which the state lies counts.
 
 #include <array>
 #include <vector>
@@ -24,31 +24,31 @@ public:
 
     /// Rows of the links [first, last): blocks, columns, and rows of the pulleys on them. Ranges are independent of each other.
     void links(const double* state, const Phase* phases, int first, int last, AccelerationJacobian& out) noexcept;
-    /// Pulleys and control on themselves, after all links: their own part by differences (supports and gyroscopic moments are polynomials of
-    /// second degree, for which central differences are exact), the tips' part from what links() has left.
+    /// Pulleys and control on themselves, after all links: their own part by differences (supports and gyroscopic moments are polynomials
+    /// of second degree, for which central differences are exact), the tips' part from what links() has left.
     void corner(double t, const double* state, const Phase* phases, AccelerationJacobian& out) noexcept;
 
     /// Where a sheave's motion comes from and its loads go to; number 2 shaft + side.
     struct SheaveMap {
-        std::array<int, sheave_directions> coordinate;   ///< pulley coordinate of each direction, -1: none
+        std::array<int, sheave_directions> coordinate;  ///< pulley coordinate of each direction, -1: none
         struct Effect {
             int coordinate;
-            double factor;   ///< acceleration per unit of load
+            double factor;  ///< acceleration per unit of load
         };
         std::array<std::vector<Effect>, 6> effects;
     };
     [[nodiscard]] const SheaveMap& sheave(int number) const noexcept { return sheaves_[static_cast<std::size_t>(number)]; }
 
 private:
-    using LinkFunction = void (*)(const ExactJacobian&, const Variator&, const double* state, const Phase* phases, int link, AccelerationJacobian&, SheaveStiffness*,
-                                  const SheaveMotion*) noexcept;
+    using LinkFunction = void (*)(const ExactJacobian&, const Variator&, const double* state, const Phase* phases, int link,
+                                  AccelerationJacobian&, SheaveStiffness*, const SheaveMotion*) noexcept;
     void find_maps();
     void own_corner(double t, const double* state, AccelerationJacobian& out) noexcept;
 
     const Variator& variator_;
     LinkFunction link_;
     std::array<SheaveMap, 4> sheaves_;
-    std::vector<SheaveStiffness> stiffness_;   ///< [links][side], summed over the ends
+    std::vector<SheaveStiffness> stiffness_;  ///< [links][side], summed over the ends
     std::vector<double> tail_, above_, below_;
 };
 

@@ -42,7 +42,8 @@ template <int P, int M, class T>
 
 /// Plate pack as a beam between the tilts of the two pins. Adds forces; returns the moment on the link.
 template <int P, class T>
-[[nodiscard]] inline T pack_force(const Coefficients& c, const LinkKind& kind, const FrameOf<T>& frame, const T* q, const T* v, T* f) noexcept {
+[[nodiscard]] inline T pack_force(const Coefficients& c, const LinkKind& kind, const FrameOf<T>& frame, const T* q, const T* v,
+                                  T* f) noexcept {
     constexpr int za = at<P>.z(End::rear), zb = at<P>.z(End::front);
     const double lean = 2.0 * kind.inverse_length;
     const T rise = lean * (q[zb] - q[za]), rise_rate = lean * (v[zb] - v[za]);

@@ -20,7 +20,7 @@ template <int P>
 class JointRows {
 public:
     using Weights = PointWeights<P>;
-    using T = Dual<11>;   // gx gy | ax ay az | direction and turning of the link before | of the link after
+    using T = Dual<11>;  // gx gy | ax ay az | direction and turning of the link before | of the link after
     static constexpr int gaps = 2 * (P + 1), rates = Weights::count, inputs = gaps + rates + 6;
 
     JointRows(const Coefficients& c, const JointLinks& links, bool of_after) noexcept : of_after_(of_after) {
@@ -31,18 +31,28 @@ public:
             const Weights weights(c.joint_points, g);
             const auto& points = c.joint_points;
             const auto &a = links.frame_before, &b = links.frame_after;
-            const double values[11] = {along_axis<P>(points, g, gap.x),  along_axis<P>(points, g, gap.y), along_axis<P>(points, g, rate.x),
-                                       along_axis<P>(points, g, rate.y), rate.z + weights.xi * rate.e,    a.tx.value, a.ty.value, a.turning.value,
-                                       b.tx.value, b.ty.value, b.turning.value};
+            const double values[11] = {along_axis<P>(points, g, gap.x),
+                                       along_axis<P>(points, g, gap.y),
+                                       along_axis<P>(points, g, rate.x),
+                                       along_axis<P>(points, g, rate.y),
+                                       rate.z + weights.xi * rate.e,
+                                       a.tx.value,
+                                       a.ty.value,
+                                       a.turning.value,
+                                       b.tx.value,
+                                       b.ty.value,
+                                       b.turning.value};
             T v[11];
             for (int d = 0; d < 11; ++d) v[d] = T::variable(values[d], d);
-            add_point(weights, joint_effect<T>(c.joint, points.weight[g], {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10]}));
+            add_point(weights,
+                      joint_effect<T>(c.joint, points.weight[g], {v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9], v[10]}));
         }
     }
 
     void add_to(const JointLinks& links, LinkRows<P>& rows) const noexcept {
         const double sign = of_after_ ? -1.0 : 1.0;
-        for (int r = 0; r < Weights::count; ++r) add_row(links, local_[r], sign, rows.row(Weights::place(r, of_after_ ? End::rear : End::front)));
+        for (int r = 0; r < Weights::count; ++r)
+            add_row(links, local_[r], sign, rows.row(Weights::place(r, of_after_ ? End::rear : End::front)));
         add_row(links, local_[Weights::count], 1.0, rows.moment_row());
         rows.moment += moment_;
     }
@@ -51,7 +61,8 @@ private:
     /// Derivatives of one component of a point, spread over the inputs.
     static void spread(const Weights& weights, double factor, const T& part, double* out) noexcept {
         for (int k = 0; k < gaps; ++k) out[k] += factor * weights.weight(k) * part.slope[static_cast<std::size_t>(Weights::component(k))];
-        for (int k = 0; k < rates; ++k) out[gaps + k] += factor * weights.weight(k) * part.slope[static_cast<std::size_t>(2 + Weights::component(k))];
+        for (int k = 0; k < rates; ++k)
+            out[gaps + k] += factor * weights.weight(k) * part.slope[static_cast<std::size_t>(2 + Weights::component(k))];
         for (std::size_t k = 0; k < 6; ++k) out[gaps + rates + static_cast<int>(k)] += factor * part.slope[5 + k];
     }
     void add_point(const Weights& weights, const JointEffect<T>& effect) noexcept {
@@ -82,9 +93,10 @@ private:
 template <int P>
 class TipRows {
 public:
-    using T = Dual<24>;   // E, slopes, direction | rates of E, of slopes, turning | motion of the sheave
+    using T = Dual<24>;  // E, slopes, direction | rates of E, of slopes, turning | motion of the sheave
 
-    TipRows(const Coefficients& c, const double* state, const DualFrame& frame, const SheaveMotion& sheave, End end, int side, Phase phase) noexcept
+    TipRows(const Coefficients& c, const double* state, const DualFrame& frame, const SheaveMotion& sheave, End end, int side,
+            Phase phase) noexcept
         : frame_(frame), end_(end), side_(side) {
         const double sign = side == 0 ? -1.0 : 1.0;
         for (int m = 0; m <= P; ++m) {
@@ -114,7 +126,8 @@ public:
     }
 
     /// Rows of the pulleys on this link, and the effect of the sheave's own motion on it.
-    void add_to_sheave(const ExactJacobian::SheaveMap& sheave, int link, AccelerationJacobian& out, SheaveStiffness& stiffness) const noexcept {
+    void add_to_sheave(const ExactJacobian::SheaveMap& sheave, int link, AccelerationJacobian& out,
+                       SheaveStiffness& stiffness) const noexcept {
         constexpr int n = LinkRows<P>::size;
         double own[LinkRows<P>::width];
         for (std::size_t load = 0; load < 6; ++load) {
@@ -141,13 +154,18 @@ private:
         const double* q = state;
         const double* v = state + LinkRows<P>::size;
         const int x = at<P>.x(end_, 0), y = at<P>.y(end_, 0), z = at<P>.z(end_), e = at<P>.e(end_);
+        // clang-format off
         const double values[24] = {sum(q + x, value_), sum(q + y, value_), q[z] + sign * (c.half_length + q[e]), sum(q + x, slope_), sum(q + y, slope_),
-                                   frame_.tx.value, frame_.ty.value, sum(v + x, value_), sum(v + y, value_), v[z] + sign * v[e], sum(v + x, slope_),
-                                   sum(v + y, slope_), frame_.turning.value, s.x, s.y, s.z, s.tilt_x, s.tilt_y, s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z};
+            frame_.tx.value, frame_.ty.value,
+            sum(v + x, value_), sum(v + y, value_), v[z] + sign * v[e], sum(v + x, slope_), sum(v + y, slope_), frame_.turning.value,
+            s.x, s.y, s.z, s.tilt_x, s.tilt_y, s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z};
+        // clang-format on
         T d[24];
         for (int k = 0; k < 24; ++k) d[k] = T::variable(values[k], k);
-        return {sign, {d[0], d[1], d[2]}, d[3], d[4], d[5], d[6], {d[7], d[8], d[9]}, d[10], d[11], d[12], {d[13], d[14], d[15]}, d[16], d[17],
-                {d[18], d[19], d[20]}, {d[21], d[22], d[23]}};
+        // clang-format off
+        return {sign, {d[0], d[1], d[2]}, d[3], d[4], d[5], d[6], {d[7], d[8], d[9]},
+            d[10], d[11], d[12], {d[13], d[14], d[15]}, d[16], d[17], {d[18], d[19], d[20]}, {d[21], d[22], d[23]}};
+        // clang-format on
     }
 
     /// Derivatives of one number with respect to the link's own unknowns and its sheaves' motion.
@@ -178,7 +196,7 @@ private:
     const DualFrame& frame_;
     End end_;
     int side_;
-    double value_[P + 1], slope_[P + 1];   ///< weights of coordinates in E, and in the slopes times slope_scale
+    double value_[P + 1], slope_[P + 1];  ///< weights of coordinates in E, and in the slopes times slope_scale
     TipEffect<T> effect_{};
 };
 

@@ -88,7 +88,8 @@ inline void add_plates(const Coefficients& c, const LinkKind& kind, const double
         for (int k = 0; k < 2 * Weights::count; ++k) {
             const With with = k < Weights::count ? With::position : With::velocity;
             const int of = k % Weights::count;
-            const int front = LinkRows<P>::column(1, with, Weights::place(of, End::front)), rear = LinkRows<P>::column(1, with, Weights::place(of, End::rear));
+            const int front = LinkRows<P>::column(1, with, Weights::place(of, End::front)),
+                      rear = LinkRows<P>::column(1, with, Weights::place(of, End::rear));
             double* ahead = rows.row(Weights::place(r, End::front));
             double* behind = rows.row(Weights::place(r, End::rear));
             ahead[front] += local[r][k];

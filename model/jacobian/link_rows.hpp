@@ -1,6 +1,6 @@
 #pragma once
-/// Derivatives of one link's generalized forces with respect to its own unknowns, those of its two neighbours, and the motion of its sheaves:
-/// rows of forces and one of the moment about z, filled contribution by contribution.
+/// Derivatives of one link's generalized forces with respect to its own unknowns, those of its two neighbours, and the motion of its
+/// sheaves: rows of forces and one of the moment about z, filled contribution by contribution.
 
 #include <cstring>
 
@@ -23,16 +23,22 @@ public:
     static constexpr int width = 6 * size + 2 * sheave_directions;
 
     /// Column of an unknown. @param link 0 before, 1 itself, 2 after
-    [[nodiscard]] static constexpr int column(int link, With with, int coordinate) noexcept { return (2 * link + static_cast<int>(with)) * size + coordinate; }
-    [[nodiscard]] static constexpr int sheave_column(int side, int direction) noexcept { return sheaves_at + side * sheave_directions + direction; }
+    [[nodiscard]] static constexpr int column(int link, With with, int coordinate) noexcept {
+        return (2 * link + static_cast<int>(with)) * size + coordinate;
+    }
+    [[nodiscard]] static constexpr int sheave_column(int side, int direction) noexcept {
+        return sheaves_at + side * sheave_directions + direction;
+    }
 
     [[nodiscard]] double* row(int coordinate) noexcept { return rows_[coordinate]; }
     [[nodiscard]] double* moment_row() noexcept { return rows_[size]; }
-    double moment = 0.0;   ///< value of the moment [N·m]
+    double moment = 0.0;  ///< value of the moment [N·m]
 
     /// row += g_tx ∂tx + g_ty ∂ty + g_w ∂θ' with respect to the coordinates and velocities of a link with this frame.
     static void add_frame(double* row, int link, const DualFrame& frame, double g_tx, double g_ty, double g_turning) noexcept {
-        for (std::size_t d = 0; d < 4; ++d) add_difference(row, link, static_cast<int>(d), g_tx * frame.tx.slope[d] + g_ty * frame.ty.slope[d] + g_turning * frame.turning.slope[d]);
+        for (std::size_t d = 0; d < 4; ++d)
+            add_difference(row, link, static_cast<int>(d),
+                           g_tx * frame.tx.slope[d] + g_ty * frame.ty.slope[d] + g_turning * frame.turning.slope[d]);
     }
 
     /// The moment as a couple on the m = 0 coordinates; after all contributions.

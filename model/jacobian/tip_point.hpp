@@ -9,30 +9,34 @@ namespace cvtflow::model {
 /// What a tip depends on.
 template <class T>
 struct TipPoint {
-    double side;                                  ///< ±1
-    Force3<T> end;                                ///< E, end of the pin's axis [m]
-    T slope_x, slope_y;                           ///< of the axis there [1]
-    T tx, ty;                                     ///< direction of the link
-    Force3<T> end_rate;                           ///< [m/s]
-    T slope_rate_x, slope_rate_y, turning;        ///< [1/s], [rad/s]
-    Force3<T> centre;                             ///< O of the sheave [m]
+    double side;                            ///< ±1
+    Force3<T> end;                          ///< E, end of the pin's axis [m]
+    T slope_x, slope_y;                     ///< of the axis there [1]
+    T tx, ty;                               ///< direction of the link
+    Force3<T> end_rate;                     ///< [m/s]
+    T slope_rate_x, slope_rate_y, turning;  ///< [1/s], [rad/s]
+    Force3<T> centre;                       ///< O of the sheave [m]
     T tilt_x, tilt_y;
-    Force3<T> centre_rate, spin;                  ///< [m/s], [rad/s]
+    Force3<T> centre_rate, spin;  ///< [m/s], [rad/s]
 };
 
 /// What it does.
 template <class T>
 struct TipEffect {
-    Force3<T> force;        ///< on the end of the axis
-    T tilt_x, tilt_y;       ///< on its slopes, times slope_scale
-    T moment;               ///< about z on the link
-    T sheave[6];            ///< (F_x, F_y, M_τx, M_τy, F_z, M_φ) on the sheave
+    Force3<T> force;   ///< on the end of the axis
+    T tilt_x, tilt_y;  ///< on its slopes, times slope_scale
+    T moment;          ///< about z on the link
+    T sheave[6];       ///< (F_x, F_y, M_τx, M_τy, F_z, M_φ) on the sheave
 };
 
 template <class T>
-[[nodiscard]] inline T dot(const Force3<T>& a, const Force3<T>& b) noexcept { return a.x * b.x + a.y * b.y + a.z * b.z; }
+[[nodiscard]] inline T dot(const Force3<T>& a, const Force3<T>& b) noexcept {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class T>
-[[nodiscard]] inline Force3<T> operator-(const Force3<T>& a, const Force3<T>& b) noexcept { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+[[nodiscard]] inline Force3<T> operator-(const Force3<T>& a, const Force3<T>& b) noexcept {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 
 /// Place of the contact.
 template <class T>
@@ -67,15 +71,17 @@ struct TipRates {
         const double outward = tip.radius * tip.sine, sideways = tip.radius * tip.cosine * p.side;
         const T& w = p.turning;
         const T lean = p.slope_rate_x * p.ty - p.slope_rate_y * p.tx + w * (p.slope_x * p.tx + p.slope_y * p.ty);
-        const Force3<T> sphere{p.end_rate.x + outward * (w * p.tx) - sideways * p.slope_rate_x, p.end_rate.y + outward * (w * p.ty) - sideways * p.slope_rate_y,
-                               p.end_rate.z - outward * lean};
+        const Force3<T> sphere{p.end_rate.x + outward * (w * p.tx) - sideways * p.slope_rate_x,
+                               p.end_rate.y + outward * (w * p.ty) - sideways * p.slope_rate_y, p.end_rate.z - outward * lean};
         const Force3<T>& s = p.spin;
-        closing = s.x * (g.arm.y * g.local.z - g.arm.z * g.local.y) + s.y * (g.arm.z * g.local.x - g.arm.x * g.local.z) - dot(g.normal, sphere - p.centre_rate);
+        closing = s.x * (g.arm.y * g.local.z - g.arm.z * g.local.y) + s.y * (g.arm.z * g.local.x - g.arm.x * g.local.z) -
+                  dot(g.normal, sphere - p.centre_rate);
         lever_x = g.offset.x - tip.radius * g.normal.x;
         lever_y = g.offset.y - tip.radius * g.normal.y;
         sheave_arm = {g.arm.x - tip.radius * g.normal.x, g.arm.y - tip.radius * g.normal.y, g.arm.z - tip.radius * g.normal.z};
         const Force3<T>& a = sheave_arm;
-        material = {p.end_rate.x - w * lever_y - p.centre_rate.x - (s.y * a.z - s.z * a.y), p.end_rate.y + w * lever_x - p.centre_rate.y - (s.z * a.x - s.x * a.z),
+        material = {p.end_rate.x - w * lever_y - p.centre_rate.x - (s.y * a.z - s.z * a.y),
+                    p.end_rate.y + w * lever_x - p.centre_rate.y - (s.z * a.x - s.x * a.z),
                     p.end_rate.z - p.centre_rate.z - (s.x * a.y - s.y * a.x)};
     }
 };
@@ -105,11 +111,12 @@ template <class T>
     return {{push.x + friction.x, push.y + friction.y, push.z + friction.z},
             -(outward * (p.ty * push.z)) - sideways * push.x,
             outward * (p.tx * push.z) - sideways * push.y,
-            outward * (push.x * p.tx + push.y * p.ty - (p.slope_x * p.tx + p.slope_y * p.ty) * push.z) + m.lever_x * friction.y - m.lever_y * friction.x,
+            outward * (push.x * p.tx + push.y * p.ty - (p.slope_x * p.tx + p.slope_y * p.ty) * push.z) + m.lever_x * friction.y -
+                m.lever_y * friction.x,
             {-(push.x + friction.x), -(push.y + friction.y),
              -(normal * (r.y * g.local.z - r.z * g.local.y)) - (a.y * friction.z - a.z * friction.y),
-             -(normal * (r.z * g.local.x - r.x * g.local.z)) - (a.z * friction.x - a.x * friction.z),
-             -(push.z + friction.z), -(a.x * friction.y - a.y * friction.x)}};
+             -(normal * (r.z * g.local.x - r.x * g.local.z)) - (a.z * friction.x - a.x * friction.z), -(push.z + friction.z),
+             -(a.x * friction.y - a.y * friction.x)}};
 }
 
 }  // namespace cvtflow::model

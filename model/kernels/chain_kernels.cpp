@@ -17,16 +17,17 @@ public:
         : model_(model), c_(model.coefficients()), range_(range), frame_(frame_of(range.first - 1)) {}
 
     void run(double* slope, LinkLoad* loads, Account* accounts) noexcept {
-        Account neighbour;   // the joint behind the last link is booked by the next range
+        Account neighbour;  // the joint behind the last link is booked by the next range
         LinkFrame here = frame_of(range_.first);
-        JointForce<P> joints[2];   // of the pins behind and before a link, taking turns
+        JointForce<P> joints[2];  // of the pins behind and before a link, taking turns
         joint_between(range_.first, frame_, here, joints[0], accounts);
         for (int link = range_.first; link < range_.last; ++link) {
             const int own = link - range_.first;
             const LinkFrame ahead = frame_of(link + 1);
             const JointForce<P>& rear = joints[own & 1];
             JointForce<P>& front = joints[(own & 1) ^ 1];
-            joint_between(link + 1, here, ahead, front, link + 1 < range_.last ? part_of(accounts, own + 1, AccountPart::joint) : &neighbour);
+            joint_between(link + 1, here, ahead, front,
+                          link + 1 < range_.last ? part_of(accounts, own + 1, AccountPart::joint) : &neighbour);
             link_slope(link, here, rear, front, slope + own * at<P>.link_block(), loads[own], part_of(accounts, own, AccountPart::joint));
             here = ahead;
         }
@@ -55,7 +56,8 @@ private:
         const Phase* phases = range_.phases + tips_per_link * link;
         TipShare<P> share;
         const bool touching = any_touching(phases);
-        if (touching) tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, part_of(accounts, 0, AccountPart::tips));
+        if (touching)
+            tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, part_of(accounts, 0, AccountPart::tips));
         assemble<P>(frame, moment, rear, front, touching ? &share : nullptr, f);
         accelerate<P>(model_.inertia(), f);
     }
@@ -93,7 +95,8 @@ void probe_link(const ChainModel& model, const double* state, const SheaveMotion
 }
 
 template <int P>
-void probe_links(const ChainModel& model, const double* states, int links, const SheaveMotion* sheaves, bool with_slip, TipProbe* probes) noexcept {
+void probe_links(const ChainModel& model, const double* states, int links, const SheaveMotion* sheaves, bool with_slip,
+                 TipProbe* probes) noexcept {
     LaneProbe<P, native_lanes>(model.coefficients(), sheaves, with_slip).run(states, links, probes);
 }
 
@@ -116,7 +119,8 @@ template <int P>
 }
 
 template <int P>
-void contact_of_link(const ChainModel& model, int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) noexcept {
+void contact_of_link(const ChainModel& model, int link, const double* state, const SheaveMotion* sheaves, const Phase* phases,
+                     LinkContact& contact) noexcept {
     const Coefficients& c = model.coefficients();
     const double* v = state + at<P>.link_size();
     contact = {elastic_tension<P>(c, c.kind(link), state), {}, {}};
@@ -125,13 +129,14 @@ void contact_of_link(const ChainModel& model, int link, const double* state, con
     const auto sheave = sheaves_at(four, sheaves + 2 * model.shaft_of(state));
     const LinkFrame frame = link_frame<P>(state, v);
     const auto geometry = tip_geometry<P>(c, four, frame, state, sheave);
-    const auto forces = tip_forces<false, tips_per_link>(c.tip, geometry, tip_motion<P>(c, four, frame, v, sheave, geometry), touching_lanes(phases),
-                                                         phases_of_link(phases), nullptr);
+    const auto forces = tip_forces<false, tips_per_link>(c.tip, geometry, tip_motion<P>(c, four, frame, v, sheave, geometry),
+                                                         touching_lanes(phases), phases_of_link(phases), nullptr);
     forces.normal.copy_to(contact.normal);
     TipLanes(-(forces.normal * geometry.normal.z + forces.friction.z)).copy_to(contact.axial);
 }
 
-/// Links side by side are faster with vectors of 4 and 8 lanes. With 2 lanes (and 16 registers) they are at high order slower than lanes inside a link.
+/// Links side by side are faster with vectors of 4 and 8 lanes. With 2 lanes (and 16 registers) they are at high order slower than lanes
+/// inside a link.
 template <int P>
 inline constexpr bool links_side_by_side = native_lanes != 2 || P < 2;
 
@@ -146,8 +151,10 @@ void slopes(const ChainModel& model, const ChainRange& range, double* slope, Lin
 
 template <int P>
 [[nodiscard]] ChainKernels kernels_of_order() noexcept {
-    if constexpr (slopes_alone) return {slopes<P>, nullptr, nullptr, nullptr, nullptr};
-    else return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>, contact_of_link<P>};
+    if constexpr (slopes_alone)
+        return {slopes<P>, nullptr, nullptr, nullptr, nullptr};
+    else
+        return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>, contact_of_link<P>};
 }
 
 }  // namespace

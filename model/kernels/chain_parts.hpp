@@ -28,7 +28,8 @@ inline void with_lanes(int width, const Body& body) noexcept {
 
 /// Elasticity and plates of a link. Clears and fills its generalized forces f; returns the moment about z on it.
 template <int P, bool Observe>
-[[nodiscard]] inline double link_part(const Coefficients& c, int link, const LinkFrame& frame, const double* state, double* f, Account* account) noexcept {
+[[nodiscard]] inline double link_part(const Coefficients& c, int link, const LinkFrame& frame, const double* state, double* f,
+                                      Account* account) noexcept {
     const double* v = state + at<P>.link_size();
     std::memset(f, 0, static_cast<std::size_t>(at<P>.link_size()) * sizeof(double));
     const LinkKind& kind = c.kind(link);
@@ -39,8 +40,8 @@ template <int P, bool Observe>
 
 /// Joint between two links with their states and frames.
 template <int P, bool Observe>
-inline void joint_part(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* state_before, const double* state_after,
-                       JointForce<P>& out, Account* account) noexcept {
+inline void joint_part(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* state_before,
+                       const double* state_after, JointForce<P>& out, Account* account) noexcept {
     constexpr int size = at<P>.link_size();
     out = {};
     with_lanes(c.joint_points.width, [&]<int W>() {
@@ -61,12 +62,14 @@ inline void tip_part(const ChainModel& model, const LinkFrame& frame, const doub
                      TipShare<P>& share, LinkLoad& load, Account* account) noexcept {
     std::memset(share.force, 0, sizeof share.force);
     load.shaft = model.shaft_of(state);
-    share.moment = tips<P, Observe>(model.coefficients(), frame, state, state + at<P>.link_size(), sheaves + 2 * load.shaft, phases, share.force, load.load, account);
+    share.moment = tips<P, Observe>(model.coefficients(), frame, state, state + at<P>.link_size(), sheaves + 2 * load.shaft, phases,
+                                    share.force, load.load, account);
 }
 
 /// Adds joints and tips (none: nullptr) to what link_part left in f. The order of the sums is part of the promise of equal bits.
 template <int P>
-inline void assemble(const LinkFrame& frame, double moment, const JointForce<P>& rear, const JointForce<P>& front, const TipShare<P>* tips, double* f) noexcept {
+inline void assemble(const LinkFrame& frame, double moment, const JointForce<P>& rear, const JointForce<P>& front, const TipShare<P>* tips,
+                     double* f) noexcept {
     rear.on_front.apply(-1.0, f, End::rear);
     front.on_front.apply(1.0, f, End::front);
     moment += rear.after + front.before;

@@ -36,7 +36,8 @@ template <int P, int W>
     const Lanes<W> vx = points.along(rate.x), vy = points.along(rate.y), vz = rate.z + points.xi * rate.e;
     const Lanes<W> length = sqrt(dx * dx + dy * dy + dz * dz);
     const Lanes<W> stretching = (dx * vx + dy * vy + dz * vz) / length;
-    return load<W>(&c.plates.weight[static_cast<std::size_t>(first)]) * (length - free_length) + load<W>(&c.plates.damping[static_cast<std::size_t>(first)]) * stretching;
+    return load<W>(&c.plates.weight[static_cast<std::size_t>(first)]) * (length - free_length) +
+           load<W>(&c.plates.damping[static_cast<std::size_t>(first)]) * stretching;
 }
 
 template <int P>
@@ -69,11 +70,13 @@ private:
 
     void joint(int link, const LinkFrame& here, const Column& column) const noexcept {
         const JointFrames<double> frames(frame(link - 1), here);
-        const Difference<P> gap(state(link - 1), End::front, state(link), End::rear), rate(velocity(link - 1), End::front, velocity(link), End::rear);
+        const Difference<P> gap(state(link - 1), End::front, state(link), End::rear),
+            rate(velocity(link - 1), End::front, velocity(link), End::rear);
         for (int first = 0; first < c_.joint_points.count; first += W) joint_points(first, frames, gap, rate, column);
     }
 
-    void joint_points(int first, const JointFrames<double>& frames, const Difference<P>& gap, const Difference<P>& rate, const Column& column) const noexcept {
+    void joint_points(int first, const JointFrames<double>& frames, const Difference<P>& gap, const Difference<P>& rate,
+                      const Column& column) const noexcept {
         const AxisPoints<P, W> points(c_.joint_points, first);
         const auto m = joint_motion<P, W>(c_.joint, frames, points, gap, rate);
         const auto line = line_contact<W>(c_.joint, load<W>(&c_.joint_points.weight[static_cast<std::size_t>(first)]), m.depth);
@@ -117,11 +120,13 @@ private:
         load.load = load_sheaves(geometry, motion, forces);
         for (int corner = 0; corner < tips_per_link; ++corner) {
             tip(link, corner, geometry, motion, forces, phases[corner], column);
-            drift(corner, sheaves[corner % 2], drift_.change[2 * load.shaft + corner % 2], field_.arms[static_cast<std::size_t>(link)], column);
+            drift(corner, sheaves[corner % 2], drift_.change[2 * load.shaft + corner % 2], field_.arms[static_cast<std::size_t>(link)],
+                  column);
         }
     }
 
-    void tip(int link, int corner, const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& m, const TipForces<TipLanes>& forces, Phase phase, const Column& column) const noexcept {
+    void tip(int link, int corner, const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& m, const TipForces<TipLanes>& forces,
+             Phase phase, const Column& column) const noexcept {
         const auto lane = static_cast<std::size_t>(corner);
         const int row = field_.components.tip(corner);
         const double px = m.sheave_arm.x[lane], py = m.sheave_arm.y[lane], pz = m.sheave_arm.z[lane];
@@ -168,7 +173,8 @@ void record(const ChainModel& chain, const ChainRange& range, const ContactDrift
 }
 
 template <int P>
-void push(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push, LinkLoad* loads) noexcept {
+void push(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push,
+          LinkLoad* loads) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = ContactWriter<P, native_lanes>;
     const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), field, push);
@@ -177,14 +183,21 @@ void push(const FrictionOperator& friction, const ChainRange& range, const Conta
 }
 
 template <int P, bool Steepest>
-void evaluate(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range, const FrictionStage& stage) noexcept {
+void evaluate(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
+              const FrictionStage& stage) noexcept {
     const int links = range.last - range.first;
     const auto in_groups = [](int count, const auto& body) {
         constexpr int most = std::min(8, 2 * native_lanes);
         int own = 0;
         for (; own + most <= count; own += most) body.template operator()<most>(own);
-        if (most > 4 && count - own >= 4) { body.template operator()<4>(own); own += 4; }
-        if (count - own >= 2) { body.template operator()<2>(own); own += 2; }
+        if (most > 4 && count - own >= 4) {
+            body.template operator()<4>(own);
+            own += 4;
+        }
+        if (count - own >= 2) {
+            body.template operator()<2>(own);
+            own += 2;
+        }
         if (count - own >= 1) body.template operator()<1>(own);
     };
     in_groups(links + 1, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).joints(own); });

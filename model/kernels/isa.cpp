@@ -18,7 +18,8 @@ constexpr std::array<std::string_view, 3> names{"baseline", "avx2", "avx512"};
 bool runs_here(Isa isa) {
     if (isa == Isa::baseline) return true;
 #if defined(__x86_64__)
-    const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
+    const bool v3 =
+        __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
     if (isa == Isa::avx2) return v3;
     return v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512cd") &&
            __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
@@ -51,7 +52,8 @@ Isa isa_named(std::string_view name) {
     const auto found = std::find_if(usable.begin(), usable.end(), [&](Isa isa) { return name_of(isa) == name; });
     if (found != usable.end()) return *found;
     const bool known = std::find(names.begin(), names.end(), name) != names.end();
-    throw std::invalid_argument("instruction set \"" + std::string(name) + "\" is " + (known ? "not available here" : "unknown") + " (have: " + listed(usable) + ")");
+    throw std::invalid_argument("instruction set \"" + std::string(name) + "\" is " + (known ? "not available here" : "unknown") +
+                                " (have: " + listed(usable) + ")");
 }
 
 Isa chosen_isa() {

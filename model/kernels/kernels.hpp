@@ -9,7 +9,7 @@
 
 namespace cvtflow::model {
 
-struct SlipKernels;   // model/contact/slip/slip_space.hpp
+struct SlipKernels;  // model/contact/slip/slip_space.hpp
 
 /// Defined in chain_kernels.cpp, which is compiled once per instruction set. @param order p, 0 … 3
 template <Isa isa>

@@ -72,7 +72,8 @@ void look(const SlipSpace& space, double share, SlipGroup& group) noexcept {
 
 template <int P, int Points>
 [[nodiscard]] SlipKernels kernels() noexcept {
-    return {gather<Points>, slips<P, Points>, forces<Points>, accelerate<P, Points>, linearise<Points>, eliminate<Points>, respond<P, Points>, join<Points>, substitute<Points>, look<Points>};
+    return {gather<Points>,    slips<P, Points>,   forces<Points>, accelerate<P, Points>, linearise<Points>,
+            eliminate<Points>, respond<P, Points>, join<Points>,   substitute<Points>,    look<Points>};
 }
 
 template <int Points>

@@ -11,6 +11,8 @@ StagedBuffers::StagedBuffers(const ChainLayout& layout) : joint_stride(2 * layou
     moments.resize(links);
 }
 
-StagedFunctions staged_functions(const ChainModel& model, bool observe) { return kernels_of(model.isa()).staged(model.layout().order, observe); }
+StagedFunctions staged_functions(const ChainModel& model, bool observe) {
+    return kernels_of(model.isa()).staged(model.layout().order, observe);
+}
 
 }  // namespace cvtflow::model

@@ -1,6 +1,6 @@
 #pragma once
-/// The chain evaluated stage by stage, as the published parallelisation does: contact forces, chain forces, boundary pins, forward pass, reverse pass.
-/// Gives bit for bit what ChainModel::slopes gives, since both are made of the same parts (chain_parts.hpp).
+/// The chain evaluated stage by stage, as the published parallelisation does: contact forces, chain forces, boundary pins, forward pass,
+/// reverse pass. Gives bit for bit what ChainModel::slopes gives, since both are made of the same parts (chain_parts.hpp).
 
 #include <vector>
 
@@ -11,21 +11,21 @@ namespace cvtflow::model {
 /// Results of stages that later stages read. Strides in doubles depend on the order.
 struct StagedBuffers {
     explicit StagedBuffers(const ChainLayout& layout);
-    std::vector<double> joints;    ///< [links][joint_stride]: force of the joint of pin i
-    std::vector<double> tips;      ///< [links][tip_stride]: forces of a link's tips
-    std::vector<double> moments;   ///< [links] moment of elasticity and plates about z
+    std::vector<double> joints;   ///< [links][joint_stride]: force of the joint of pin i
+    std::vector<double> tips;     ///< [links][tip_stride]: forces of a link's tips
+    std::vector<double> moments;  ///< [links] moment of elasticity and plates about z
     int joint_stride, tip_stride;
 };
 
 /// What all stages read and write. Links are whole numbers 0 … N-1 here; there is no window.
 struct StagedChain {
-    const double* states;          ///< stage state of the whole chain
+    const double* states;  ///< stage state of the whole chain
     const SheaveMotion* sheaves;
     const Phase* phases;
-    double* slope;                 ///< of the whole chain
-    LinkLoad* loads;               ///< [links]
+    double* slope;    ///< of the whole chain
+    LinkLoad* loads;  ///< [links]
     StagedBuffers* buffers;
-    Account* accounts;             ///< [links * account_parts], only for observing evaluations, else nullptr
+    Account* accounts;  ///< [links * account_parts], only for observing evaluations, else nullptr
 };
 
 /// Functions of one order and of observing or not, chosen once.

@@ -6,10 +6,14 @@ namespace cvtflow::model {
 namespace {
 
 template <int P>
-[[nodiscard]] const double* state_of(const StagedChain& chain, int link) noexcept { return chain.states + link * at<P>.link_block(); }
+[[nodiscard]] const double* state_of(const StagedChain& chain, int link) noexcept {
+    return chain.states + link * at<P>.link_block();
+}
 
 template <int P>
-[[nodiscard]] double* force_of(const StagedChain& chain, int link) noexcept { return chain.slope + link * at<P>.link_block() + at<P>.link_size(); }
+[[nodiscard]] double* force_of(const StagedChain& chain, int link) noexcept {
+    return chain.slope + link * at<P>.link_block() + at<P>.link_size();
+}
 
 template <int P>
 [[nodiscard]] LinkFrame frame_of(const StagedChain& chain, int link) noexcept {
@@ -29,15 +33,17 @@ template <class Share>
     return share;
 }
 template <class Share>
-void keep(const Share& share, double* to) noexcept { std::memcpy(to, &share, sizeof share); }
+void keep(const Share& share, double* to) noexcept {
+    std::memcpy(to, &share, sizeof share);
+}
 
 template <int P, bool Observe>
 void joint_of_pin(const ChainModel& model, const StagedChain& chain, int pin) noexcept {
     static_assert(sizeof(JointForce<P>) == (2 * (P + 1) + 4) * sizeof(double));
     const int before = model.layout().previous(pin);
     JointForce<P> force;
-    joint_part<P, Observe>(model.coefficients(), frame_of<P>(chain, before), frame_of<P>(chain, pin), state_of<P>(chain, before), state_of<P>(chain, pin), force,
-                           account<Observe>(chain, pin, AccountPart::joint));
+    joint_part<P, Observe>(model.coefficients(), frame_of<P>(chain, before), frame_of<P>(chain, pin), state_of<P>(chain, before),
+                           state_of<P>(chain, pin), force, account<Observe>(chain, pin, AccountPart::joint));
     keep(force, chain.buffers->joints.data() + pin * chain.buffers->joint_stride);
 }
 
@@ -48,8 +54,8 @@ void chain_forces(const ChainModel& model, const StagedChain& chain, int first, 
         const double* state = state_of<P>(chain, link);
         double* f = force_of<P>(chain, link);
         std::memcpy(f - size, state + size, size * sizeof(double));
-        chain.buffers->moments[static_cast<std::size_t>(link)] =
-            link_part<P, Observe>(model.coefficients(), link, frame_of<P>(chain, link), state, f, account<Observe>(chain, link, AccountPart::link));
+        chain.buffers->moments[static_cast<std::size_t>(link)] = link_part<P, Observe>(
+            model.coefficients(), link, frame_of<P>(chain, link), state, f, account<Observe>(chain, link, AccountPart::link));
         if (link > first) joint_of_pin<P, Observe>(model, chain, link);
     }
 }
@@ -58,8 +64,8 @@ template <int P, bool Observe>
 void contact(const ChainModel& model, const StagedChain& chain, int link) noexcept {
     static_assert(sizeof(TipShare<P>) == (4 * (P + 1) + 5) * sizeof(double));
     TipShare<P> share;
-    tip_part<P, Observe>(model, frame_of<P>(chain, link), state_of<P>(chain, link), chain.sheaves, chain.phases + tips_per_link * link, share, chain.loads[link],
-                         account<Observe>(chain, link, AccountPart::tips));
+    tip_part<P, Observe>(model, frame_of<P>(chain, link), state_of<P>(chain, link), chain.sheaves, chain.phases + tips_per_link * link,
+                         share, chain.loads[link], account<Observe>(chain, link, AccountPart::tips));
     keep(share, chain.buffers->tips.data() + link * chain.buffers->tip_stride);
 }
 

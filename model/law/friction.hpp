@@ -13,8 +13,8 @@ template <int W>
     return larger<W>(speed, Lanes<W>(curve.proportional_speed));
 }
 
-/// g(v) [s/m]: 1/max(v, v0) for the piecewise law; for the smoothed one, where s = u - (u - 1 + d)²/4d between 1 - d and 1 + d (the parabola of the
-/// equations, written from its lower end: nothing cancels at low speed, nothing is divided). Continuous.
+/// g(v) [s/m]: 1/max(v, v0) for the piecewise law; for the smoothed one, where s = u - (u - 1 + d)²/4d between 1 - d and 1 + d (the
+/// parabola of the equations, written from its lower end: nothing cancels at low speed, nothing is divided). Continuous.
 /// @param regular regular_speed(v)   @param inverse 1/regular, which the caller may have from a shared division
 template <int W>
 [[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& regular, const Lanes<W>& inverse) noexcept {
@@ -31,7 +31,8 @@ template <int W>
     return slip_factor<W>(curve, regular, 1.0 / regular);
 }
 
-/// The same from v². Where no lane slips beyond the proportional speed, nothing is divided and no root taken: the factor is known, to the bit.
+/// The same from v². Where no lane slips beyond the proportional speed, nothing is divided and no root taken: the factor is known, to the
+/// bit.
 template <int W>
 [[nodiscard]] inline Lanes<W> slip_factor_of_square(const FrictionCurve& curve, const Lanes<W>& square) noexcept {
     if (all_at_most<W>(square, curve.surely_proportional)) return Lanes<W>(curve.factor_at_rest);

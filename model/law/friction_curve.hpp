@@ -26,7 +26,7 @@ struct FrictionCurve {
         : coefficient(friction.coefficient),
           saturation_speed(friction.saturation_speed),
           smoothing(detail.friction == FrictionLaw::smoothed ? detail.smoothing : 0.0),
-          proportional_speed(std::max(1.0 - smoothing, 1e-30) * saturation_speed),   // d = 1: nothing is divided by zero
+          proportional_speed(std::max(1.0 - smoothing, 1e-30) * saturation_speed),  // d = 1: nothing is divided by zero
           full_speed((1.0 + smoothing) * saturation_speed),
           inverse_saturation_speed(1.0 / saturation_speed),
           curvature(smoothing > 0.0 ? 0.25 / (smoothing * saturation_speed * saturation_speed) : 0.0),

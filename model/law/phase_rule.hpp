@@ -8,18 +8,18 @@ namespace cvtflow::model {
 
 /// What decides the phase of one tip.
 struct TipIndicator {
-    double depth;   ///< δ [m]
-    double slip;    ///< |v_t| [m/s]
+    double depth;  ///< δ [m]
+    double slip;   ///< |v_t| [m/s]
     bool operator==(const TipIndicator&) const = default;
 };
 
 /// Thresholds of the phases. The contact law itself is continuous at δ = 0, so a small band costs nothing:
 /// a touching tip with a gap carries no force, and a tip leaves only when the gap exceeds `release`.
 struct PhaseRule {
-    double release = 1e-9;            ///< gap at which a touching tip becomes free [m]
-    double slip_band = 1e-6;          ///< relative width of the band about v0 between stick and slip
-    double saturation_speed = 1.0;    ///< v0 of the tips [m/s]
-    bool stick_slip = false;          ///< whether stick and slip are phases of their own
+    double release = 1e-9;          ///< gap at which a touching tip becomes free [m]
+    double slip_band = 1e-6;        ///< relative width of the band about v0 between stick and slip
+    double saturation_speed = 1.0;  ///< v0 of the tips [m/s]
+    bool stick_slip = false;        ///< whether stick and slip are phases of their own
 
     /// Phase that the tip should have, given that it has `phase` now.
     [[nodiscard]] Phase next(Phase phase, const TipIndicator& tip) const noexcept {

@@ -17,9 +17,11 @@ template <int W, bool Steepest>
 
 /// Two of them for one division. Sticking lanes get the factor at rest whether or not their neighbours need the division.
 template <int W, bool Steepest>
-[[nodiscard]] inline std::pair<Lanes<W>, Lanes<W>> sliding_factors(const FrictionCurve& curve, const Lanes<W>& first, const Lanes<W>& second) noexcept {
+[[nodiscard]] inline std::pair<Lanes<W>, Lanes<W>> sliding_factors(const FrictionCurve& curve, const Lanes<W>& first,
+                                                                   const Lanes<W>& second) noexcept {
     if constexpr (Steepest) return {Lanes<W>(curve.inverse_saturation_speed), Lanes<W>(curve.inverse_saturation_speed)};
-    if (all_at_most<W>(larger<W>(first, second), curve.surely_proportional)) return {Lanes<W>(curve.factor_at_rest), Lanes<W>(curve.factor_at_rest)};
+    if (all_at_most<W>(larger<W>(first, second), curve.surely_proportional))
+        return {Lanes<W>(curve.factor_at_rest), Lanes<W>(curve.factor_at_rest)};
     const Lanes<W> a = regular_speed<W>(curve, sqrt(first)), b = regular_speed<W>(curve, sqrt(second));
     const Lanes<W> share = 1.0 / (a * b);
     const auto chosen = [&](const Lanes<W>& square, const Lanes<W>& sliding) {

@@ -72,8 +72,9 @@ BendingLanes bending_lanes(const Parameters& p, double rigidity) {
     const double cube = p.half.length * p.half.length * p.half.length;
     const Spring second = damped_spring(144.0 * rigidity / cube, p.half.mass / 5.0, p.chain.damping_ratio);
     const Spring third = damped_spring(1200.0 * rigidity / cube, p.half.mass / 7.0, p.chain.damping_ratio);
-    const Spring lane1 = p.detail.order >= 3 ? third : second;   // order 2 has one mode per half
-    return {{second.stiffness, lane1.stiffness, second.stiffness, third.stiffness}, {second.damping, lane1.damping, second.damping, third.damping}};
+    const Spring lane1 = p.detail.order >= 3 ? third : second;  // order 2 has one mode per half
+    return {{second.stiffness, lane1.stiffness, second.stiffness, third.stiffness},
+            {second.damping, lane1.damping, second.damping, third.damping}};
 }
 
 LinkKind link_kind(const Parameters& p, double pitch) {
@@ -90,9 +91,17 @@ JointCoefficients joint_coefficients(const Parameters& p) {
     const double zeta = p.chain.damping_ratio;
     const double mass = chain_mass(p);
     const auto& j = p.joint;
-    return {j.radius - 0.5 * p.half.width, 2.0 * j.radius, p.half.width * (4.0 * j.radius - p.half.width), j.stiffness, 2.0 * zeta * std::sqrt(mass / j.stiffness) / j.reference_depth,
-            j.law == JointLaw::palmgren, j.reference_depth, j.clearance, j.clearance_stiffness,
-            2.0 * zeta * std::sqrt(mass / j.clearance_stiffness) / j.clearance, FrictionCurve(j.friction, p.detail)};
+    return {j.radius - 0.5 * p.half.width,
+            2.0 * j.radius,
+            p.half.width * (4.0 * j.radius - p.half.width),
+            j.stiffness,
+            2.0 * zeta * std::sqrt(mass / j.stiffness) / j.reference_depth,
+            j.law == JointLaw::palmgren,
+            j.reference_depth,
+            j.clearance,
+            j.clearance_stiffness,
+            2.0 * zeta * std::sqrt(mass / j.clearance_stiffness) / j.clearance,
+            FrictionCurve(j.friction, p.detail)};
 }
 
 TipCoefficients tip_coefficients(const Parameters& p) {
@@ -101,7 +110,13 @@ TipCoefficients tip_coefficients(const Parameters& p) {
     const double critical = 2.0 * std::sqrt(1.5 * t.hertz * root * p.half.mass);
     const double sine = portable_sin(t.angle);
     const double cosine = portable_cos(t.angle);
-    return {sine, cosine, t.radius, p.pulley.arc_radius + t.radius, p.pulley.arc_position + t.radius * sine, t.hertz, p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
+    return {sine,
+            cosine,
+            t.radius,
+            p.pulley.arc_radius + t.radius,
+            p.pulley.arc_position + t.radius * sine,
+            t.hertz,
+            p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
             FrictionCurve(t.friction, p.detail)};
 }
 

@@ -24,20 +24,20 @@ struct Spring {
 
 /// Numbers that differ between links of different pitch.
 struct LinkKind {
-    double free_length;       ///< ℓ_0 = pitch + w [m]
-    double inverse_length;    ///< 1/ℓ_0
+    double free_length;              ///< ℓ_0 = pitch + w [m]
+    double inverse_length;           ///< 1/ℓ_0
     Spring bending, shear, torsion;  ///< plate pack
 };
 
 /// Points along ξ that are evaluated side by side; lanes beyond the count are padding.
 template <int Most>
 struct PointLanes {
-    int count = 0;   ///< real points
-    int width = 0;   ///< lanes of one chunk, a power of two ≤ 16; chunks = ceil(count/width)
-    alignas(64) std::array<double, Most> position{};                              ///< ξ [1]
-    alignas(64) std::array<double, Most> weight{};                                ///< stiffness or quadrature weight, 0 on padding
-    alignas(64) std::array<double, Most> damping{};                               ///< [N·s/m], 0 on padding
-    alignas(64) std::array<std::array<double, Most>, most_lateral> basis{};      ///< P_m(ξ)
+    int count = 0;                                    ///< real points
+    int width = 0;                                    ///< lanes of one chunk, a power of two ≤ 16; chunks = ceil(count/width)
+    alignas(64) std::array<double, Most> position{};  ///< ξ [1]
+    alignas(64) std::array<double, Most> weight{};    ///< stiffness or quadrature weight, 0 on padding
+    alignas(64) std::array<double, Most> damping{};   ///< [N·s/m], 0 on padding
+    alignas(64) std::array<std::array<double, Most>, most_lateral> basis{};  ///< P_m(ξ)
 };
 
 /// Springs of the bending modes m = 2…p of both halves: rear 2…p, front 2…p.
@@ -46,19 +46,19 @@ struct BendingLanes {
 };
 
 struct TipCoefficients {
-    double sine, cosine;      ///< of β
-    double radius;            ///< R_p
-    double reach;             ///< R_c + R_p
-    double touching_radius;   ///< r_m + R_p sin β: radius of the sphere's centre when it touches at r_m
-    double hertz, damping;    ///< K [N/m^1.5], χ_T [s/m]
+    double sine, cosine;     ///< of β
+    double radius;           ///< R_p
+    double reach;            ///< R_c + R_p
+    double touching_radius;  ///< r_m + R_p sin β: radius of the sphere's centre when it touches at r_m
+    double hertz, damping;   ///< K [N/m^1.5], χ_T [s/m]
     FrictionCurve friction;
 };
 
 struct JointCoefficients {
-    double arm;               ///< c_a = ρ - w/2
-    double diameter;          ///< 2ρ
-    double square_excess;     ///< 4ρ² - 4c_a² = w (4ρ - w)
-    double stiffness, damping;///< k_J [N/m], χ_J [s/m]
+    double arm;                 ///< c_a = ρ - w/2
+    double diameter;            ///< 2ρ
+    double square_excess;       ///< 4ρ² - 4c_a² = w (4ρ - w)
+    double stiffness, damping;  ///< k_J [N/m], χ_J [s/m]
     bool palmgren;
     double reference_depth;
     double clearance, clearance_stiffness, clearance_damping;  ///< c_g, k_g, χ_g
@@ -69,21 +69,23 @@ struct Coefficients {
     explicit Coefficients(const Parameters& parameters);
 
     ChainLayout layout;
-    double half_length;                 ///< ℓ_p/2
-    double slope_scale;                 ///< 2/ℓ_p
+    double half_length;  ///< ℓ_p/2
+    double slope_scale;  ///< 2/ℓ_p
     Spring extension;
-    BendingLanes travel, height;        ///< bending of both halves
-    std::vector<LinkKind> kinds;        ///< distinct links
-    std::vector<int> kind_of;           ///< [links] index into kinds
+    BendingLanes travel, height;  ///< bending of both halves
+    std::vector<LinkKind> kinds;  ///< distinct links
+    std::vector<int> kind_of;     ///< [links] index into kinds
     PointLanes<most_plate_lanes> plates;
     FrictionCurve plate_friction;
     PointLanes<most_joint_lanes> joint_points;
     JointCoefficients joint;
     TipCoefficients tip;
-    double middle;                      ///< a/2: links with smaller x belong to shaft 0
-    double centre_distance;             ///< a
+    double middle;           ///< a/2: links with smaller x belong to shaft 0
+    double centre_distance;  ///< a
 
-    [[nodiscard]] const LinkKind& kind(int link) const noexcept { return kinds[static_cast<std::size_t>(kind_of[static_cast<std::size_t>(link)])]; }
+    [[nodiscard]] const LinkKind& kind(int link) const noexcept {
+        return kinds[static_cast<std::size_t>(kind_of[static_cast<std::size_t>(link)])];
+    }
 };
 
 /// Positions ξ_j of the plates as they are resolved (each or lumped), with their number standing for the totals of the pack.

@@ -36,7 +36,8 @@ SmallInverse invert(const Eigen::MatrixXd& matrix) {
 template <std::size_t Size>
 void keep(const Eigen::MatrixXd& matrix, std::array<double, Size>& rows) {
     for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
-        for (Eigen::Index column = 0; column < matrix.cols(); ++column) rows[static_cast<std::size_t>(row * matrix.cols() + column)] = matrix(row, column);
+        for (Eigen::Index column = 0; column < matrix.cols(); ++column)
+            rows[static_cast<std::size_t>(row * matrix.cols() + column)] = matrix(row, column);
     }
 }
 

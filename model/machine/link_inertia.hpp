@@ -12,14 +12,14 @@ inline constexpr int most_lateral_block = 2 * most_lateral;
 /// Inverse of a small symmetric positive definite matrix, column by column, each padded with zeros to a whole number of lanes.
 struct SmallInverse {
     int size = 0;
-    alignas(64) std::array<double, most_lateral_block * most_lateral_block> column{};   ///< [size][padded(size)]
+    alignas(64) std::array<double, most_lateral_block * most_lateral_block> column{};  ///< [size][padded(size)]
 };
 /// Lanes that hold one column: a power of two.
 [[nodiscard]] constexpr int padded(int size) noexcept { return size <= 2 ? 2 : size <= 4 ? 4 : 8; }
 
 struct LinkInertia {
-    SmallInverse lateral;    ///< of B, for x and for y: [a_0…a_p, b_0…b_p]
-    SmallInverse axial;      ///< of C: [a.z, a.e, b.z, b.e]
+    SmallInverse lateral;                                                          ///< of B, for x and for y: [a_0…a_p, b_0…b_p]
+    SmallInverse axial;                                                            ///< of C: [a.z, a.e, b.z, b.e]
     std::array<double, most_lateral_block * most_lateral_block> lateral_matrix{};  ///< B itself, rows of 2(p+1)
     std::array<double, 16> axial_matrix{};                                         ///< C itself
 };

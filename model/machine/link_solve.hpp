@@ -9,8 +9,8 @@
 namespace cvtflow::model {
 namespace {
 
-/// Replaces `blocks` vectors of N numbers, N apart, by their products with the inverse: its columns times the vector's numbers, summed in their
-/// order. Each column is loaded once for all blocks.
+/// Replaces `blocks` vectors of N numbers, N apart, by their products with the inverse: its columns times the vector's numbers, summed in
+/// their order. Each column is loaded once for all blocks.
 template <int N, int blocks>
 inline void multiply(const SmallInverse& inverse, double* f) noexcept {
     constexpr int width = padded(N);

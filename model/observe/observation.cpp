@@ -7,7 +7,8 @@
 
 namespace cvtflow::model {
 
-Observer::Observer(const Variator& variator) : variator_(variator), scratch_(variator.layout()), slope_(static_cast<std::size_t>(variator.layout().size())) {
+Observer::Observer(const Variator& variator)
+    : variator_(variator), scratch_(variator.layout()), slope_(static_cast<std::size_t>(variator.layout().size())) {
     const std::size_t links = static_cast<std::size_t>(variator.layout().links);
     observation_.tension.resize(links);
     observation_.tip_axial.resize(tips_per_link * links);
@@ -21,7 +22,8 @@ const Observation& Observer::observe(double t, const double* state, const Phase*
     std::fill(scratch_.accounts.begin(), scratch_.accounts.end(), Account{});
     if (at.pulley_size != 0) variator_.pulleys().motions(state + at.pulley_begin(), scratch_.sheaves);
     fill_window(variator_, state, scratch_);
-    variator_.chain().observed_slopes({0, at.links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(), scratch_.loads.data(), scratch_.accounts.data());
+    variator_.chain().observed_slopes({0, at.links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(), scratch_.loads.data(),
+                                      scratch_.accounts.data());
     for (const Account& account : scratch_.accounts) {
         for (std::size_t kind = 0; kind < loss_kinds; ++kind) o.account.loss[kind] += account.loss[kind];
         for (std::size_t kind = 0; kind < energy_kinds; ++kind) o.account.energy[kind] += account.energy[kind];
@@ -65,7 +67,8 @@ namespace {
 
 /// Whether no tip of a link touches.
 [[nodiscard]] bool loose(const Phase* phases, int link) noexcept {
-    return std::all_of(phases + tips_per_link * link, phases + tips_per_link * (link + 1), [](Phase phase) { return phase == Phase::free; });
+    return std::all_of(phases + tips_per_link * link, phases + tips_per_link * (link + 1),
+                       [](Phase phase) { return phase == Phase::free; });
 }
 
 }  // namespace
@@ -87,7 +90,9 @@ void Observer::observe_strands(const double* state, const Phase* phases) noexcep
 
 void Observer::observe_radii(const double* state, const Phase* phases) noexcept {
     const ChainLayout& at = variator_.layout();
-    const auto middle = [&](const double* rear, const double* front, int offset_rear, int offset_front) { return 0.5 * (rear[offset_rear] + front[offset_front]); };
+    const auto middle = [&](const double* rear, const double* front, int offset_rear, int offset_front) {
+        return 0.5 * (rear[offset_rear] + front[offset_front]);
+    };
     double radius[2] = {0.0, 0.0};
     double turning[2] = {0.0, 0.0};
     int count[2] = {0, 0};
@@ -96,7 +101,8 @@ void Observer::observe_radii(const double* state, const Phase* phases) noexcept 
         const double* rear = state + at.link_begin(pin);
         const double* front = state + at.link_begin(at.previous(pin));
         const int shaft = variator_.chain().shaft_of(rear);
-        const double x = middle(rear, front, at.x(End::rear, 0), at.x(End::front, 0)) - shaft * variator_.chain().coefficients().centre_distance;
+        const double x =
+            middle(rear, front, at.x(End::rear, 0), at.x(End::front, 0)) - shaft * variator_.chain().coefficients().centre_distance;
         const double y = middle(rear, front, at.y(End::rear, 0), at.y(End::front, 0));
         const double vx = middle(rear, front, at.link_size() + at.x(End::rear, 0), at.link_size() + at.x(End::front, 0));
         const double vy = middle(rear, front, at.link_size() + at.y(End::rear, 0), at.link_size() + at.y(End::front, 0));

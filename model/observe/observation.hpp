@@ -10,27 +10,27 @@ namespace cvtflow::model {
 
 /// Sum of one kind of account entries.
 struct Observation {
-    double time = 0.0;                       ///< [s]
-    std::array<double, 2> speed{};           ///< of the shafts [rad/s]
-    std::array<double, 2> angle{};           ///< of the shafts [rad]
-    std::array<double, 2> torque{};          ///< on the shafts from outside: drive, load (negative brakes) [N·m]
-    std::array<double, 2> chain_torque{};    ///< of the chain on the sheaves of each shaft [N·m]
-    std::array<double, 2> clamping{};        ///< S_1, S_2 [N]
-    std::array<double, 2> radius{};          ///< mean running radius of the links that touch [m]
-    std::array<double, 2> sheave_position{}; ///< w of the movable sheaves against their shafts [m]
-    std::array<double, 4> axial_force{};     ///< of all tips on sheaves 1-, 1+, 2-, 2+ [N]
-    bool control_limited = false;            ///< ratio control asks for more than its authority
-    double ratio = 0.0;                      ///< ω_1/ω_2
-    std::array<double, 2> pin_speed{};       ///< mean angular speed about the shaft's axis of the pins that touch [rad/s]
-    double slip = 0.0;                       ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together
-    double chain_speed = 0.0;                ///< mean of |velocity| of the rear halves [m/s]
-    double tight = 0.0, slack = 0.0;         ///< mean tension of the strand at y > 0, at y < 0 (a ring: mean of all in both) [N]
-    int touching = 0;                        ///< tips that are not free
-    double deepest = 0.0;                    ///< deepest penetration of a tip [m]
-    std::vector<double> tension;             ///< [links] [N]
-    std::vector<double> tip_axial;           ///< [4 links] axial force of each tip on its sheave [N]
-    Account account;                         ///< energies and losses
-    WorkRates work{};                        ///< powers of drive, load, clamping [W]
+    double time = 0.0;                        ///< [s]
+    std::array<double, 2> speed{};            ///< of the shafts [rad/s]
+    std::array<double, 2> angle{};            ///< of the shafts [rad]
+    std::array<double, 2> torque{};           ///< on the shafts from outside: drive, load (negative brakes) [N·m]
+    std::array<double, 2> chain_torque{};     ///< of the chain on the sheaves of each shaft [N·m]
+    std::array<double, 2> clamping{};         ///< S_1, S_2 [N]
+    std::array<double, 2> radius{};           ///< mean running radius of the links that touch [m]
+    std::array<double, 2> sheave_position{};  ///< w of the movable sheaves against their shafts [m]
+    std::array<double, 4> axial_force{};      ///< of all tips on sheaves 1-, 1+, 2-, 2+ [N]
+    bool control_limited = false;             ///< ratio control asks for more than its authority
+    double ratio = 0.0;                       ///< ω_1/ω_2
+    std::array<double, 2> pin_speed{};        ///< mean angular speed about the shaft's axis of the pins that touch [rad/s]
+    double slip = 0.0;                ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together
+    double chain_speed = 0.0;         ///< mean of |velocity| of the rear halves [m/s]
+    double tight = 0.0, slack = 0.0;  ///< mean tension of the strand at y > 0, at y < 0 (a ring: mean of all in both) [N]
+    int touching = 0;                 ///< tips that are not free
+    double deepest = 0.0;             ///< deepest penetration of a tip [m]
+    std::vector<double> tension;      ///< [links] [N]
+    std::vector<double> tip_axial;    ///< [4 links] axial force of each tip on its sheave [N]
+    Account account;                  ///< energies and losses
+    WorkRates work{};                 ///< powers of drive, load, clamping [W]
 };
 
 /// Evaluates observations; owns their memory. Not for the step loop: serial, some tens of microseconds.

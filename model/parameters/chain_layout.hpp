@@ -1,8 +1,9 @@
 #pragma once
 /// The only index arithmetic of the state vector.
 ///
-///     link 0: [q (link_size) | v (link_size)]  link 1: …  link N-1  pulleys: [q (pulley_size) | v (pulley_size)]  control: [I]  ledger: [losses, works]
-///     q of a link: [a.x_0…a.x_p  b.x_0…b.x_p | a.y…  b.y… | a.z a.e b.z b.e],  a = rear half (R_link), b = front half (L_{link+1})
+///     link 0: [q (link_size) | v (link_size)]  link 1: …  link N-1  pulleys: [q (pulley_size) | v (pulley_size)]  control: [I]  ledger:
+///     [losses, works] q of a link: [a.x_0…a.x_p  b.x_0…b.x_p | a.y…  b.y… | a.z a.e b.z b.e],  a = rear half (R_link), b = front half
+///     (L_{link+1})
 ///
 /// A slope (time derivative of a state) has the same layout: [v | acceleration] per block.
 
@@ -21,9 +22,9 @@ inline constexpr int work_kinds = 3;
 enum class End { rear = 0, front = 1 };
 
 struct ChainLayout {
-    int order = 3;          ///< p
-    int links = 84;         ///< N = number of pins
-    int pulley_size = 36;   ///< generalized coordinates of shafts and sheaves: 36, 4 or 0
+    int order = 3;         ///< p
+    int links = 84;        ///< N = number of pins
+    int pulley_size = 36;  ///< generalized coordinates of shafts and sheaves: 36, 4 or 0
     bool control = false;
     bool ledger = false;
 
@@ -55,7 +56,8 @@ struct ChainLayout {
 
 [[nodiscard]] ChainLayout layout_of(const Parameters& parameters) noexcept;
 
-/// Offsets inside the pulleys' q of elastic pulleys: body 0…5 = shaft 1, shaft 2, sheave 1-, 1+, 2-, 2+; freedom 0…5 = u_x, u_y, τ_x, τ_y, w, φ.
+/// Offsets inside the pulleys' q of elastic pulleys: body 0…5 = shaft 1, shaft 2, sheave 1-, 1+, 2-, 2+; freedom 0…5 = u_x, u_y, τ_x, τ_y,
+/// w, φ.
 [[nodiscard]] constexpr int body_freedom(int body, int freedom) noexcept { return 6 * body + freedom; }
 /// Body number of the sheave on shaft 0 or 1 and side 0 (-z) or 1 (+z).
 [[nodiscard]] constexpr int sheave_body(int shaft, int side) noexcept { return 2 + 2 * shaft + side; }

@@ -1,6 +1,7 @@
 #pragma once
 /// All physical parameters of a scene. SI units, angles in radians. Defaults are the baseline variator of model/EQUATIONS.md.
-/// Ranges, units, sources and meanings for users live in the parameter table (tasks/scene/parameter_table.cpp), which is tested against this struct.
+/// Ranges, units, sources and meanings for users live in the parameter table (tasks/scene/parameter_table.cpp), which is tested against
+/// this struct.
 
 #include <string>
 #include <vector>
@@ -32,54 +33,54 @@ enum class StartLayout { belt, ring };
 
 /// What is resolved at all. Absent detail is absent from the state vector.
 struct Detail {
-    int order = 3;                             ///< p, Legendre order of the axis of a pin half, 0…3
-    PlateDetail plates = PlateDetail::each;    ///< every plate, or a lumped pack with the same moments
-    int joint_points = 3;                      ///< Gauss-Legendre points along the rolling line of a joint, 1…16
+    int order = 3;                           ///< p, Legendre order of the axis of a pin half, 0…3
+    PlateDetail plates = PlateDetail::each;  ///< every plate, or a lumped pack with the same moments
+    int joint_points = 3;                    ///< Gauss-Legendre points along the rolling line of a joint, 1…16
     PulleyDetail pulleys = PulleyDetail::elastic;
     FrictionLaw friction = FrictionLaw::piecewise;
-    double smoothing = 0.1;                    ///< half-width d of the smoothed law, in units of v0
-    bool stick_slip = false;                   ///< tips also have phases stick and slip
+    double smoothing = 0.1;   ///< half-width d of the smoothed law, in units of v0
+    bool stick_slip = false;  ///< tips also have phases stick and slip
     bool operator==(const Detail&) const = default;
 };
 
 struct Friction {
-    double coefficient;        ///< μ [1]
-    double saturation_speed;   ///< v0 [m/s]
+    double coefficient;       ///< μ [1]
+    double saturation_speed;  ///< v0 [m/s]
     bool operator==(const Friction&) const = default;
 };
 
 struct Chain {
-    int pins = 84;                          ///< N
-    std::vector<double> pitch{8.12e-3};     ///< [m], repeated cyclically over the links
-    double damping_ratio = 0.02;            ///< ζ of every spring of the chain
-    double young_modulus = 2.1e11;          ///< E [Pa]
+    int pins = 84;                       ///< N
+    std::vector<double> pitch{8.12e-3};  ///< [m], repeated cyclically over the links
+    double damping_ratio = 0.02;         ///< ζ of every spring of the chain
+    double young_modulus = 2.1e11;       ///< E [Pa]
     bool operator==(const Chain&) const = default;
 };
 
 struct Half {
-    double length = 36e-3;             ///< ℓ_p [m]
-    double width = 2.6e-3;             ///< w, thickness in travel direction [m]
-    double mass = 4.42e-3;             ///< m_h [kg]
-    double area = 15.65e-6;            ///< A [m²]
-    double bending_travel = 1.85;      ///< EI for bending along travel [N·m²]
-    double bending_height = 13.4;      ///< EI for bending along height [N·m²]
+    double length = 36e-3;         ///< ℓ_p [m]
+    double width = 2.6e-3;         ///< w, thickness in travel direction [m]
+    double mass = 4.42e-3;         ///< m_h [kg]
+    double area = 15.65e-6;        ///< A [m²]
+    double bending_travel = 1.85;  ///< EI for bending along travel [N·m²]
+    double bending_height = 13.4;  ///< EI for bending along height [N·m²]
     bool operator==(const Half&) const = default;
 };
 
 struct Plate {
-    int count = 14;                        ///< plates per link
-    double mass = 0.65e-3;                 ///< m_j, each [kg]
-    double stiffness = 5.7e7;              ///< k_p, each [N/m]
-    double span = 15e-3;                   ///< outermost plates sit at ± span [m]
-    double bending_stiffness = 0.105;      ///< out-of-plane EI, each [N·m²]
-    double torsion_stiffness = 15.0;       ///< k_t, each [N·m/rad]
+    int count = 14;                    ///< plates per link
+    double mass = 0.65e-3;             ///< m_j, each [kg]
+    double stiffness = 5.7e7;          ///< k_p, each [N/m]
+    double span = 15e-3;               ///< outermost plates sit at ± span [m]
+    double bending_stiffness = 0.105;  ///< out-of-plane EI, each [N·m²]
+    double torsion_stiffness = 15.0;   ///< k_t, each [N·m/rad]
     Friction friction{0.10, 0.01};
     bool operator==(const Plate&) const = default;
 };
 
 struct Joint {
-    double radius = 10e-3;             ///< ρ of the rolling profile [m]
-    double stiffness = 1e9;            ///< k_J, whole line [N/m]
+    double radius = 10e-3;   ///< ρ of the rolling profile [m]
+    double stiffness = 1e9;  ///< k_J, whole line [N/m]
     JointLaw law = JointLaw::linear;
     double reference_depth = 3.5e-6;   ///< δ_r at which ζ and Palmgren's law are anchored [m]
     double clearance = 20e-6;          ///< c_g of the plate opening [m]
@@ -99,57 +100,57 @@ struct Tip {
 };
 
 struct Pulley {
-    double centre_distance = 0.170;     ///< a [m]
-    double arc_radius = 2.0;            ///< R_c of the sheave's meridian [m]
-    double arc_position = 54.44e-3;     ///< r_m, where the flank leans by β [m]
-    double innermost = 25e-3;           ///< a pin on a smaller radius has left the sheave: fault [m]
-    double outermost = 80e-3;           ///< a touching pin on a larger radius has left the sheave: fault [m]
-    double sheave_mass = 3.0;           ///< [kg]
-    double sheave_polar_inertia = 8e-3; ///< J_p [kg·m²]
-    double sheave_tilt_inertia = 4.2e-3;///< J_t [kg·m²]
-    double shaft_mass = 7.0;            ///< [kg]
-    double shaft_polar_inertia = 2e-2;  ///< [kg·m²]
-    double shaft_tilt_inertia = 2e-2;   ///< [kg·m²]
-    double bearing_radial = 5e8;        ///< [N/m]
-    double bearing_axial = 5e8;         ///< [N/m]
-    double bearing_tilt = 2e6;          ///< [N·m/rad]
-    double attachment_radial = 1e9;     ///< [N/m]
-    double attachment_axial = 1e9;      ///< [N/m]
-    double attachment_tilt = 1.4e6;     ///< [N·m/rad]
-    double attachment_torsion = 5e5;    ///< [N·m/rad]
-    double cylinder_damping = 2e5;      ///< c_cyl [N·s/m]
-    double damping_ratio = 0.1;         ///< ζ_s
+    double centre_distance = 0.170;       ///< a [m]
+    double arc_radius = 2.0;              ///< R_c of the sheave's meridian [m]
+    double arc_position = 54.44e-3;       ///< r_m, where the flank leans by β [m]
+    double innermost = 25e-3;             ///< a pin on a smaller radius has left the sheave: fault [m]
+    double outermost = 80e-3;             ///< a touching pin on a larger radius has left the sheave: fault [m]
+    double sheave_mass = 3.0;             ///< [kg]
+    double sheave_polar_inertia = 8e-3;   ///< J_p [kg·m²]
+    double sheave_tilt_inertia = 4.2e-3;  ///< J_t [kg·m²]
+    double shaft_mass = 7.0;              ///< [kg]
+    double shaft_polar_inertia = 2e-2;    ///< [kg·m²]
+    double shaft_tilt_inertia = 2e-2;     ///< [kg·m²]
+    double bearing_radial = 5e8;          ///< [N/m]
+    double bearing_axial = 5e8;           ///< [N/m]
+    double bearing_tilt = 2e6;            ///< [N·m/rad]
+    double attachment_radial = 1e9;       ///< [N/m]
+    double attachment_axial = 1e9;        ///< [N/m]
+    double attachment_tilt = 1.4e6;       ///< [N·m/rad]
+    double attachment_torsion = 5e5;      ///< [N·m/rad]
+    double cylinder_damping = 2e5;        ///< c_cyl [N·s/m]
+    double damping_ratio = 0.1;           ///< ζ_s
     bool operator==(const Pulley&) const = default;
 };
 
 struct Drive {
     DriveMode mode = DriveMode::speed;
-    TimeTable speed{209.43951023931953};   ///< ω_ref of shaft 1 [rad/s]
-    TimeTable torque{0.0};                 ///< T_1, mode torque [N·m]
-    double governor_frequency = 200.0;     ///< f_g [Hz]
-    double inertia = 0.0;                  ///< added to shaft 1 [kg·m²]
+    TimeTable speed{209.43951023931953};  ///< ω_ref of shaft 1 [rad/s]
+    TimeTable torque{0.0};                ///< T_1, mode torque [N·m]
+    double governor_frequency = 200.0;    ///< f_g [Hz]
+    double inertia = 0.0;                 ///< added to shaft 1 [kg·m²]
     bool operator==(const Drive&) const = default;
 };
 
 struct Load {
-    TimeTable torque{150.0};   ///< M, against the travel of shaft 2 [N·m]
-    double inertia = 0.0;      ///< added to shaft 2 [kg·m²]
+    TimeTable torque{150.0};  ///< M, against the travel of shaft 2 [N·m]
+    double inertia = 0.0;     ///< added to shaft 2 [kg·m²]
     bool operator==(const Load&) const = default;
 };
 
 struct Clamping {
-    TimeTable driving{27.1e3};   ///< S_1 [N]
-    TimeTable driven{20e3};      ///< S_2 [N]
+    TimeTable driving{27.1e3};  ///< S_1 [N]
+    TimeTable driven{20e3};     ///< S_2 [N]
     bool operator==(const Clamping&) const = default;
 };
 
 /// PI control of the speed ratio by S_1; present in the state only if enabled.
 struct Control {
     bool enabled = false;
-    TimeTable ratio{1.0};            ///< i_ref = ω_1/ω_2 [1]
-    double proportional = 1e6;       ///< K_P [N]
-    double integral = 5e7;           ///< K_I [N/s]
-    double authority = 1e4;          ///< A, largest correction of S_1 either way [N]
+    TimeTable ratio{1.0};                         ///< i_ref = ω_1/ω_2 [1]
+    double proportional = 1e6;                    ///< K_P [N]
+    double integral = 5e7;                        ///< K_I [N/s]
+    double authority = 1e4;                       ///< A, largest correction of S_1 either way [N]
     double reference_speed = 209.43951023931953;  ///< ω_n in drive mode torque [rad/s]
     bool operator==(const Control&) const = default;
 };
@@ -157,10 +158,10 @@ struct Control {
 /// Where the run begins.
 struct Start {
     StartLayout layout = StartLayout::belt;
-    double ratio = 1.0;              ///< r_2/r_1 of the geometric start; speeds follow within 1.5 % (a bent chain is shorter) [1]
-    double ring_speed = 200.0;       ///< Ω of the free ring [rad/s]
-    double settling_time = 60e-3;    ///< t_settle: a geometric start runs from t = -t_settle [s]
-    double ramp_time = 5e-3;         ///< t_ramp ≤ t_settle [s]
+    double ratio = 1.0;            ///< r_2/r_1 of the geometric start; speeds follow within 1.5 % (a bent chain is shorter) [1]
+    double ring_speed = 200.0;     ///< Ω of the free ring [rad/s]
+    double settling_time = 60e-3;  ///< t_settle: a geometric start runs from t = -t_settle [s]
+    double ramp_time = 5e-3;       ///< t_ramp ≤ t_settle [s]
     bool operator==(const Start&) const = default;
 };
 
@@ -177,7 +178,7 @@ struct Parameters {
     Clamping clamping;
     Control control;
     Start start;
-    bool ledger = false;   ///< integrate losses and works by kind with the state
+    bool ledger = false;  ///< integrate losses and works by kind with the state
     bool operator==(const Parameters&) const = default;
 };
 

@@ -20,7 +20,7 @@ double belt_length(const BeltRadii& radii, double centre_distance) noexcept {
 std::optional<BeltRadii> belt_radii(double length, double ratio, double centre_distance) noexcept {
     const auto pair = [ratio](double driving) { return BeltRadii{driving, ratio * driving}; };
     double low = 0.0;
-    double high = centre_distance / (1.0 + ratio);   // the pulleys touch
+    double high = centre_distance / (1.0 + ratio);  // the pulleys touch
     if (!(belt_length(pair(low), centre_distance) < length) || !(belt_length(pair(high), centre_distance) > length)) return std::nullopt;
     for (int iteration = 0; iteration < 200; ++iteration) {
         const double middle = 0.5 * (low + high);
@@ -30,12 +30,24 @@ std::optional<BeltRadii> belt_radii(double length, double ratio, double centre_d
 }
 
 PitchPath::PitchPath(const BeltRadii& radii, double centre_distance) noexcept
-    : ring_(false), radii_(radii), centre_distance_(centre_distance), lean_(portable_asin((radii.driven - radii.driving) / centre_distance)),
-      strand_(centre_distance * portable_cos(lean_)), driven_arc_(radii.driven * (pi + 2.0 * lean_)), driving_arc_(radii.driving * (pi - 2.0 * lean_)),
+    : ring_(false),
+      radii_(radii),
+      centre_distance_(centre_distance),
+      lean_(portable_asin((radii.driven - radii.driving) / centre_distance)),
+      strand_(centre_distance * portable_cos(lean_)),
+      driven_arc_(radii.driven * (pi + 2.0 * lean_)),
+      driving_arc_(radii.driving * (pi - 2.0 * lean_)),
       length_(2.0 * strand_ + driven_arc_ + driving_arc_) {}
 
 PitchPath::PitchPath(double radius) noexcept
-    : ring_(true), radii_{radius, radius}, centre_distance_(0.0), lean_(0.0), strand_(0.0), driven_arc_(0.0), driving_arc_(0.0), length_(2.0 * pi * radius) {}
+    : ring_(true),
+      radii_{radius, radius},
+      centre_distance_(0.0),
+      lean_(0.0),
+      strand_(0.0),
+      driven_arc_(0.0),
+      driving_arc_(0.0),
+      length_(2.0 * pi * radius) {}
 
 Point PitchPath::at(double s) const noexcept {
     s -= length_ * std::floor(s / length_);
@@ -68,12 +80,13 @@ double PitchPath::advance(double s, double chord) const noexcept {
     constexpr int most = 60;
     const Point from = at(s);
     double to = s + chord, before = s;
-    for (int iteration = 1; iteration <= most; ++iteration) {   // the chord grows almost as fast as the arc: a contraction
+    for (int iteration = 1; iteration <= most; ++iteration) {  // the chord grows almost as fast as the arc: a contraction
         const Point reached = at(to);
         const double error = chord - portable_hypot(reached.x - from.x, reached.y - from.y);
         const double next = to + error;
         if (std::abs(error) < 1e-17 || next == to) return next;
-        if (next == before) return (most - iteration) % 2 == 0 ? next : to;   // to and fro between two neighbouring numbers until the last iteration
+        if (next == before)
+            return (most - iteration) % 2 == 0 ? next : to;  // to and fro between two neighbouring numbers until the last iteration
         before = std::exchange(to, next);
     }
     return to;

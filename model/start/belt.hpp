@@ -42,7 +42,7 @@ private:
     bool ring_;
     BeltRadii radii_;
     double centre_distance_;
-    double lean_;      ///< φ
+    double lean_;  ///< φ
     double strand_, driven_arc_, driving_arc_, length_;
 };
 

@@ -23,10 +23,13 @@ namespace {
 }  // namespace
 
 ChainPlacer::ChainPlacer(const Parameters& p, double pretension, PathOf path_of, double guess)
-    : path_of_(std::move(path_of)), guess_(guess), arm_(p.joint.radius - 0.5 * p.half.width),
+    : path_of_(std::move(path_of)),
+      guess_(guess),
+      arm_(p.joint.radius - 0.5 * p.half.width),
       diameter_(2.0 * p.joint.radius - pretension / p.joint.stiffness) {
     const double stretch = pretension / (p.plate.count * p.plate.stiffness);
-    for (int i = 0; i < p.chain.pins; ++i) length_.push_back(p.chain.pitch[static_cast<std::size_t>(i) % p.chain.pitch.size()] + p.half.width + stretch);
+    for (int i = 0; i < p.chain.pins; ++i)
+        length_.push_back(p.chain.pitch[static_cast<std::size_t>(i) % p.chain.pitch.size()] + p.half.width + stretch);
 }
 
 PlacedChain ChainPlacer::place(double phase, double rise) const {
@@ -36,7 +39,7 @@ PlacedChain ChainPlacer::place(double phase, double rise) const {
     std::vector<Point> direction;
     for (int iteration = 0; iteration < 200; ++iteration) {
         const auto [pins, placed] = close(chord, phase);
-        if (!(placed.radius > 0.0) || !std::isfinite(placed.radius)) break;   // a link is longer than the smaller pulley is wide
+        if (!(placed.radius > 0.0) || !std::isfinite(placed.radius)) break;  // a link is longer than the smaller pulley is wide
         if (direction.empty()) {
             for (std::size_t i = 0; i < n; ++i) direction.push_back(unit(pins[(i + 1) % n] - pins[i]));
         }
@@ -50,7 +53,7 @@ std::pair<std::vector<Point>, PlacedChain> ChainPlacer::close(const std::vector<
     double radius = guess_;
     double nearby = guess_ * 1.001;
     double error = excess(path_of_(nearby), chord, phase);
-    for (int iteration = 0; iteration < 60; ++iteration) {   // secant; once round grows steadily with the radius
+    for (int iteration = 0; iteration < 60; ++iteration) {  // secant; once round grows steadily with the radius
         const double now = excess(path_of_(radius), chord, phase);
         if (std::abs(now) < 1e-16 || now == error) break;
         const double next = radius - now * (radius - nearby) / (now - error);
@@ -71,9 +74,10 @@ std::pair<std::vector<Point>, PlacedChain> ChainPlacer::close(const std::vector<
     return {pins, chain};
 }
 
-double ChainPlacer::relax(const std::vector<Point>& pins, double rise, std::vector<double>& chord, std::vector<Point>& direction, PlacedChain& chain) const {
+double ChainPlacer::relax(const std::vector<Point>& pins, double rise, std::vector<double>& chord, std::vector<Point>& direction,
+                          PlacedChain& chain) const {
     const std::size_t n = pins.size();
-    std::vector<Point> reach(n);   // from the pin's middle to its front half
+    std::vector<Point> reach(n);  // from the pin's middle to its front half
     for (std::size_t i = 0; i < n; ++i) {
         const Point both = direction[(i + n - 1) % n] + direction[i];
         reach[i] = (0.5 * (diameter_ - arm_ * norm(both))) * unit(both);

@@ -10,13 +10,13 @@
 
 namespace cvtflow::model {
 
-using PathOf = std::function<PitchPath(double)>;   ///< path for a radius of the driving pulley (or ring)
+using PathOf = std::function<PitchPath(double)>;  ///< path for a radius of the driving pulley (or ring)
 
 /// Positions of both halves of every pin, and where the pin is on the path.
 struct PlacedChain {
-    std::vector<Point> front, rear;   ///< L_i, R_i
-    std::vector<double> along;        ///< share of the way from the driving to the driven pulley
-    double radius;                    ///< of the driving pulley or ring
+    std::vector<Point> front, rear;  ///< L_i, R_i
+    std::vector<double> along;       ///< share of the way from the driving to the driven pulley
+    double radius;                   ///< of the driving pulley or ring
 };
 
 /// Chain closed on its path: pins at chord distances, joints rolling purely (arc centres along the bisector), links at the given lengths.
@@ -26,14 +26,16 @@ public:
     ChainPlacer(const Parameters& parameters, double pretension, PathOf path_of, double guess);
 
     /// Throws std::invalid_argument if the chain cannot be closed.
-    /// @param phase where pin 0 is on the path [m]   @param rise axial distance from the driving to the driven arc, climbed evenly along the strands [m]
+    /// @param phase where pin 0 is on the path [m]   @param rise axial distance from the driving to the driven arc, climbed evenly along
+    /// the strands [m]
     [[nodiscard]] PlacedChain place(double phase, double rise) const;
 
 private:
     /// Radius for which the chords close, and the pins on that path.
     [[nodiscard]] std::pair<std::vector<Point>, PlacedChain> close(const std::vector<double>& chord, double phase) const;
     /// Halves from pins; corrects chords and directions; returns the largest error of a link's length or direction [m].
-    double relax(const std::vector<Point>& pins, double rise, std::vector<double>& chord, std::vector<Point>& direction, PlacedChain& chain) const;
+    double relax(const std::vector<Point>& pins, double rise, std::vector<double>& chord, std::vector<Point>& direction,
+                 PlacedChain& chain) const;
 
     PathOf path_of_;
     double guess_;

@@ -35,7 +35,8 @@ void fill_positions(const ChainLayout& at, const PlacedChain& now, std::vector<d
 }
 
 /// Velocities as differences of two placements; axially the strands climb by `rise`.
-void fill_velocities(const ChainLayout& at, const PlacedChain& before, const PlacedChain& after, double rate, double rise, std::vector<double>& state) {
+void fill_velocities(const ChainLayout& at, const PlacedChain& before, const PlacedChain& after, double rate, double rise,
+                     std::vector<double>& state) {
     for_every_half(at, state, [&](double* block, End end, std::size_t pin) {
         const Point moved = (end == End::rear ? after.rear : after.front)[pin] - (end == End::rear ? before.rear : before.front)[pin];
         double* v = block + at.link_size();
@@ -71,7 +72,9 @@ private:
 
     void place_axially() {
         const ChainLayout& at = model_.layout();
-        for_every_half(at, state_, [&](double* block, End end, std::size_t pin) { block[at.z(end)] = shift_[0] + along_[pin] * (shift_[1] - shift_[0]); });
+        for_every_half(at, state_, [&](double* block, End end, std::size_t pin) {
+            block[at.z(end)] = shift_[0] + along_[pin] * (shift_[1] - shift_[0]);
+        });
     }
 
     /// Largest depth of tips on one side of one shaft.
@@ -99,7 +102,8 @@ private:
 
 /// Mean angular speed, per path speed, of the pins on the driving (along = 0) or the driven arc (along = 1) [1/m]. A bent chain is shorter
 /// than its path, so pins turn a little slower than path speed over radius.
-[[nodiscard]] double turning_of_arc(const PlacedChain& before, const PlacedChain& now, const PlacedChain& after, double step, double along, Point axis) {
+[[nodiscard]] double turning_of_arc(const PlacedChain& before, const PlacedChain& now, const PlacedChain& after, double step, double along,
+                                    Point axis) {
     double sum = 0.0;
     int count = 0;
     for (std::size_t pin = 0; pin < now.along.size(); ++pin) {
@@ -118,7 +122,7 @@ void spin_shafts(const Parameters& p, const ChainLayout& at, const double* turni
     double* q = state.data() + at.pulley_begin();
     const auto turn = [&](int coordinate, double rate) {
         q[at.pulley_size + coordinate] = rate;
-        q[coordinate] = -rate * p.start.settling_time;   // angles count from t = 0
+        q[coordinate] = -rate * p.start.settling_time;  // angles count from t = 0
     };
     for (int shaft = 0; shaft < 2; ++shaft) {
         const double rate = turning[shaft];
@@ -130,11 +134,11 @@ void spin_shafts(const Parameters& p, const ChainLayout& at, const double* turni
 
 /// Path, pre-tension and speed that a scene asks for.
 struct StartPlan {
-    BeltRadii radii;     ///< nominal, of a belt as long as the sum of pitches
+    BeltRadii radii;  ///< nominal, of a belt as long as the sum of pitches
     PathOf path_of;
-    double turning;      ///< of the driving shaft or the ring [rad/s]
-    double pretension;   ///< σ v²: what the chain's own motion pulls [N]
-    double mean_pitch;   ///< [m]
+    double turning;     ///< of the driving shaft or the ring [rad/s]
+    double pretension;  ///< σ v²: what the chain's own motion pulls [N]
+    double mean_pitch;  ///< [m]
 };
 
 [[nodiscard]] StartPlan plan_start(const Parameters& p) {
@@ -171,14 +175,14 @@ StartState start_state(const Parameters& p) {
     const StartPlan plan = plan_start(p);
     const ChainPlacer placer(p, plan.pretension, plan.path_of, plan.radii.driving);
     const double phase = 0.25 * plan.mean_pitch;
-    const double step = 1e-3 * plan.mean_pitch;   // velocities: how the placed chain moves with its phase
+    const double step = 1e-3 * plan.mean_pitch;  // velocities: how the placed chain moves with its phase
     PlacedChain now = placer.place(phase, 0.0);
     StartState start;
     start.state.assign(static_cast<std::size_t>(at.size()), 0.0);
     start.phases.assign(static_cast<std::size_t>(tips_per_link * at.links), Phase::free);
     fill_positions(at, now, start.state);
     double rise = 0.0;
-    for (int iteration = 0; iteration < 3 && at.pulley_size != 0; ++iteration) {   // the climb of strands shortens them in second order only
+    for (int iteration = 0; iteration < 3 && at.pulley_size != 0; ++iteration) {  // the climb of strands shortens them in second order only
         rise = SheaveFitter(p, start.state, now.along).fit();
         now = placer.place(phase, rise);
         fill_positions(at, now, start.state);

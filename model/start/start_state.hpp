@@ -10,10 +10,10 @@
 namespace cvtflow::model {
 
 struct StartState {
-    std::vector<double> state;    ///< [layout.size()]
-    std::vector<Phase> phases;    ///< [4 links], all free: the first step finds what touches
-    BeltRadii radii;              ///< of the pitch path [m]
-    double speed;                 ///< of the chain [m/s]
+    std::vector<double> state;  ///< [layout.size()]
+    std::vector<Phase> phases;  ///< [4 links], all free: the first step finds what touches
+    BeltRadii radii;            ///< of the pitch path [m]
+    double speed;               ///< of the chain [m/s]
 };
 
 /// State at the begin of settling. Throws std::invalid_argument if the chain does not close around the pulleys at the wanted ratio.

@@ -40,9 +40,17 @@ void keep_done(engine::CaseTable& table, const std::vector<std::string>& retry, 
 class Session {
 public:
     Session(const Sweep& sweep, const BatchOptions& options)
-        : sweep_(sweep), options_(options), folder_(shard_folder(options.folder, options.shard)), file_((fs::path(folder_) / "cases.h5").string()),
-          outer_(made(options.folder)), lock_(folder_), cancel_(options.cancel != nullptr ? *options.cancel : never), threads_(options.threads > 0 ? options.threads : usable_threads()),
-          starts_(sweep, fs::path(options.folder) / "states"), control_(threads_, options.grace, cancel_), cases_(shard_cases(sweep, options.shard)) {}
+        : sweep_(sweep),
+          options_(options),
+          folder_(shard_folder(options.folder, options.shard)),
+          file_((fs::path(folder_) / "cases.h5").string()),
+          outer_(made(options.folder)),
+          lock_(folder_),
+          cancel_(options.cancel != nullptr ? *options.cancel : never),
+          threads_(options.threads > 0 ? options.threads : usable_threads()),
+          starts_(sweep, fs::path(options.folder) / "states"),
+          control_(threads_, options.grace, cancel_),
+          cases_(shard_cases(sweep, options.shard)) {}
 
     BatchReport run() {
         engine::CaseTable table = read_or_begin();
@@ -50,7 +58,7 @@ public:
         progress_.before = static_cast<long>(table.size());
         {
             engine::CaseWriter writer(file_, table);
-            table.rows = {};   // they are in the file
+            table.rows = {};  // they are in the file
             work(writer, table.layout);
         }
         return report();
@@ -72,7 +80,9 @@ private:
         if (!fs::exists(file_, missing)) return begin;
         engine::CaseTable table = read_results(file_);
         require_same_sweep(file_, table, begin);
-        if (table.attribute("shard") != begin.attribute("shard")) throw SimulationError(fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
+        if (table.attribute("shard") != begin.attribute("shard"))
+            throw SimulationError(
+                fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
         keep_done(table, options_.part.attempt == 0 ? options_.retry : std::vector<std::string>{}, done_);
         table.set({"status", "running"});
         return table;
@@ -92,20 +102,21 @@ private:
         std::vector<std::vector<std::byte>> buffers(engines.size(), std::vector<std::byte>(layout.bytes()));
         engine::JobPool pool({threads_, options_.pin});
         started_ = Clock::now();
-        pool.run([&](int) { return next(); }, [&](int worker, long first) {
-            auto& engine = engines[static_cast<std::size_t>(worker)];
-            if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
-            for (long number = first; number < first + sweep_.strand() && !stopping(); ++number) {
-                if (!open(number)) continue;
-                const CaseResult& result = run_noted(*engine, worker, number);
-                if (result.status == CaseStatus::stopped) return;
-                auto& row = buffers[static_cast<std::size_t>(worker)];
-                fill_row(layout, sweep_, result, row);
-                rows.post(row);
-                engine->forget_checkpoint();
-                ended(result);
-            }
-        });
+        pool.run([&](int) { return next(); },
+                 [&](int worker, long first) {
+                     auto& engine = engines[static_cast<std::size_t>(worker)];
+                     if (!engine) engine = std::make_unique<CaseEngine>(sweep_, starts_, control_, places());
+                     for (long number = first; number < first + sweep_.strand() && !stopping(); ++number) {
+                         if (!open(number)) continue;
+                         const CaseResult& result = run_noted(*engine, worker, number);
+                         if (result.status == CaseStatus::stopped) return;
+                         auto& row = buffers[static_cast<std::size_t>(worker)];
+                         fill_row(layout, sweep_, result, row);
+                         rows.post(row);
+                         engine->forget_checkpoint();
+                         ended(result);
+                     }
+                 });
         rows.finish();
         writer.sync();
     }
@@ -169,8 +180,10 @@ private:
     BatchReport report() {
         OrderedRows rows(file_);
         engine::CaseTable head = rows.head();
-        BatchReport result{folder_, progress_, rows.statuses(), rows.size() == cases_.size(), rows.hash(), threads_, head.attribute("continuation_error")};
-        if (result.finished && (progress_.done > 0 || result.continuation_error.empty())) result.continuation_error = check_continuation(rows);
+        BatchReport result{
+            folder_, progress_, rows.statuses(), rows.size() == cases_.size(), rows.hash(), threads_, head.attribute("continuation_error")};
+        if (result.finished && (progress_.done > 0 || result.continuation_error.empty()))
+            result.continuation_error = check_continuation(rows);
         head.set({"continuation_error", result.continuation_error});
         head.set({"status", result.finished ? "finished" : "interrupted"});
         head.set({"results_hash", result.results_hash});
@@ -178,7 +191,8 @@ private:
         std::error_code not_empty;
         fs::remove(places().checkpoints, not_empty);
         if (!result.finished) return result;
-        for (const fs::path& over : {places().checkpoints, places().continuation}) fs::remove_all(over, not_empty);   // also what a kill left half written
+        for (const fs::path& over : {places().checkpoints, places().continuation})
+            fs::remove_all(over, not_empty);  // also what a kill left half written
         return result;
     }
 

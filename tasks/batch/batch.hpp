@@ -7,8 +7,8 @@
 ///     DIR/records/case-N.h5        records, if the sweep asks for them
 ///     DIR/shard-I-of-N/            the same for a share of the sweep; merge() makes DIR/cases.h5 of them
 ///
-/// Results do not depend on threads, shards, kills or order. run_batch() itself dies with a case that takes its process down; supervise() starts it
-/// again (supervisor.hpp), as the program does.
+/// Results do not depend on threads, shards, kills or order. run_batch() itself dies with a case that takes its process down; supervise()
+/// starts it again (supervisor.hpp), as the program does.
 
 #include <functional>
 #include <map>
@@ -31,37 +31,38 @@ struct Shard {
 };
 
 struct BatchProgress {
-    long cases = 0, before = 0, done = 0;   ///< of this shard: all, done in former sessions, done now
-    long failed = 0;                        ///< done now, but not ok
-    double wall = 0.0;                      ///< [s]
+    long cases = 0, before = 0, done = 0;  ///< of this shard: all, done in former sessions, done now
+    long failed = 0;                       ///< done now, but not ok
+    double wall = 0.0;                     ///< [s]
 };
 
 struct BatchOptions {
     std::string folder;
-    int threads = 0;                  ///< 0: as many as this process may use
+    int threads = 0;  ///< 0: as many as this process may use
     bool pin = false;
-    double grace = 30.0;              ///< after a wish to stop, running cases that can end within this time do; others leave a checkpoint [s]
-    double checkpoint_every = 60.0;   ///< of every running case, wall time [s]
+    double grace = 30.0;  ///< after a wish to stop, running cases that can end within this time do; others leave a checkpoint [s]
+    double checkpoint_every = 60.0;  ///< of every running case, wall time [s]
     Shard shard;
-    std::vector<std::string> retry;   ///< statuses whose cases run again
-    SweepPart part;                   ///< all, or a single case after a crash
-    engine::SharedSlots* journal = nullptr;   ///< for as many workers as threads; is told which case each of them runs
+    std::vector<std::string> retry;          ///< statuses whose cases run again
+    SweepPart part;                          ///< all, or a single case after a crash
+    engine::SharedSlots* journal = nullptr;  ///< for as many workers as threads; is told which case each of them runs
     const engine::Cancellation* cancel = nullptr;
-    std::function<void(const BatchProgress&)> progress;   ///< after each case, by one thread at a time
+    std::function<void(const BatchProgress&)> progress;  ///< after each case, by one thread at a time
 };
 
 struct BatchReport {
-    std::string folder;                       ///< of this shard
+    std::string folder;  ///< of this shard
     BatchProgress progress;
-    std::map<std::string, long> statuses;     ///< all rows of the table
+    std::map<std::string, long> statuses;  ///< all rows of the table
     bool finished = false;
     std::string results_hash;
     int threads = 0;
-    std::string continuation_error;           ///< see ContinuationError::text(); empty: nothing was continued, or not checked yet
+    std::string continuation_error;  ///< see ContinuationError::text(); empty: nothing was continued, or not checked yet
 };
 
 /// Runs all cases of the shard that are not in its table yet.
-/// @throws engine::RecordError (folder, table; nothing that is in the table is lost), SimulationError (results of another sweep), SceneError
+/// @throws engine::RecordError (folder, table; nothing that is in the table is lost), SimulationError (results of another sweep),
+/// SceneError
 [[nodiscard]] BatchReport run_batch(const Sweep& sweep, const BatchOptions& options);
 
 /// Cases of a shard: whole strands, the dearest first, each to the shard with the least to do so far. Ascending.
@@ -70,20 +71,20 @@ struct BatchReport {
 
 /// What a sweep will cost.
 struct BatchEstimate {
-    double seconds_per_cost = 0.0;   ///< measured on a few cases
-    double total = 0.0;              ///< wall time of all cases of the shard on one thread [s]
-    long cases = 0, bad = 0;         ///< bad: parameters that contradict each other
-    int measured = 0;                ///< cases that were tried
-    double stable_step = 0.0;        ///< the shortest of their largest stable steps; 0: all of them have yet to settle [s]
-    double beyond = 0.0;             ///< run.step over that, of the case where it is largest; 0: as above
-    std::string untried{};           ///< why not, of the last case that could not be; empty: all that were looked at could
+    double seconds_per_cost = 0.0;  ///< measured on a few cases
+    double total = 0.0;             ///< wall time of all cases of the shard on one thread [s]
+    long cases = 0, bad = 0;        ///< bad: parameters that contradict each other
+    int measured = 0;               ///< cases that were tried
+    double stable_step = 0.0;       ///< the shortest of their largest stable steps; 0: all of them have yet to settle [s]
+    double beyond = 0.0;            ///< run.step over that, of the case where it is largest; 0: as above
+    std::string untried{};          ///< why not, of the last case that could not be; empty: all that were looked at could
 };
 [[nodiscard]] BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds);
 
 struct MergeReport {
     std::string file;
     long rows = 0, cases = 0;
-    std::vector<std::string> missing_shards;   ///< folders that should be there
+    std::vector<std::string> missing_shards;  ///< folders that should be there
     std::vector<long> missing_cases;
     std::map<std::string, long> statuses;
     std::string results_hash;

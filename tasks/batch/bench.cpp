@@ -87,11 +87,13 @@ BatchBench bench_batch(const Sweep& sweep, const std::string& parent, const std:
             const BatchReport report = run_batch(sweep, options);
             walls[i + 1].push_back(watch.wall());
             cpus[i + 1].push_back(watch.cpu());
-            if (!bench.results_hash.empty() && bench.results_hash != report.results_hash) throw SimulationError("results differ from run to run: " + bench.results_hash + ", " + report.results_hash);
+            if (!bench.results_hash.empty() && bench.results_hash != report.results_hash)
+                throw SimulationError("results differ from run to run: " + bench.results_hash + ", " + report.results_hash);
             bench.results_hash = report.results_hash;
         }
     }
-    for (std::size_t i = 0; i < walls.size(); ++i) bench.timings.push_back({i == 0 ? 0 : threads[i - 1], median(walls[i]), median(cpus[i])});
+    for (std::size_t i = 0; i < walls.size(); ++i)
+        bench.timings.push_back({i == 0 ? 0 : threads[i - 1], median(walls[i]), median(cpus[i])});
     rusage used{};
     getrusage(RUSAGE_SELF, &used);
     bench.peak_memory = 1024.0 * static_cast<double>(used.ru_maxrss);

@@ -10,7 +10,9 @@
 
 namespace cvtflow::tasks {
 
-std::string CaseEngine::checkpoint_file() const { return (places_.checkpoints / fmt::format("{}-{:06}.h5", own_start_ ? "check" : "case", result_.number)).string(); }
+std::string CaseEngine::checkpoint_file() const {
+    return (places_.checkpoints / fmt::format("{}-{:06}.h5", own_start_ ? "check" : "case", result_.number)).string();
+}
 
 void CaseEngine::save() {
     last_save_ = std::chrono::steady_clock::now();
@@ -34,7 +36,8 @@ void CaseEngine::forget_checkpoint() {
     if (std::exchange(on_disk_, false)) remove_checkpoint(checkpoint_file());
 }
 
-/// Puts the case to where its checkpoint was taken, if it has one. A checkpoint that does not fit any more is passed over: the case begins anew.
+/// Puts the case to where its checkpoint was taken, if it has one. A checkpoint that does not fit any more is passed over: the case begins
+/// anew.
 bool CaseEngine::restore() {
     std::error_code missing;
     on_disk_ = resumable_ && std::filesystem::exists(checkpoint_file(), missing);
@@ -54,8 +57,8 @@ bool CaseEngine::restore() {
     return true;
 }
 
-/// The latest end of a case before this one in its strand, else what any case begins with. Ends are kept in two files by turns, so that a case
-/// that was lost with a killed process finds the end before it.
+/// The latest end of a case before this one in its strand, else what any case begins with. Ends are kept in two files by turns, so that a
+/// case that was lost with a killed process finds the end before it.
 StartStates::State CaseEngine::start() {
     const long first = result_.number - result_.number % sweep_.strand();
     StartStates::State latest;

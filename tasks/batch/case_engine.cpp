@@ -15,11 +15,13 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr std::string_view statuses[] = {"ok", "unreliable", "diverged", "budget", "bad_parameters", "crashed", "undefined", "stopped"};
-constexpr double worth_a_switch = 0.2;   ///< wall time that a case must have left to get more threads [s]
-constexpr double trial_seconds = 0.05;   ///< in which more threads have to show their worth [s]
+constexpr double worth_a_switch = 0.2;  ///< wall time that a case must have left to get more threads [s]
+constexpr double trial_seconds = 0.05;  ///< in which more threads have to show their worth [s]
 constexpr double required_gain = 1.1;
 
-[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count(); }
+[[nodiscard]] double seconds_since(std::chrono::steady_clock::time_point then) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
 
 }  // namespace
 
@@ -43,14 +45,6 @@ int BatchControl::threads_per_case() {
     return gate_.through([&] { return threads_ / std::max(1, threads_ - idle_); });
 }
 
-double case_cost(const Sweep& sweep, const Scene& scene) {
-    const bool settles = sweep.start == StartMode::settle || (sweep.start == StartMode::scene && scene.state_file.empty());
-    const double time = scene.run.until + (settles ? scene.parameters.start.settling_time : 0.0);
-    return time / scene.run.step.value_or(AutoStep::longest_step) * step_cost(scene);
-}
-
-double step_cost(const Scene& scene) { return static_cast<double>(std::max(1, evaluations_per_step(scene.run.method))) * model::layout_of(scene.parameters).size(); }
-
 CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
     : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene), reducers_(sweep.scalars.size()) {
     result_.scalars.resize(sweep.scalars.size());
@@ -68,8 +62,10 @@ const CaseResult& CaseEngine::run(long number) {
     try {
         sweep_.apply_case(number, scene_);
         result_.error = violations(scene_);
-        if (!result_.error.empty()) result_.status = CaseStatus::bad_parameters;
-        else integrate();
+        if (!result_.error.empty())
+            result_.status = CaseStatus::bad_parameters;
+        else
+            integrate();
     } catch (const engine::RecordError&) {
         throw;
     } catch (const StartFault& fault) {
@@ -78,12 +74,13 @@ const CaseResult& CaseEngine::run(long number) {
     } catch (const std::bad_alloc&) {
         result_.status = CaseStatus::crashed;
         result_.error = "out of memory";
-    } catch (const std::exception& error) {   // the scene's own: a chain that does not close, a state that does not fit
+    } catch (const std::exception& error) {  // the scene's own: a chain that does not close, a state that does not fit
         result_.status = CaseStatus::bad_parameters;
         result_.error = error.what();
     }
     result_.wall = elapsed();
-    if (result_.status != CaseStatus::ok) std::fill(result_.scalars.begin(), result_.scalars.end(), std::numeric_limits<double>::quiet_NaN());
+    if (result_.status != CaseStatus::ok)
+        std::fill(result_.scalars.begin(), result_.scalars.end(), std::numeric_limits<double>::quiet_NaN());
     return result_;
 }
 
@@ -128,7 +125,7 @@ double CaseEngine::elapsed() const { return wall_before_ + seconds_since(started
 
 void CaseEngine::begin(const StartStates::State& saved) {
     if (serial_ == nullptr || !serial_->fits(scene_)) {
-        Scene geometric = scene_;   // the state comes by reset()
+        Scene geometric = scene_;  // the state comes by reset()
         geometric.state_file.clear();
         serial_eye_.reset();
         serial_ = std::make_unique<Simulation>(geometric, Schedule{});
@@ -171,11 +168,15 @@ Fault CaseEngine::part() {
         if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), scene_.run.until);
         pause_ = false;
         const bool settling = s.needs_settling();
-        const Fault fault = s.integration_state().started ? s.proceed(scene_.run.until, *this, never_) : settling ? s.settle(*this, never_) : s.run(scene_.run.until, *this, never_);
+        const Fault fault = s.integration_state().started ? s.proceed(scene_.run.until, *this, never_)
+                            : settling                    ? s.settle(*this, never_)
+                                                          : s.run(scene_.run.until, *this, never_);
         if (settling) result_.settling = s.counters();
         if (fault.kind != FaultKind::cancelled || why_ == Pause::stop || why_ == Pause::none) return fault;
-        if (why_ == Pause::checkpoint) save();
-        else change_threads();
+        if (why_ == Pause::checkpoint)
+            save();
+        else
+            change_threads();
     }
 }
 
@@ -235,7 +236,8 @@ void CaseEngine::reduce(double time, const Workspace& workspace, const Counters&
             const Channel& channel = *scalar.terms[term].channel;
             const int width = channel.width(workspace.layout());
             if (values_.size() < static_cast<std::size_t>(width)) values_.resize(static_cast<std::size_t>(width));
-            if (scalar.terms[term].element >= width) throw SimulationError(fmt::format("{}: there are only {} numbers", scalar.text, width));
+            if (scalar.terms[term].element >= width)
+                throw SimulationError(fmt::format("{}: there are only {} numbers", scalar.text, width));
             channel.read(instant, values_.data());
             reducers_[i].add(scalar, term, time, {values_.data(), static_cast<std::size_t>(width)});
         }

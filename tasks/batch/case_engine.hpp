@@ -24,15 +24,15 @@ struct CaseResult {
     CaseStatus status = CaseStatus::ok;
     std::string error;
     std::string_view start;
-    std::vector<double> scalars;     ///< NaN unless ok
+    std::vector<double> scalars;  ///< NaN unless ok
     Counters counters, settling;
-    double wall = 0.0;               ///< settling and resumed parts included [s]
-    int threads = 1;                 ///< most that worked on it at once
-    std::uint64_t hash = 0;          ///< of the final state
-    double efficiency = 0.0;         ///< 1 - losses/input over whole pin periods since sweep.from
-    double residual = 0.0;           ///< of the energy balance over the losses, settling left out
-    double suspicion = 0.0;          ///< of settling and run: above 1 unreliable
-    std::string notes;               ///< names of what is odd, blank between them
+    double wall = 0.0;        ///< settling and resumed parts included [s]
+    int threads = 1;          ///< most that worked on it at once
+    std::uint64_t hash = 0;   ///< of the final state
+    double efficiency = 0.0;  ///< 1 - losses/input over whole pin periods since sweep.from
+    double residual = 0.0;    ///< of the energy balance over the losses, settling left out
+    double suspicion = 0.0;   ///< of settling and run: above 1 unreliable
+    std::string notes;        ///< names of what is odd, blank between them
 };
 
 /// What all workers share: when to stop, and how many threads a case may have.
@@ -61,7 +61,7 @@ private:
 /// Where a worker keeps what it must not lose, and how often.
 struct CasePlaces {
     std::filesystem::path checkpoints, records, continuation;
-    double checkpoint_every = 60.0;   ///< [s]
+    double checkpoint_every = 60.0;  ///< [s]
 };
 
 class CaseEngine final : public RunObserver {
@@ -108,25 +108,25 @@ private:
     Scene scene_;
     CaseResult result_;
     std::vector<Reducer> reducers_;
-    RunMeans means_;                                ///< since sweep.from
-    std::vector<double> values_;                    ///< of one channel
+    RunMeans means_;              ///< since sweep.from
+    std::vector<double> values_;  ///< of one channel
     std::unique_ptr<Simulation> serial_, parallel_;
     std::unique_ptr<model::Observer> serial_eye_, parallel_eye_;
     bool own_start_ = false;
-    bool resumable_ = false;                        ///< there were checkpoints when the sweep began
-    bool on_disk_ = false;                          ///< the case has one
-    Simulation* simulation_ = nullptr;              ///< the one at work
+    bool resumable_ = false;            ///< there were checkpoints when the sweep began
+    bool on_disk_ = false;              ///< the case has one
+    Simulation* simulation_ = nullptr;  ///< the one at work
     model::Observer* eye_ = nullptr;
     std::unique_ptr<RunRecorder> recorder_;
     RunOptions record_options_;
     engine::Cancellation never_;
     bool pause_ = false;
     Pause why_ = Pause::none;
-    double wall_before_ = 0.0;                      ///< in former sessions [s]
+    double wall_before_ = 0.0;  ///< in former sessions [s]
     std::chrono::steady_clock::time_point started_, last_save_, window_begin_;
     long window_steps_ = 0;
-    double serial_rate_ = 0.0;                      ///< steps per second by one thread; 0: not measured
-    int refused_threads_ = 0;                       ///< that were tried and were not worth it
+    double serial_rate_ = 0.0;  ///< steps per second by one thread; 0: not measured
+    int refused_threads_ = 0;   ///< that were tried and were not worth it
 };
 
 /// Cost of a step: evaluations x unknowns. Of a case: that of its steps, for sharing out.

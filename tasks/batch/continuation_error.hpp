@@ -1,6 +1,6 @@
 #pragma once
-/// What a warm start from a neighbouring case changes in the results: some cases, the last of their strands, run once more from the start that they
-/// would have had without it.
+/// What a warm start from a neighbouring case changes in the results: some cases, the last of their strands, run once more from the start
+/// that they would have had without it.
 
 #include <string>
 
@@ -19,7 +19,8 @@ public:
 
     /// @param again the case from its own start, with the status ok
     void add(OrderedRows& rows, const CaseResult& again);
-    /// "2 cases, at most: slip mean 1.2e-04 (0.8 %), ratio final 3e-07 (3e-05 %)", percentages of the value from the own start; empty without cases
+    /// "2 cases, at most: slip mean 1.2e-04 (0.8 %), ratio final 3e-07 (3e-05 %)", percentages of the value from the own start; empty
+    /// without cases
     [[nodiscard]] std::string text() const;
 
 private:

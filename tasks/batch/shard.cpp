@@ -44,7 +44,7 @@ std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard) {
     std::vector<std::size_t> order(costs.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return costs[a] > costs[b]; });
-    using Load = std::pair<double, int>;   // of equal loads the shard with the smaller number
+    using Load = std::pair<double, int>;  // of equal loads the shard with the smaller number
     std::priority_queue<Load, std::vector<Load>, std::greater<>> loads;
     for (int i = 1; i <= shard.of; ++i) loads.emplace(0.0, i);
     for (const std::size_t strand : order) {
@@ -66,13 +66,13 @@ struct Pace {
     long steps = 0;
 };
 
-/// Goes on from a case's start in growing batches for so many seconds, but not beyond the case's end: what lies there may break down where the case does not.
-/// A fault ends it as well; steps up to there have cost what steps cost.
+/// Goes on from a case's start in growing batches for so many seconds, but not beyond the case's end: what lies there may break down where
+/// the case does not. A fault ends it as well; steps up to there have cost what steps cost.
 void go(Simulation& simulation, double seconds, long most, Pace& pace) {
     SilentObserver silent;
     const engine::Cancellation go_on;
     using Clock = std::chrono::steady_clock;
-    long before = std::min(100L, most / 2);   // many tips first touch here
+    long before = std::min(100L, most / 2);  // many tips first touch here
     Fault fault = before > 0 ? simulation.run_steps(before, silent, go_on) : Fault{FaultKind::max_steps};
     for (long batch = 20; pace.wall < seconds && before < most && fault.kind == FaultKind::max_steps; batch *= 2) {
         const long wanted = std::min(batch, most - before);
@@ -89,15 +89,17 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
     try {
         const Simulation simulation(scene, Schedule{});
         if (simulation.needs_settling()) return;
-        const double stable = predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, frozen_start(simulation)).step;
+        const double stable =
+            predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, frozen_start(simulation)).step;
         result.stable_step = result.stable_step > 0.0 ? std::min(result.stable_step, stable) : stable;
         result.beyond = std::max(result.beyond, scene.run.step / stable);
     } catch (const std::exception&) {
-        return;   // measuring says that the case cannot begin
+        return;  // measuring says that the case cannot begin
     }
 }
 
-/// Wall time per unit of cost, from so many seconds of steps of one case, begun again where it is shorter. Zero if it cannot take a step, and why.
+/// Wall time per unit of cost, from so many seconds of steps of one case, begun again where it is shorter. Zero if it cannot take a step,
+/// and why.
 double measure(const Scene& scene, double seconds, std::string& untried) {
     try {
         const double time = scene.run.until + (scene.state_file.empty() ? scene.parameters.start.settling_time : 0.0);
@@ -127,8 +129,10 @@ BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
     double cost = 0.0;
     for (const long number : cases) {
         sweep.apply_case(number, scene);
-        if (violations(scene).empty()) cost += case_cost(sweep, scene);
-        else ++result.bad;
+        if (violations(scene).empty())
+            cost += case_cost(sweep, scene);
+        else
+            ++result.bad;
     }
     result.cases = static_cast<long>(cases.size());
     std::vector<double> rates;

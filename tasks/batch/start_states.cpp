@@ -12,7 +12,8 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr std::size_t most_kept = 32;
-constexpr std::string_view run_only[] = {"run.until", "run.state_interval", "run.followed_pin", "run.seed", "run.max_steps", "run.max_wall"};
+constexpr std::string_view run_only[] = {"run.until", "run.state_interval", "run.followed_pin",
+                                         "run.seed",  "run.max_steps",      "run.max_wall"};
 
 /// Sections that describe the machine; the others describe how it is operated.
 constexpr std::string_view machine[] = {"detail", "chain", "half", "plate", "joint", "tip", "pulley", "record"};
@@ -40,7 +41,9 @@ bool matters_for_placing(const Parameter& parameter) noexcept {
 }
 
 StartStates::StartStates(const Sweep& sweep, std::filesystem::path folder) : sweep_(sweep), folder_(std::move(folder)) {
-    shareable_ = sweep.start == StartMode::shared || (sweep.start == StartMode::settle && !std::all_of(sweep.axes.begin(), sweep.axes.end(), [this](const Axis& axis) { return matters(axis); }));
+    shareable_ = sweep.start == StartMode::shared ||
+                 (sweep.start == StartMode::settle &&
+                  !std::all_of(sweep.axes.begin(), sweep.axes.end(), [this](const Axis& axis) { return matters(axis); }));
 }
 
 /// Whether cases in different rows of an axis settle differently.
@@ -57,7 +60,8 @@ template <class Matters>
 long StartStates::first_alike(long number, const Matters& matters) const noexcept {
     long first = 0;
     for (std::size_t axis = 0; axis < sweep_.axes.size(); ++axis) {
-        first = first * static_cast<long>(sweep_.axes[axis].rows()) + (matters(sweep_.axes[axis]) ? static_cast<long>(sweep_.row(number, axis)) : 0);
+        first = first * static_cast<long>(sweep_.axes[axis].rows()) +
+                (matters(sweep_.axes[axis]) ? static_cast<long>(sweep_.row(number, axis)) : 0);
     }
     return first;
 }
@@ -113,7 +117,9 @@ Scene StartStates::settling_scene(const Scene& scene) const {
             if (std::find(std::begin(machine), std::end(machine), key->section()) == std::end(machine)) continue;
             Scene copy = scene;
             std::vector<Problem> none;
-            for (const AxisValue& value : axis_value(*key, std::get<Node::Table>(std::get<Node>(parse_toml("value = " + value_text(*key, copy))).value).front().node, none)) apply(*key, value, settling);
+            for (const AxisValue& value : axis_value(
+                     *key, std::get<Node::Table>(std::get<Node>(parse_toml("value = " + value_text(*key, copy))).value).front().node, none))
+                apply(*key, value, settling);
         }
     }
     return settling;
@@ -145,7 +151,8 @@ StartStates::State StartStates::settled(const Scene& scene, const engine::Cancel
         if (mine) once_.made(key);
         return from_file(file);
     }
-    const std::unique_ptr<const std::uint64_t, std::function<void(const std::uint64_t*)>> announced(&key, [&](const std::uint64_t*) { once_.made(key); });
+    const std::unique_ptr<const std::uint64_t, std::function<void(const std::uint64_t*)>> announced(
+        &key, [&](const std::uint64_t*) { once_.made(key); });
     Simulation simulation(scene, schedule_of(scene.run, scene.parameters.chain.pins));
     SilentObserver silent;
     if (simulation.needs_settling()) {

@@ -22,7 +22,8 @@ constexpr int interrupted = 130;
 /// The children of one sweep.
 class Children {
 public:
-    Children(engine::SharedSlots& journal, const std::function<int(const SweepPart&)>& work, const std::function<void(const std::string&)>& said)
+    Children(engine::SharedSlots& journal, const std::function<int(const SweepPart&)>& work,
+             const std::function<void(const std::string&)>& said)
         : journal_(journal), work_(work), said_(said) {}
 
     int run() {
@@ -35,7 +36,8 @@ public:
                 said_(fmt::format("the sweep's process was ended by {}, in none of its cases", signal));
                 return 1;
             }
-            said_(fmt::format("the sweep's process was ended by {}; what was running goes on alone: {} {}", signal, suspects.size() == 1 ? "case" : "cases", fmt::join(suspects, ", ")));
+            said_(fmt::format("the sweep's process was ended by {}; what was running goes on alone: {} {}", signal,
+                              suspects.size() == 1 ? "case" : "cases", fmt::join(suspects, ", ")));
             for (const long suspect : suspects) {
                 if (const int status = alone(suspect); status != 0) return status;
             }
@@ -70,7 +72,8 @@ private:
 
 }  // namespace
 
-int supervise(engine::SharedSlots& journal, const std::function<int(const SweepPart&)>& work, const std::function<void(const std::string&)>& said) {
+int supervise(engine::SharedSlots& journal, const std::function<int(const SweepPart&)>& work,
+              const std::function<void(const std::string&)>& said) {
     return Children(journal, work, said).run();
 }
 

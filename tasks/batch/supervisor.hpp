@@ -1,11 +1,12 @@
 #pragma once
-/// A sweep in a child process, so that a case that takes its process down (SIGSEGV, SIGFPE, abort, out of memory) costs one row and not the sweep.
+/// A sweep in a child process, so that a case that takes its process down (SIGSEGV, SIGFPE, abort, out of memory) costs one row and not the
+/// sweep.
 ///
 ///     parent   fork ─► wait ──────────────► dead by a signal: which cases were running? ─► fork …
 ///     child          └► cases side by side, each noted in the journal while it runs
 ///
-/// After a crash every case that was running goes on alone, in a child with one thread: one that brings this child down as well is booked as
-/// crashed, the others give their results, bit for bit those of an undisturbed sweep. Each crash settles at least one case, so it ends.
+/// After a crash every case that was running goes on alone, in a child with one thread: one that brings this child down as well is booked
+/// as crashed, the others give their results, bit for bit those of an undisturbed sweep. Each crash settles at least one case, so it ends.
 
 #include <functional>
 #include <string>
@@ -16,17 +17,20 @@ namespace cvtflow::tasks {
 
 /// What a child has to do.
 struct SweepPart {
-    long only = -1;        ///< this case alone; -1: all that are not done
-    std::string crashed;   ///< not to be run but to be booked as crashed, for this reason
-    int attempt = 0;       ///< children before this one
+    long only = -1;       ///< this case alone; -1: all that are not done
+    std::string crashed;  ///< not to be run but to be booked as crashed, for this reason
+    int attempt = 0;      ///< children before this one
 };
 
 /// Runs `work` in children until one has done all of the sweep.
 /// @param journal  in which the child notes the cases that are running; the slots are its workers
-/// @param work  runs in a child, to the end of that process; must not throw. @return its exit status; 0 from a part with a single case lets the sweep go on
+/// @param work  runs in a child, to the end of that process; must not throw. @return its exit status; 0 from a part with a single case lets
+/// the sweep go on
 /// @param said  called in the parent with a line about each crash
-/// @return exit status of the child that did the whole, or of one that ended by itself otherwise; 130 if a crash came after SIGINT or SIGTERM; 1 for a crash
+/// @return exit status of the child that did the whole, or of one that ended by itself otherwise; 130 if a crash came after SIGINT or
+/// SIGTERM; 1 for a crash
 ///         outside of any case
-[[nodiscard]] int supervise(engine::SharedSlots& journal, const std::function<int(const SweepPart&)>& work, const std::function<void(const std::string&)>& said);
+[[nodiscard]] int supervise(engine::SharedSlots& journal, const std::function<int(const SweepPart&)>& work,
+                            const std::function<void(const std::string&)>& said);
 
 }  // namespace cvtflow::tasks

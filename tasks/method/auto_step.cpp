@@ -34,7 +34,8 @@ constexpr double most_damping = 1e-4;
 }
 
 [[nodiscard]] MethodReach reach_of_table(const engine::StagePlan& plan) {
-    MethodReach reach{engine::stability_reach(plan, {-least_damping, std::sqrt(1.0 - least_damping * least_damping)}, 1e-6), engine::real_stability(plan), 0.0};
+    MethodReach reach{engine::stability_reach(plan, {-least_damping, std::sqrt(1.0 - least_damping * least_damping)}, 1e-6),
+                      engine::real_stability(plan), 0.0};
     reach.accurate = accurate_oscillation(plan, reach.oscillation);
     return reach;
 }
@@ -43,8 +44,10 @@ constexpr double most_damping = 1e-4;
     if (const MethodProgram* program = find_program(method)) {
         if (program->stability == nullptr) return {forever, forever, forever};
         const ProgramStability stability = program->stability();
-        if (stability.equation == TestEquation::oscillator) return {limit_with_any_friction(stability).oscillation, stability.longest_decay, forever};
-        return {reach(stability, 0.0, 0.0, -least_damping, std::sqrt(1.0 - least_damping * least_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0), forever};
+        if (stability.equation == TestEquation::oscillator)
+            return {limit_with_any_friction(stability).oscillation, stability.longest_decay, forever};
+        return {reach(stability, 0.0, 0.0, -least_damping, std::sqrt(1.0 - least_damping * least_damping)),
+                reach(stability, 0.0, 0.0, -1.0, 0.0), forever};
     }
     const auto plan = engine::make_method(method);
     return plan ? reach_of_table(*plan) : MethodReach{forever, forever, forever};

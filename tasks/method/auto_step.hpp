@@ -1,5 +1,6 @@
 #pragma once
-/// `run.step = "auto"`: the longest step within the method's stability at the present state, with a margin, and within the error that the default promises.
+/// `run.step = "auto"`: the longest step within the method's stability at the present state, with a margin, and within the error that the
+/// default promises.
 
 #include <memory>
 #include <span>
@@ -13,9 +14,9 @@ namespace cvtflow::tasks {
 
 /// How far a method is stable, by its own test equation.
 struct MethodReach {
-    double oscillation;   ///< largest h ω of an elastic oscillation, whatever the friction beside it
-    double decay;         ///< largest h |λ| of friction and damping
-    double accurate;      ///< largest h ω that it does not damp much more than the chain does itself
+    double oscillation;  ///< largest h ω of an elastic oscillation, whatever the friction beside it
+    double decay;        ///< largest h |λ| of friction and damping
+    double accurate;     ///< largest h ω that it does not damp much more than the chain does itself
 };
 
 /// Of any method of the catalogue; computed once per name. Infinite where linear stability sets no limit, or where the method
@@ -27,8 +28,8 @@ public:
     /// Share of the stable step that is taken. The spectrum is found from below, to some per cent, and moves between two looks; friction
     /// beside an oscillation is not the worst one. DECISIONS 75 has what was measured.
     static constexpr double margin = 0.85;
-    /// Time after which the spectrum is looked at again [s]; sooner in the beginning, when tips come to the sheaves and loads rise: whenever the time
-    /// since the beginning has doubled.
+    /// Time after which the spectrum is looked at again [s]; sooner in the beginning, when tips come to the sheaves and loads rise:
+    /// whenever the time since the beginning has doubled.
     static constexpr double look_interval = 1e-3;
 
     /// `variator` must outlive it. Takes all its memory here.
@@ -50,7 +51,7 @@ public:
 private:
     MethodReach reach_;
     SpectralBound bound_;
-    double looked_ = -1e300, begun_ = -1e300;   ///< when [s]
+    double looked_ = -1e300, begun_ = -1e300;  ///< when [s]
     double stable_ = 0.0;
     long evaluations_ = 0;
 };

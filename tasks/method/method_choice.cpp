@@ -22,12 +22,13 @@ const std::vector<MethodProgram>& method_programs() {
         std::vector<MethodProgram> programs{
             {"dumka3", "DUMKA3, polynomial and step by the spectrum", "Medovikov, BIT 38 (1998) 372-390", 3, 0, 3, 5, dumka3_by_spectrum,
              "none", nullptr, dumka3_step},
-            {"rkc", "Runge-Kutta-Chebyshev, stages by the spectrum", "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326", 2, 0, 4, 3,
-             rkc_by_spectrum, "none", nullptr, rkc_step},
+            {"rkc", "Runge-Kutta-Chebyshev, stages by the spectrum",
+             "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326", 2, 0, 4, 3, rkc_by_spectrum, "none", nullptr,
+             rkc_step},
             {"rock2", "ROCK2, stages by the spectrum", "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18", 2, 0, 5, 4, rock2_by_spectrum,
              "none", nullptr, rock2_step},
-            {"fitted", "polynomial fitted to the spectrum, again when it moves", "weights by Lawson's iteration", 3, 0, FittedMethod::most_stages + 1, 3,
-             fitted_by_spectrum, "none", nullptr, fitted_step},
+            {"fitted", "polynomial fitted to the spectrum, again when it moves", "weights by Lawson's iteration", 3, 0,
+             FittedMethod::most_stages + 1, 3, fitted_by_spectrum, "none", nullptr, fitted_step},
         };
         for (const auto& family : {friction_methods(), implicit_programs()}) programs.insert(programs.end(), family.begin(), family.end());
         return programs;
@@ -45,7 +46,9 @@ const MethodProgram* find_program(std::string_view name) {
 namespace {
 
 /// The estimate y - ŷ falls like the step to the lower order of both, plus one.
-int error_power_of(const engine::StagePlan& plan) { return plan.error ? std::min(engine::order_of(plan), engine::embedded_order_of(plan)) + 1 : 0; }
+int error_power_of(const engine::StagePlan& plan) {
+    return plan.error ? std::min(engine::order_of(plan), engine::embedded_order_of(plan)) + 1 : 0;
+}
 
 }  // namespace
 
@@ -61,7 +64,9 @@ std::optional<engine::StagePlan> plan_for(std::string_view method) {
     return plan;
 }
 
-bool may_be_method(std::string_view name) { return find_program(name) != nullptr || engine::family_of(name) != nullptr || engine::find_method(name) != nullptr; }
+bool may_be_method(std::string_view name) {
+    return find_program(name) != nullptr || engine::family_of(name) != nullptr || engine::find_method(name) != nullptr;
+}
 
 std::vector<std::string> method_names() {
     std::vector<std::string> names;

@@ -19,13 +19,13 @@ struct ProgramStability;
 /// A method that is a program: what `list methods` says of it, the slots it needs, and how it is made.
 struct MethodProgram {
     std::string name, description, source;
-    int order = 0;               ///< on smooth scenes
-    int evaluations = 0;         ///< of the right-hand side per step; 0: varies
-    int state_slots = 1;         ///< slot 0 included
-    int slope_slots = 1;         ///< slot 0 included
+    int order = 0;        ///< on smooth scenes
+    int evaluations = 0;  ///< of the right-hand side per step; 0: varies
+    int state_slots = 1;  ///< slot 0 included
+    int slope_slots = 1;  ///< slot 0 included
     /// @throws std::invalid_argument if the method cannot be used with the workspace's scene
     std::unique_ptr<StepMethod> (*make)(Workspace& workspace) = nullptr;
-    std::string solves = "none"; ///< systems solved in a step, in words
+    std::string solves = "none";  ///< systems solved in a step, in words
     /// On the test equation that it is made for (tasks/method/program_stability.hpp); nullptr: it chooses among tables of stages.
     ProgramStability (*stability)() = nullptr;
     /// What its step makes of small disturbances (tasks/method/stability/step_map.hpp).
@@ -37,9 +37,11 @@ struct MethodProgram {
 /// nullptr: there is none of that name.
 [[nodiscard]] const MethodProgram* find_program(std::string_view name);
 
-/// Table whose slots a workspace for this method needs: the method's own, or one that holds a program's slots. nullopt: no method of that name.
+/// Table whose slots a workspace for this method needs: the method's own, or one that holds a program's slots. nullopt: no method of that
+/// name.
 [[nodiscard]] std::optional<engine::StagePlan> plan_for(std::string_view method);
-/// Whether there is a method or a family of that name. Whether a family has the member is known when it is made, which may take a tenth of a second.
+/// Whether there is a method or a family of that name. Whether a family has the member is known when it is made, which may take a tenth of
+/// a second.
 [[nodiscard]] bool may_be_method(std::string_view name);
 /// Names of all methods of both kinds, tables first.
 [[nodiscard]] std::vector<std::string> method_names();
@@ -47,7 +49,8 @@ struct MethodProgram {
 [[nodiscard]] std::string no_method(std::string_view method);
 /// Evaluations of the right-hand side in one step without transitions, the first step excepted; 0: no such method, or it varies.
 [[nodiscard]] int evaluations_per_step(std::string_view method);
-/// The method at work on a workspace made with plan_for(method). @throws std::invalid_argument for unknown names, and as MethodProgram::make
+/// The method at work on a workspace made with plan_for(method). @throws std::invalid_argument for unknown names, and as
+/// MethodProgram::make
 [[nodiscard]] std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace);
 
 }  // namespace cvtflow::tasks

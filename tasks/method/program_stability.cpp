@@ -8,7 +8,7 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr double finest = 0.01, finer = 1.01;
-constexpr double least_decay = 1e-2, decay_ratio = 1.15;   ///< grid of decays
+constexpr double least_decay = 1e-2, decay_ratio = 1.15;  ///< grid of decays
 
 /// Calls `look` with decays from least_decay to the longest one.
 template <class Look>

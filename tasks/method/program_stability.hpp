@@ -6,15 +6,15 @@
 namespace cvtflow::tasks {
 
 enum class TestEquation {
-    oscillator,   ///< q' = v, v' = -ω² q - c v, elasticity explicit and friction c inside the step; x = h ω, y = h c
-    linear,       ///< u' = λ u with its exact Jacobian; x = Re h λ, y = Im h λ
+    oscillator,  ///< q' = v, v' = -ω² q - c v, elasticity explicit and friction c inside the step; x = h ω, y = h c
+    linear,      ///< u' = λ u with its exact Jacobian; x = Re h λ, y = Im h λ
 };
 
 /// What a step makes of a quantity that decays with h c or -h λ.
 struct StageFigures {
-    double growth = 0.0;   ///< largest value in a stage, for 1 at the start
-    double gain = 0.0;     ///< largest value at the end, for an error of 1 in one stage: what a kink of the law leaves
-    double left = 0.0;     ///< value at the end, for 1 at the start
+    double growth = 0.0;  ///< largest value in a stage, for 1 at the start
+    double gain = 0.0;    ///< largest value at the end, for an error of 1 in one stage: what a kink of the law leaves
+    double left = 0.0;    ///< value at the end, for 1 at the start
 };
 
 /// Largest h ω with which an oscillator is stable whatever its friction, and the friction that allows no more.
@@ -29,8 +29,8 @@ struct ProgramStability {
     /// @param decay h c or -h λ, > 0, where the method steps
     std::function<StageFigures(double decay)> stages;
     double longest_decay;  ///< up to which the method steps; infinite if it always does
-    /// Limit of an oscillator with any friction up to `stiffest` beside another with just that much, which decides how many stages a step takes.
-    /// Empty where the friction of others makes no difference.
+    /// Limit of an oscillator with any friction up to `stiffest` beside another with just that much, which decides how many stages a step
+    /// takes. Empty where the friction of others makes no difference.
     std::function<FrictionLimit(double stiffest)> beside = {};
 
     /// Up to rounding: growth by less than 1e-6 a step.
@@ -40,7 +40,8 @@ struct ProgramStability {
 /// Reaches beyond this count as infinite.
 inline constexpr double far_away = 1e6;
 
-/// Largest r ≤ far_away such that the step is stable from (x, y) to (x, y) + r (along_x, along_y): scan in steps of 0.01, then of 1 %, and bisection.
+/// Largest r ≤ far_away such that the step is stable from (x, y) to (x, y) + r (along_x, along_y): scan in steps of 0.01, then of 1 %, and
+/// bisection.
 [[nodiscard]] double reach(const ProgramStability& method, double x, double y, double along_x, double along_y);
 
 /// Of a method for the oscillator.

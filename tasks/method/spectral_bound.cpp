@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr int cold_iterations = 150, warm_iterations = 15;
-constexpr double converged = 3e-4;   ///< relative change of the estimate
+constexpr double converged = 3e-4;  ///< relative change of the estimate
 
 /// A direction with something of every mode; the same everywhere.
 double seed(int index) { return model::portable_sin(1.0 + 2.399963 * index) + 0.3 * ((index % 2 == 0) ? 1.0 : -1.0); }
@@ -80,7 +80,8 @@ int SpectralBound::estimate_at_rest(double t, const double* state, const model::
     begin();
     std::copy_n(state, rest_.size(), rest_.begin());
     for_each_unknown([&](int, int v) { rest_[static_cast<std::size_t>(v)] = 0.0; });
-    std::transform(phases, phases + rest_phases_.size(), rest_phases_.begin(), [](model::Phase phase) { return phase == model::Phase::slip ? model::Phase::stick : phase; });
+    std::transform(phases, phases + rest_phases_.size(), rest_phases_.begin(),
+                   [](model::Phase phase) { return phase == model::Phase::slip ? model::Phase::stick : phase; });
     model::right_hand_side(variator_, t, rest_.data(), rest_phases_.data(), base_.data(), scratch_);
     int evaluations = 2 + iterate(velocity_, true, t, rest_.data(), rest_phases_.data());
     model::right_hand_side(variator_, t, state, phases, base_.data(), scratch_);

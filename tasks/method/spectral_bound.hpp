@@ -1,7 +1,7 @@
 #pragma once
-/// How far the eigenvalues of the equations of motion reach at a state: the friction of contacts along the real axis, the elasticity along the
-/// imaginary one. Found by power iteration on differences of the right-hand side, with perturbations so small that no contact opens, closes
-/// or begins to slide for them: at most a nanometre per second, or ten picometres.
+/// How far the eigenvalues of the equations of motion reach at a state: the friction of contacts along the real axis, the elasticity along
+/// the imaginary one. Found by power iteration on differences of the right-hand side, with perturbations so small that no contact opens,
+/// closes or begins to slide for them: at most a nanometre per second, or ten picometres.
 
 #include <span>
 #include <vector>
@@ -18,11 +18,12 @@ public:
     /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
     /// @return evaluations of the right-hand side that it took
     int estimate(double t, const double* state, const model::Phase* phases) noexcept;
-    /// The same with real() of the state brought to rest: no contact slides, so each is as stiff as its load lets it be. Which of them slide changes from
-    /// one microsecond to the next; at rest they are a bound for as long as loads stay.
+    /// The same with real() of the state brought to rest: no contact slides, so each is as stiff as its load lets it be. Which of them
+    /// slide changes from one microsecond to the next; at rest they are a bound for as long as loads stay.
     int estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept;
 
-    /// Largest |λ| of the accelerations by velocities: all friction and damping [1/s]. From below, as power iterations are, by some per cent.
+    /// Largest |λ| of the accelerations by velocities: all friction and damping [1/s]. From below, as power iterations are, by some per
+    /// cent.
     [[nodiscard]] double real() const noexcept { return velocity_.value; }
     /// Largest frequency of the accelerations by coordinates, friction aside [rad/s].
     [[nodiscard]] double imaginary() const noexcept;
@@ -39,9 +40,9 @@ public:
 private:
     /// Direction and growth of one power iteration.
     struct Iteration {
-        std::vector<double> direction;   ///< [layout.size()], only in velocities or only in coordinates
+        std::vector<double> direction;  ///< [layout.size()], only in velocities or only in coordinates
         double value = 0.0;
-        double size = 0.0;               ///< of the perturbation, largest entry
+        double size = 0.0;  ///< of the perturbation, largest entry
     };
 
     void begin() noexcept;
@@ -52,7 +53,7 @@ private:
     const model::Variator& variator_;
     Iteration velocity_, coordinate_;
     std::vector<double> base_, moved_, slope_, rest_;
-    std::vector<model::Phase> rest_phases_;   ///< none of them slips
+    std::vector<model::Phase> rest_phases_;  ///< none of them slips
     model::EvaluationScratch scratch_;
     bool cold_ = true;
 };

@@ -18,8 +18,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double look_interval = 1e-4;   // s
-constexpr double most_real = 600.0, most_imaginary = 6.0;   ///< what a free step may ask of a fit
+constexpr double look_interval = 1e-4;                     // s
+constexpr double most_real = 600.0, most_imaginary = 6.0;  ///< what a free step may ask of a fit
 constexpr int review_steps = 50;
 constexpr double far_below = 0.7;
 
@@ -96,10 +96,11 @@ std::optional<engine::StagePlan> fitted_plan(double real, double imaginary) {
 void FittedMethod::refit(double real, double imaginary) {
     const auto fitted = fitted_plan(real, imaginary);
     if (!fitted)
-        throw std::runtime_error(fmt::format("run.step: no fitted polynomial of up to {} stages is stable for a step whose spectrum reaches -{:.3g} and {:.3g}i",
-                                             most_stages, std::max(real, engine::least_fitted_real), imaginary));
+        throw std::runtime_error(
+            fmt::format("run.step: no fitted polynomial of up to {} stages is stable for a step whose spectrum reaches -{:.3g} and {:.3g}i",
+                        most_stages, std::max(real, engine::least_fitted_real), imaginary));
     std::vector<engine::CompiledPlan> next{engine::CompiledPlan(*fitted)};
-    use(next.front());   // brings the last slope along while the former plan is still there
+    use(next.front());  // brings the last slope along while the former plan is still there
     plan_ = std::move(next);
     fitted_real_ = real;
     fitted_imaginary_ = imaginary;
@@ -113,14 +114,15 @@ void FittedMethod::choose(double h) {
     if (wanted > fitted_real_ || wide > fitted_imaginary_) return refit(fit_headroom * wanted, fit_headroom * wide);
     wanted_lately_ = std::max(wanted_lately_, wanted);
     if (++steps_since_review_ < review_steps) return;
-    if (wanted_lately_ < far_below * fitted_real_) return refit(fit_headroom * wanted_lately_, fit_headroom * wanted_lately_ * imaginary() / real());
+    if (wanted_lately_ < far_below * fitted_real_)
+        return refit(fit_headroom * wanted_lately_, fit_headroom * wanted_lately_ * imaginary() / real());
     steps_since_review_ = 0;
     wanted_lately_ = 0.0;
 }
 
 void FittedMethod::restart() noexcept {
     SpectralMethod::restart();
-    fitted_real_ = fitted_imaginary_ = wanted_lately_ = 0.0;   // the next step asks for more: a new fit
+    fitted_real_ = fitted_imaginary_ = wanted_lately_ = 0.0;  // the next step asks for more: a new fit
     steps_since_review_ = 0;
 }
 
@@ -132,7 +134,7 @@ void FittedMethod::save(std::vector<double>& memory) const {
 void FittedMethod::load(std::span<const double> memory) {
     if (memory.empty()) return;
     const auto fit = taken(memory, 3);
-    if (fit[0] > 0.0) refit(fit[0], fit[1]);   // the same polynomial again
+    if (fit[0] > 0.0) refit(fit[0], fit[1]);  // the same polynomial again
     wanted_lately_ = fit[2];
     steps_since_review_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
     SpectralMethod::load(memory);
@@ -169,7 +171,9 @@ Ladder dumka3_ladder() {
 Ladder rkc_ladder() { return ladder("rkc", 0.65); }
 Ladder rock2_ladder() { return ladder("rock2", 0.77); }
 
-std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 3, dumka3_ladder()); }
+std::unique_ptr<StepMethod> dumka3_by_spectrum(Workspace& workspace) {
+    return std::make_unique<LadderMethod>(workspace, 3, dumka3_ladder());
+}
 std::unique_ptr<StepMethod> rkc_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 3, rkc_ladder()); }
 std::unique_ptr<StepMethod> rock2_by_spectrum(Workspace& workspace) { return std::make_unique<LadderMethod>(workspace, 2, rock2_ladder()); }
 

@@ -22,7 +22,7 @@ public:
     [[nodiscard]] double longest_step(double wanted) final;
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;
-    [[nodiscard]] long observation_stride() const noexcept final { return 8; }   // of a dozen evaluations and more each
+    [[nodiscard]] long observation_stride() const noexcept final { return 8; }  // of a dozen evaluations and more each
 
 protected:
     SpectralMethod(Workspace& workspace, int error_power) : StageMethod(workspace, error_power), bound_(workspace.variator) {}
@@ -40,14 +40,14 @@ private:
     static constexpr std::size_t own_memory = 1;
 
     SpectralBound bound_;
-    double looked_ = -1e300;   ///< when [s]
+    double looked_ = -1e300;  ///< when [s]
 };
 
 /// A plan of a ladder and how far it is stable.
 struct Rung {
     engine::CompiledPlan plan;
-    double real;        ///< along the negative real axis
-    double imaginary;   ///< along the ray of damping ratio 1 %
+    double real;       ///< along the negative real axis
+    double imaginary;  ///< along the ray of damping ratio 1 %
 };
 
 /// Ascending.
@@ -63,9 +63,9 @@ using Ladder = std::vector<Rung>;
 /// By which a first fit asks for more than the step needs, to last.
 inline constexpr double fit_headroom = 1.1;
 
-/// The lowest rung that is stable on the real axis; where steps are free, also the rule of DUMKA3: one rung lower with a shorter step if that is
-/// cheaper per time. A free step is also kept within the imaginary reach, which the published rule does not look at.
-/// Source of the rule: A. A. Medovikov's program; High order explicit methods for parabolic equations, BIT 38 (1998) 372-390.
+/// The lowest rung that is stable on the real axis; where steps are free, also the rule of DUMKA3: one rung lower with a shorter step if
+/// that is cheaper per time. A free step is also kept within the imaginary reach, which the published rule does not look at. Source of the
+/// rule: A. A. Medovikov's program; High order explicit methods for parabolic equations, BIT 38 (1998) 372-390.
 class LadderMethod final : public SpectralMethod {
 public:
     LadderMethod(Workspace& workspace, int error_power, Ladder rungs) : SpectralMethod(workspace, error_power), rungs_(std::move(rungs)) {}
@@ -99,9 +99,9 @@ protected:
 private:
     void refit(double real, double imaginary);
 
-    std::vector<engine::CompiledPlan> plan_;   ///< one, or none yet
+    std::vector<engine::CompiledPlan> plan_;  ///< one, or none yet
     double fitted_real_ = 0.0, fitted_imaginary_ = 0.0;
-    double wanted_lately_ = 0.0;   ///< largest real extent asked for since the last review
+    double wanted_lately_ = 0.0;  ///< largest real extent asked for since the last review
     int steps_since_review_ = 0;
     int fits_ = 0;
 };

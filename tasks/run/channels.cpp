@@ -10,7 +10,8 @@ namespace {
 using model::ChainLayout;
 using model::Observation;
 
-constexpr std::string_view losses[] = {"inner", "plate_damping", "plate_friction", "joint_damping", "joint_friction", "tip_damping", "tip_friction", "supports", "cylinder"};
+constexpr std::string_view losses[] = {"inner",       "plate_damping", "plate_friction", "joint_damping", "joint_friction",
+                                       "tip_damping", "tip_friction",  "supports",       "cylinder"};
 constexpr std::string_view works[] = {"drive", "load", "clamping"};
 constexpr std::string_view energies[] = {"kinetic", "inner", "pack", "plates", "joints", "tips", "supports"};
 
@@ -19,22 +20,34 @@ int per_link(const ChainLayout& at) { return at.links; }
 int per_tip(const ChainLayout& at) { return model::tips_per_link * at.links; }
 
 template <auto Member>
-void scalar(const Instant& now, double* out) { *out = now.observation.*Member; }
+void scalar(const Instant& now, double* out) {
+    *out = now.observation.*Member;
+}
 template <auto Member, std::size_t Index>
-void element(const Instant& now, double* out) { *out = (now.observation.*Member)[Index]; }
+void element(const Instant& now, double* out) {
+    *out = (now.observation.*Member)[Index];
+}
 template <auto Member>
 void list(const Instant& now, double* out) {
     const auto& values = now.observation.*Member;
     std::copy(values.begin(), values.end(), out);
 }
 template <auto Member>
-void count(const Instant& now, double* out) { *out = static_cast<double>(now.counters.*Member); }
+void count(const Instant& now, double* out) {
+    *out = static_cast<double>(now.counters.*Member);
+}
 template <std::size_t Kind>
-void loss(const Instant& now, double* out) { *out = now.observation.account.loss[Kind]; }
+void loss(const Instant& now, double* out) {
+    *out = now.observation.account.loss[Kind];
+}
 template <std::size_t Kind>
-void energy(const Instant& now, double* out) { *out = now.observation.account.energy[Kind]; }
+void energy(const Instant& now, double* out) {
+    *out = now.observation.account.energy[Kind];
+}
 template <std::size_t Kind>
-void work(const Instant& now, double* out) { *out = now.observation.work[Kind]; }
+void work(const Instant& now, double* out) {
+    *out = now.observation.work[Kind];
+}
 
 /// Sums of works and losses up to the instant.
 [[nodiscard]] EnergySums sums(const Instant& now) { return now.workspace.energy.sums(now.observation.time); }
@@ -55,10 +68,14 @@ void chain_torque(const Instant& now, double* out) {
     if (!std::isfinite(*out)) *out = now.observation.chain_torque[Shaft];
 }
 template <std::size_t Kind>
-void dissipated(const Instant& now, double* out) { *out = sums(now).loss[Kind]; }
+void dissipated(const Instant& now, double* out) {
+    *out = sums(now).loss[Kind];
+}
 void dissipated_total(const Instant& now, double* out) { *out = sums(now).lost(); }
 template <std::size_t Kind>
-void done(const Instant& now, double* out) { *out = sums(now).work[Kind]; }
+void done(const Instant& now, double* out) {
+    *out = sums(now).work[Kind];
+}
 void residual(const Instant& now, double* out) { *out = now.workspace.energy.balance().relative(); }
 void suspicion(const Instant& now, double* out) { *out = now.workspace.energy.suspicion(); }
 void control_limited(const Instant& now, double* out) { *out = now.observation.control_limited ? 1.0 : 0.0; }
@@ -72,7 +89,9 @@ void followed_axial(const Instant& now, double* out) {
     const int links = now.workspace.layout().links;
     const int before = (now.followed_pin + links - 1) % links;
     const auto& tips = now.observation.tip_axial;
-    const auto force = [&](int link, int end, int side) { return tips[static_cast<std::size_t>(model::tips_per_link * link + 2 * end + side)]; };
+    const auto force = [&](int link, int end, int side) {
+        return tips[static_cast<std::size_t>(model::tips_per_link * link + 2 * end + side)];
+    };
     for (int side = 0; side < 2; ++side) out[side] = force(now.followed_pin, 0, side) + force(before, 1, side);
 }
 void followed_position(const Instant& now, double* out) {
@@ -96,8 +115,10 @@ constexpr Channel table[] = {
     {"shaft_2/angle", "rad", "angle of the driven shaft", "", one, element<&O::angle, 1>},
     {"shaft_1/torque", "N*m", "torque of the drive on the driving shaft", "", one, element<&O::torque, 0>},
     {"shaft_2/torque", "N*m", "torque of the load on the driven shaft (negative brakes)", "", one, element<&O::torque, 1>},
-    {"shaft_1/chain_torque", "N*m", "torque of the chain on the driving sheaves, mean since the last output (their change of momentum)", "", one, chain_torque<0>},
-    {"shaft_2/chain_torque", "N*m", "torque of the chain on the driven sheaves, mean since the last output (their change of momentum)", "", one, chain_torque<1>},
+    {"shaft_1/chain_torque", "N*m", "torque of the chain on the driving sheaves, mean since the last output (their change of momentum)", "",
+     one, chain_torque<0>},
+    {"shaft_2/chain_torque", "N*m", "torque of the chain on the driven sheaves, mean since the last output (their change of momentum)", "",
+     one, chain_torque<1>},
     {"shaft_1/clamping", "N", "clamping force S_1 of the driving sheaves", "", one, element<&O::clamping, 0>},
     {"shaft_2/clamping", "N", "clamping force S_2 of the driven sheaves", "", one, element<&O::clamping, 1>},
     {"shaft_1/radius", "m", "mean running radius of the pins between the driving sheaves", "", one, element<&O::radius, 0>},
@@ -108,14 +129,19 @@ constexpr Channel table[] = {
     {"shaft_2/sheave_position", "m", "axial position of the movable driven sheave on its shaft", "", one, element<&O::sheave_position, 1>},
     {"sheaves/axial_force", "N", "axial force of all tips on sheaves 1-, 1+, 2-, 2+", "sheave", four, list<&O::axial_force>},
     {"ratio", "1", "speed ratio: driving over driven", "", one, scalar<&O::ratio>},
-    {"slip", "1", "creep of the contacts on both pulleys: 1 - (pins/shaft on the driving side) (shaft/pins on the driven side), angular speeds", "", one, scalar<&O::slip>},
-    {"efficiency", "1", "1 - losses/input over the last whole pin period (input: works of those inputs that brought energy)", "", one, efficiency},
+    {"slip", "1",
+     "creep of the contacts on both pulleys: 1 - (pins/shaft on the driving side) (shaft/pins on the driven side), angular speeds", "", one,
+     scalar<&O::slip>},
+    {"efficiency", "1", "1 - losses/input over the last whole pin period (input: works of those inputs that brought energy)", "", one,
+     efficiency},
     {"thrust_ratio", "1", "S_1/S_2", "", one, thrust_ratio},
     {"chain_speed", "m/s", "mean speed of the pins along the chain", "", one, scalar<&O::chain_speed>, false},
-    {"tight_tension", "N", "mean plate tension of the strand that the driving sheaves pull (ring: of all links)", "", one, scalar<&O::tight>, false},
+    {"tight_tension", "N", "mean plate tension of the strand that the driving sheaves pull (ring: of all links)", "", one,
+     scalar<&O::tight>, false},
     {"slack_tension", "N", "mean plate tension of the other strand (ring: of all links)", "", one, scalar<&O::slack>, false},
     {"links/tension", "N", "elastic tension of the plates of every link", "link", per_link, list<&O::tension>, false},
-    {"tips/axial_force", "N", "axial force of every tip on its sheave; tip = 4 link + 2 (front half) + (side +z)", "tip", per_tip, list<&O::tip_axial>},
+    {"tips/axial_force", "N", "axial force of every tip on its sheave; tip = 4 link + 2 (front half) + (side +z)", "tip", per_tip,
+     list<&O::tip_axial>},
     {"tips/touching", "1", "number of tips that touch a sheave", "", one, touching},
     {"tips/deepest", "m", "largest penetration of a tip", "", one, scalar<&O::deepest>},
     {"followed_pin/axial_force", "N", "axial force of the followed pin on sheaves at -z and +z", "side", two, followed_axial},
@@ -155,7 +181,8 @@ constexpr Channel table[] = {
     {"work/clamping", "J", "work of the clamping forces so far", "", one, done<2>},
     {"control/limited", "1", "1 while ratio control asks for more than its authority", "", one, control_limited},
     {"balance/residual", "1", "|change of stored energy - work + losses| over the losses so far", "", one, residual, false},
-    {"balance/suspicion", "1", "residual over what an honest integration may leave; above 1 the results are unreliable", "", one, suspicion, false},
+    {"balance/suspicion", "1", "residual over what an honest integration may leave; above 1 the results are unreliable", "", one, suspicion,
+     false},
     {"run/steps", "1", "steps so far", "", one, count<&Counters::steps>, false},
     {"run/evaluations", "1", "evaluations of the right-hand side so far", "", one, count<&Counters::evaluations>, false},
     {"run/transitions", "1", "transitions of phase so far", "", one, count<&Counters::detected>, false},

@@ -18,10 +18,10 @@ struct Instant {
 };
 
 struct Channel {
-    std::string_view name;     ///< as in the record; '/' groups
+    std::string_view name;  ///< as in the record; '/' groups
     std::string_view unit;
     std::string_view description;
-    std::string_view axis;     ///< label of the second dimension, empty for a plain channel
+    std::string_view axis;  ///< label of the second dimension, empty for a plain channel
     int (*width)(const model::ChainLayout&);
     void (*read)(const Instant&, double* values);
     bool needs_pulleys = true;

@@ -19,8 +19,9 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::string_view changeable[] = {"scene.name",    "scene.description", "start.state",   "run.until",    "run.max_steps", "run.max_wall",
-                                           "run.schedule", "run.assembly",      "run.partition", "run.segments", "run.threads"};
+constexpr std::string_view changeable[] = {"scene.name",    "scene.description", "start.state",  "run.until",
+                                           "run.max_steps", "run.max_wall",      "run.schedule", "run.assembly",
+                                           "run.partition", "run.segments",      "run.threads"};
 
 std::string program_text() {
     const engine::Provenance here = engine::current_provenance();
@@ -58,15 +59,19 @@ using Numbers = std::vector<double>;
 
 Numbers packed(const IntegrationState& s) {
     const Counters& c = s.counters;
-    Numbers numbers{static_cast<double>(s.started), static_cast<double>(s.settling), s.time, s.begin, s.output_interval, s.step, s.next_step};
-    for (const long count : {s.grid_number, s.outputs, c.steps, c.evaluations, c.detected, c.truncated, c.suppressed, c.rejected, s.grid_steps}) numbers.push_back(static_cast<double>(count));
+    Numbers numbers{
+        static_cast<double>(s.started), static_cast<double>(s.settling), s.time, s.begin, s.output_interval, s.step, s.next_step};
+    for (const long count :
+         {s.grid_number, s.outputs, c.steps, c.evaluations, c.detected, c.truncated, c.suppressed, c.rejected, s.grid_steps})
+        numbers.push_back(static_cast<double>(count));
     numbers.insert(numbers.end(), {s.settling_suspicion, s.settling_residual});
     return numbers;
 }
 
 /// A count; its sign and size are looked at before, since converting any other number is undefined.
 long whole(double value) {
-    if (!(value >= 0.0 && value <= 9007199254740992.0) || value != std::floor(value)) throw std::domain_error("it holds a count that is none");
+    if (!(value >= 0.0 && value <= 9007199254740992.0) || value != std::floor(value))
+        throw std::domain_error("it holds a count that is none");
     return static_cast<long>(value);
 }
 
@@ -119,7 +124,8 @@ const Numbers& array(const engine::SavedState& saved, const std::string& path, s
 /// Of what gives a checkpoint's numbers their meaning.
 [[nodiscard]] std::string fingerprint_of(const Checkpoint& c) {
     engine::Hash hash;
-    for (const std::string* text : {&c.scene, &c.method_hash, &c.slope_hash}) hash.add(static_cast<std::uint64_t>(text->size())).add(std::string_view(*text));
+    for (const std::string* text : {&c.scene, &c.method_hash, &c.slope_hash})
+        hash.add(static_cast<std::uint64_t>(text->size())).add(std::string_view(*text));
     return hash.hex();
 }
 
@@ -154,11 +160,12 @@ void write_checkpoint(const std::string& path, const Checkpoint& c) {
     saved.state = c.integration.state;
     for (const model::Phase phase : c.integration.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     saved.fingerprint = fingerprint_of(c);
-    saved.attributes = {{"scene", c.scene},     {"scene_name", c.name},       {"scene_path", c.path},           {"scene_text", c.text},
-                        {"record", c.record},   {"program", c.program},       {"method_hash", c.method_hash},   {"slope_hash", c.slope_hash}};
-    saved.more = {{"integration", packed(c.integration)}, {"changed", c.integration.changed}, {"before", packed(c.integration.before)},
-                  {"method", c.integration.method},       {"energy", c.integration.energy},   {"step_choice", c.integration.step_choice},
-                  {"history", packed(c.history)},     {"recorder", c.recorder}};
+    saved.attributes = {{"scene", c.scene},   {"scene_name", c.name}, {"scene_path", c.path},         {"scene_text", c.text},
+                        {"record", c.record}, {"program", c.program}, {"method_hash", c.method_hash}, {"slope_hash", c.slope_hash}};
+    saved.more = {{"integration", packed(c.integration)},   {"changed", c.integration.changed},
+                  {"before", packed(c.integration.before)}, {"method", c.integration.method},
+                  {"energy", c.integration.energy},         {"step_choice", c.integration.step_choice},
+                  {"history", packed(c.history)},           {"recorder", c.recorder}};
     engine::write_state(path, saved);
 }
 
@@ -206,7 +213,9 @@ Scene scene_of(const Checkpoint& checkpoint) {
     return scene;
 }
 
-bool may_change(std::string_view key) noexcept { return std::find(std::begin(changeable), std::end(changeable), key) != std::end(changeable); }
+bool may_change(std::string_view key) noexcept {
+    return std::find(std::begin(changeable), std::end(changeable), key) != std::end(changeable);
+}
 
 void require_same(const std::string& path, const Checkpoint& checkpoint, const Scene& scene, const model::Variator& variator) {
     const Scene then = scene_of(checkpoint);

@@ -1,8 +1,9 @@
 #pragma once
-/// A run on disk, complete enough to go on bit for bit: integration, position of its record, and what guards against continuing another run.
+/// A run on disk, complete enough to go on bit for bit: integration, position of its record, and what guards against continuing another
+/// run.
 ///
-/// The file is a state file (engine/record/run/state_file.hpp): `cvtflow info` reads it, and start.state takes it. It is replaced at once: until
-/// the new one is on disk, the former one is there.
+/// The file is a state file (engine/record/run/state_file.hpp): `cvtflow info` reads it, and start.state takes it. It is replaced at once:
+/// until the new one is on disk, the former one is there.
 
 #include <string>
 #include <vector>
@@ -14,25 +15,25 @@ namespace cvtflow::tasks {
 
 /// What a run reports of itself beside its integration.
 struct RunHistory {
-    bool settled = false;                     ///< whether it began with settling
+    bool settled = false;  ///< whether it began with settling
     Counters settling;
-    double begin = 0.0;                       ///< simulated time after settling [s]
-    double wall = 0.0, settling_wall = 0.0;   ///< so far [s]
+    double begin = 0.0;                      ///< simulated time after settling [s]
+    double wall = 0.0, settling_wall = 0.0;  ///< so far [s]
     bool operator==(const RunHistory&) const = default;
 };
 
 struct Checkpoint {
-    std::string scene;              ///< as write_scene
-    std::string name;               ///< of the scene
-    std::string path;               ///< of the scene's file, as given
-    std::string text;               ///< of the scene's file
-    std::string record;             ///< absolute path of the run's record; empty: none
-    std::string program;            ///< version, commit and compiler that wrote it
-    std::string method_hash;        ///< of the method's coefficients
-    std::string slope_hash;         ///< of the right-hand side at the state: another model, or the same one rounded differently, gives another
+    std::string scene;        ///< as write_scene
+    std::string name;         ///< of the scene
+    std::string path;         ///< of the scene's file, as given
+    std::string text;         ///< of the scene's file
+    std::string record;       ///< absolute path of the run's record; empty: none
+    std::string program;      ///< version, commit and compiler that wrote it
+    std::string method_hash;  ///< of the method's coefficients
+    std::string slope_hash;   ///< of the right-hand side at the state: another model, or the same one rounded differently, gives another
     IntegrationState integration;
     RunHistory history;
-    std::vector<double> recorder;   ///< RunRecorder::position()
+    std::vector<double> recorder;  ///< RunRecorder::position()
 };
 
 /// The guards for a simulation of this scene that stands where `state` says.
@@ -48,7 +49,8 @@ void remove_checkpoint(const std::string& path);
 /// The scene of a checkpoint, for resuming it; start.state is ignored. @throws SceneError if this program cannot read it
 [[nodiscard]] Scene scene_of(const Checkpoint& checkpoint);
 
-/// Whether a key may change between checkpoint and continuation, since no number before the end depends on it: run.until, budgets, threads …
+/// Whether a key may change between checkpoint and continuation, since no number before the end depends on it: run.until, budgets, threads
+/// …
 [[nodiscard]] bool may_change(std::string_view key) noexcept;
 
 /// Refuses to continue a run of another scene, method or model.

@@ -3,7 +3,9 @@
 namespace cvtflow::tasks {
 
 PlainSlope::PlainSlope(const model::Variator& variator, const model::PhaseRule& rule)
-    : variator_(variator), rule_(rule), scratch_(variator.layout()),
+    : variator_(variator),
+      rule_(rule),
+      scratch_(variator.layout()),
       phases_(static_cast<std::size_t>(model::tips_per_link * variator.layout().links), model::Phase::free) {}
 
 void PlainSlope::operator()(double t, const double* x, double* out) noexcept {
@@ -14,7 +16,8 @@ void PlainSlope::operator()(double t, const double* x, double* out) noexcept {
             model::TipProbe probe;
             variator_.chain().probe(x + at.link_begin(link), scratch_.sheaves, true, probe);
             for (int tip = 0; tip < model::tips_per_link; ++tip) {
-                phases_[static_cast<std::size_t>(model::tips_per_link * link + tip)] = rule_.next(model::Phase::free, {probe.depth[tip], probe.slip[tip]});
+                phases_[static_cast<std::size_t>(model::tips_per_link * link + tip)] =
+                    rule_.next(model::Phase::free, {probe.depth[tip], probe.slip[tip]});
             }
         }
     }

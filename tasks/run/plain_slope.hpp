@@ -22,7 +22,7 @@ private:
     const model::Variator& variator_;
     const model::PhaseRule& rule_;
     model::EvaluationScratch scratch_;
-    std::vector<model::Phase> phases_;   ///< [4 links]
+    std::vector<model::Phase> phases_;  ///< [4 links]
 };
 
 }  // namespace cvtflow::tasks

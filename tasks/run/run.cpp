@@ -1,5 +1,5 @@
-#include "tasks/method/auto_step.hpp"
 #include "tasks/run/run.hpp"
+#include "tasks/method/auto_step.hpp"
 
 #include <fmt/format.h>
 
@@ -43,12 +43,15 @@ public:
     [[nodiscard]] Fault go(double until, const engine::Cancellation& cancel, RunReport& report) {
         Simulation& s = simulation_;
         recorder_.begin_part(s.needs_settling() ? -scene_.parameters.start.settling_time : report.begin, s.needs_settling() ? 0.0 : until);
-        Fault fault = s.integration_state().started ? s.proceed(until, *this, cancel) : s.needs_settling() ? s.settle(*this, cancel) : s.run(until, *this, cancel);
+        Fault fault = s.integration_state().started ? s.proceed(until, *this, cancel)
+                      : s.needs_settling()          ? s.settle(*this, cancel)
+                                                    : s.run(until, *this, cancel);
         while (fault.kind == FaultKind::cancelled && due_) {
             save(report);
             fault = s.proceed(until, *this, cancel);
         }
-        const bool may_go_on = fault.kind == FaultKind::cancelled || fault.kind == FaultKind::max_steps || fault.kind == FaultKind::max_wall;
+        const bool may_go_on =
+            fault.kind == FaultKind::cancelled || fault.kind == FaultKind::max_steps || fault.kind == FaultKind::max_wall;
         if (may_go_on && !options_.checkpoint.empty()) save(report);
         return fault;
     }
@@ -86,10 +89,10 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
     report.wall = from.history.wall;
 }
 
-/// What the method is stable for where the run begins; said if the step is beyond. The quick bound is a fifth too careful at most: where it is not
-/// enough, the step is looked at as a whole.
+/// What the method is stable for where the run begins; said if the step is beyond. The quick bound is a fifth too careful at most: where it
+/// is not enough, the step is looked at as a whole.
 void foretell(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
-    if (scene.run.step.automatic()) return;   // what chooses it knows the limit
+    if (scene.run.step.automatic()) return;  // what chooses it knows the limit
     AutoStep advice(simulation.variator(), scene.run.method);
     const double automatic = advice.longest(simulation.time(), simulation.state(), simulation.phases().data());
     report.stable_step = advice.stable_step();
@@ -97,8 +100,8 @@ void foretell(const Scene& scene, const RunOptions& options, const Simulation& s
     if (!report.beyond_stability()) return;
     report.stable_step = predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, frozen_start(simulation)).step;
     if (!report.beyond_stability() || !options.notice) return;
-    options.notice(fmt::format("run.step = {:.3g} s is beyond what {} is stable for here ({:.3g} s): run.step = \"auto\" takes {:.3g} s", report.step,
-                               scene.run.method, report.stable_step, automatic));
+    options.notice(fmt::format("run.step = {:.3g} s is beyond what {} is stable for here ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
+                               report.step, scene.run.method, report.stable_step, automatic));
 }
 
 /// Settling, if the start needs it, and the run.
@@ -187,12 +190,15 @@ std::string operating_point(const RunReport& r) {
     line("running radius      drive {:9.3f} mm     driven{:9.3f} mm", 1e3 * r.radius[0], 1e3 * r.radius[1]);
     line("clamping            S_1   {:9.1f} N      S_2   {:9.1f} N      thrust ratio {:.4f}", r.clamping[0], r.clamping[1],
          r.clamping[1] != 0.0 ? r.clamping[0] / r.clamping[1] : 0.0);
-    line("axial tip forces    1-{:9.1f}  1+{:9.1f}  2-{:9.1f}  2+{:9.1f} N", r.axial_force[0], r.axial_force[1], r.axial_force[2], r.axial_force[3]);
+    line("axial tip forces    1-{:9.1f}  1+{:9.1f}  2-{:9.1f}  2+{:9.1f} N", r.axial_force[0], r.axial_force[1], r.axial_force[2],
+         r.axial_force[3]);
     line("speed ratio         {:.5f}   (first fifth {:.5f}, last fifth {:.5f})", r.ratio, r.ratio_begin, r.ratio_end);
-    const auto percent = [](const SpanMeans& means) { return std::isfinite(means.efficiency) ? fmt::format("{:.2f} %", 100.0 * means.efficiency) : std::string("- (no input)"); };
+    const auto percent = [](const SpanMeans& means) {
+        return std::isfinite(means.efficiency) ? fmt::format("{:.2f} %", 100.0 * means.efficiency) : std::string("- (no input)");
+    };
     line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * r.slip, percent(r.whole), periods_text(r.whole));
-    line("last fifth          slip {:.3f} %      efficiency {}      tight {:.1f} N      slack {:.1f} N", 100.0 * r.last_fifth.slip, percent(r.last_fifth), r.last_fifth.tight,
-         r.last_fifth.slack);
+    line("last fifth          slip {:.3f} %      efficiency {}      tight {:.1f} N      slack {:.1f} N", 100.0 * r.last_fifth.slip,
+         percent(r.last_fifth), r.last_fifth.tight, r.last_fifth.slack);
     return text;
 }
 
@@ -206,13 +212,16 @@ std::string step_text(const RunReport& r) {
     const std::string limit = known ? fmt::format("stable up to about {:.3g} s", r.stable_step) : "linear stability sets no limit";
     if (r.step_setting.automatic()) return fmt::format("{:.4g} s (auto; {})", r.step, limit);
     const bool shortened = r.step < r.step_setting * (1.0 - 1e-9) && r.step_control != StepControl::error;
-    return fmt::format("{:.4g} s ({}{})", r.step, shortened ? fmt::format("shortened from {:.4g} s to divide the time between outputs; ", r.step_setting.value) : "", limit) +
+    return fmt::format("{:.4g} s ({}{})", r.step,
+                       shortened ? fmt::format("shortened from {:.4g} s to divide the time between outputs; ", r.step_setting.value) : "",
+                       limit) +
            (r.beyond_stability() ? " BEYOND STABILITY" : "");
 }
 
 /// The energy balance, and what is odd.
 std::string trust_lines(const RunReport& r) {
-    std::string text = fmt::format("  energy balance      residual {:.3g} J, {:.2g} of what was dissipated ({:.3g} J)", r.energy.residual(), r.energy.relative(), r.energy.loss);
+    std::string text = fmt::format("  energy balance      residual {:.3g} J, {:.2g} of what was dissipated ({:.3g} J)", r.energy.residual(),
+                                   r.energy.relative(), r.energy.loss);
     if (r.settled) text += fmt::format("; settling {:.2g}", r.settling_residual);
     text += r.reliable() ? "\n" : "\n  " + unreliable_text(r) + "\n";
     for (const Note& note : r.notes) text += fmt::format("  note                {}\n", note.text);
@@ -231,23 +240,30 @@ std::string error_lines(const RunReport& r) {
 }  // namespace
 
 std::string unreliable_text(const RunReport& r) {
-    return fmt::format("unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; a shorter step is needed (run.step = \"auto\", or less)",
-                       r.suspicion);
+    return fmt::format(
+        "unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; a shorter step is needed (run.step = "
+        "\"auto\", or less)",
+        r.suspicion);
 }
 
 std::string summary(const RunReport& r) {
     const double simulated = r.end - r.begin;
-    std::string text = fmt::format("{}\n", r.fault ? "stopped: " + r.fault.message() : fmt::format("{} at t = {:.6g} s", r.status(), r.end));
+    std::string text =
+        fmt::format("{}\n", r.fault ? "stopped: " + r.fault.message() : fmt::format("{} at t = {:.6g} s", r.status(), r.end));
     for (const std::string& difference : r.start_differences) text += "  start state: " + difference + "\n";
-    if (r.settled) text += fmt::format("  settled             {} steps, {} evaluations, {:.2f} s of wall time\n", r.settling.steps, r.settling.evaluations, r.settling_wall);
+    if (r.settled)
+        text += fmt::format("  settled             {} steps, {} evaluations, {:.2f} s of wall time\n", r.settling.steps,
+                            r.settling.evaluations, r.settling_wall);
     if (r.outputs > 0) text += operating_point(r);
-    text += fmt::format("  method              {}, step {}: {} steps, {} evaluations\n", r.method, step_text(r), r.counters.steps, r.counters.evaluations);
+    text += fmt::format("  method              {}, step {}: {} steps, {} evaluations\n", r.method, step_text(r), r.counters.steps,
+                        r.counters.evaluations);
     text += error_lines(r);
     text += trust_lines(r);
     if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  kernels             {}, working set {} KiB\n", r.kernels, (r.working_set + 1023) / 1024);
-    text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated, r.counters.suppressed);
+    text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated,
+                        r.counters.suppressed);
     if (simulated > 0.0) text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second\n", r.wall, r.wall / simulated);
     text += fmt::format("  state hash          {}\n", engine::hex(r.hash));
     return text;

@@ -14,59 +14,60 @@ namespace cvtflow::tasks {
 
 /// How far a run has come; delivered at output times.
 struct Progress {
-    double begin, time, until;   ///< [s]; settling has begin < 0 = until
-    double wall;                 ///< since the run began [s]
+    double begin, time, until;  ///< [s]; settling has begin < 0 = until
+    double wall;                ///< since the run began [s]
     const Counters& counters;
     [[nodiscard]] bool settling() const noexcept { return begin < 0.0; }
 };
 
 struct RunOptions {
-    std::string file;                                   ///< record to write; empty: none
-    std::function<void(const Progress&)> progress;      ///< called at every output time, serially
+    std::string file;                               ///< record to write; empty: none
+    std::function<void(const Progress&)> progress;  ///< called at every output time, serially
     const engine::Cancellation* cancel = nullptr;
-    std::string checkpoint;                             ///< file to write checkpoints to; empty: none
-    double checkpoint_every = 0.0;                      ///< wall time between checkpoints, at output times; 0: only if the run ends early [s]
-    std::function<void(const std::string&)> notice;     ///< told what is odd before the run begins
-    const Checkpoint* from = nullptr;                   ///< to go on from; `file` is then the record to go on with
+    std::string checkpoint;                          ///< file to write checkpoints to; empty: none
+    double checkpoint_every = 0.0;                   ///< wall time between checkpoints, at output times; 0: only if the run ends early [s]
+    std::function<void(const std::string&)> notice;  ///< told what is odd before the run begins
+    const Checkpoint* from = nullptr;                ///< to go on from; `file` is then the record to go on with
 };
 
 /// Mean values over the outputs with t ≥ 0, and what the run took.
 struct RunReport {
     Fault fault;
-    EnergyBalance energy;                 ///< of the run, without settling
-    double suspicion = 0.0;               ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable
-    double settling_residual = 0.0;       ///< relative residual of the energy balance of settling
-    SpanMeans whole, last_fifth;          ///< over the outputs of the run
-    std::vector<Note> notes;              ///< what is odd about results that are right
-    bool settled = false;                 ///< whether the run began with settling
+    EnergyBalance energy;            ///< of the run, without settling
+    double suspicion = 0.0;          ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable
+    double settling_residual = 0.0;  ///< relative residual of the energy balance of settling
+    SpanMeans whole, last_fifth;     ///< over the outputs of the run
+    std::vector<Note> notes;         ///< what is odd about results that are right
+    bool settled = false;            ///< whether the run began with settling
     std::vector<std::string> start_differences;
-    double begin = 0.0, end = 0.0;        ///< simulated time, after settling [s]
-    double step = 0.0;                    ///< last one in use [s]
-    AutoNumber step_setting;              ///< run.step
-    double stable_step = 0.0;             ///< largest that the method is stable for: where the run began, or where an automatic step was last chosen; 0: not asked [s]
+    double begin = 0.0, end = 0.0;  ///< simulated time, after settling [s]
+    double step = 0.0;              ///< last one in use [s]
+    AutoNumber step_setting;        ///< run.step
+    double stable_step =
+        0.0;  ///< largest that the method is stable for: where the run began, or where an automatic step was last chosen; 0: not asked [s]
     std::string method;
-    std::string method_report;            ///< what the method did, one line; empty: nothing to say
-    std::string schedule;                 ///< what ran it, and why if it was chosen
-    std::string kernels;                  ///< instruction set that the kernels used
-    std::size_t working_set = 0;          ///< memory that the step loop touches [B]
-    Counters counters;                    ///< after settling
+    std::string method_report;    ///< what the method did, one line; empty: nothing to say
+    std::string schedule;         ///< what ran it, and why if it was chosen
+    std::string kernels;          ///< instruction set that the kernels used
+    std::size_t working_set = 0;  ///< memory that the step loop touches [B]
+    Counters counters;            ///< after settling
     Counters settling;
     StepControl step_control = StepControl::fixed;
     double tolerance = 0.0;
-    LocalErrorStatistics local_errors;    ///< after settling
-    double wall = 0.0, settling_wall = 0.0;   ///< [s]
+    LocalErrorStatistics local_errors;       ///< after settling
+    double wall = 0.0, settling_wall = 0.0;  ///< [s]
     std::uint64_t hash = 0;
     long outputs = 0;
 
-    double tight = 0.0, slack = 0.0;      ///< mean tensions [N]
-    std::array<double, 2> speed{};        ///< mean [rad/s]
-    std::array<double, 2> torque{};       ///< mean, of drive and load [N·m]
-    std::array<double, 2> chain_torque{}; ///< mean, of the chain on the shafts [N·m]
-    std::array<double, 2> clamping{};     ///< mean [N]
-    std::array<double, 2> radius{};       ///< mean [m]
-    std::array<double, 4> axial_force{};  ///< mean, on sheaves 1-, 1+, 2-, 2+ [N]
+    double tight = 0.0, slack = 0.0;       ///< mean tensions [N]
+    std::array<double, 2> speed{};         ///< mean [rad/s]
+    std::array<double, 2> torque{};        ///< mean, of drive and load [N·m]
+    std::array<double, 2> chain_torque{};  ///< mean, of the chain on the shafts [N·m]
+    std::array<double, 2> clamping{};      ///< mean [N]
+    std::array<double, 2> radius{};        ///< mean [m]
+    std::array<double, 4> axial_force{};   ///< mean, on sheaves 1-, 1+, 2-, 2+ [N]
     double slip = 0.0;
-    double ratio_begin = 0.0, ratio_end = 0.0;   ///< means over the first and the last fifth
+    double ratio_begin = 0.0, ratio_end = 0.0;  ///< means over the first and the last fifth
     double ratio = 0.0;
     bool has_pulleys = true;
 

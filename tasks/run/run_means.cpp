@@ -14,8 +14,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double gross_slip = 0.03;          ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
-constexpr double often = 0.05;               ///< share of outputs
+constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
+constexpr double often = 0.05;       ///< share of outputs
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
 
 constexpr NoteKind kinds[] = {
@@ -88,7 +88,8 @@ SpanMeans RunMeans::span(double from, double to) const {
     const auto size = static_cast<double>(bins_.size());
     const auto width = [&](double share) { return static_cast<std::size_t>(share * size); };
     const std::size_t most = bins_.size();
-    const std::size_t begin = from == 0.0 ? 0 : most - std::max<std::size_t>(1, width(1.0 - from)), end = to == 1.0 ? most : std::max<std::size_t>(1, width(to));
+    const std::size_t begin = from == 0.0 ? 0 : most - std::max<std::size_t>(1, width(1.0 - from)),
+                      end = to == 1.0 ? most : std::max<std::size_t>(1, width(to));
     Bin sum;
     for (std::size_t k = begin; k < end; ++k) sum.add(bins_[k]);
     means.ratio = sum.ratio / sum.outputs;
@@ -100,7 +101,8 @@ SpanMeans RunMeans::span(double from, double to) const {
     means.begin = begin == 0 ? bins_.front().time : bins_[begin - 1].time;
     means.end = bins_[end - 1].time;
     means.periods = pin_period_ > 0.0 ? std::floor((means.end - means.begin) / pin_period_) : 0.0;
-    if (means.periods == 0.0 && pin_period_ > 0.0 && means.end - bins_.front().time >= pin_period_) means.periods = 1.0;   // a fifth shorter than a period
+    if (means.periods == 0.0 && pin_period_ > 0.0 && means.end - bins_.front().time >= pin_period_)
+        means.periods = 1.0;  // a fifth shorter than a period
     const EnergySums before = energy_at(means.periods > 0.0 ? means.end - means.periods * pin_period_ : means.begin);
     means.efficiency = energy_at(means.end).efficiency_since(before);
     return means;
@@ -109,10 +111,11 @@ SpanMeans RunMeans::span(double from, double to) const {
 std::array<bool, 5> RunMeans::odd() const {
     if (bins_.empty()) return {};
     const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
-    const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };   // not a number: none
+    const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };  // not a number: none
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
-    return {std::abs(last.slip) > gross_slip, last.limited > often, last.loose > often, impossible(whole.efficiency) || impossible(last.efficiency), ratio_drifts || slip_drifts};
+    return {std::abs(last.slip) > gross_slip, last.limited > often, last.loose > often,
+            impossible(whole.efficiency) || impossible(last.efficiency), ratio_drifts || slip_drifts};
 }
 
 std::vector<Note> RunMeans::notes() const {
@@ -123,8 +126,10 @@ std::vector<Note> RunMeans::notes() const {
         fmt::format("the chain slips by {}", percent(last.slip)),
         fmt::format("ratio control is at the limit of its authority ({} of the last fifth)", percent(last.limited)),
         fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
-        fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency), percent(last.efficiency)),
-        fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio, percent(first.slip), percent(last.slip)),
+        fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
+                    percent(last.efficiency)),
+        fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio, percent(first.slip),
+                    percent(last.slip)),
     };
     std::vector<Note> notes;
     for (std::size_t k = 0; k < found.size(); ++k) {

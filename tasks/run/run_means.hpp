@@ -1,5 +1,6 @@
 #pragma once
-/// Means of a run over its outputs, over all of it and over its first and last fifth, and what is odd about them. Memory does not grow with the run.
+/// Means of a run over its outputs, over all of it and over its first and last fifth, and what is odd about them. Memory does not grow with
+/// the run.
 
 #include <array>
 #include <span>
@@ -14,19 +15,19 @@ namespace cvtflow::tasks {
 
 /// Means over a span of time; zero where nothing was seen.
 struct SpanMeans {
-    double begin = 0.0, end = 0.0;       ///< [s]
-    double ratio = 0.0, slip = 0.0;      ///< [1]
-    double tight = 0.0, slack = 0.0;     ///< [N]
-    double limited = 0.0;                ///< share of outputs at which ratio control had reached its authority
-    double loose = 0.0;                  ///< share of outputs at which the slack strand carried no tension
-    double efficiency = 0.0;             ///< 1 - losses/input; not a number without input
-    double periods = 0.0;                ///< whole pin periods that efficiency is over; 0: less than one
+    double begin = 0.0, end = 0.0;    ///< [s]
+    double ratio = 0.0, slip = 0.0;   ///< [1]
+    double tight = 0.0, slack = 0.0;  ///< [N]
+    double limited = 0.0;             ///< share of outputs at which ratio control had reached its authority
+    double loose = 0.0;               ///< share of outputs at which the slack strand carried no tension
+    double efficiency = 0.0;          ///< 1 - losses/input; not a number without input
+    double periods = 0.0;             ///< whole pin periods that efficiency is over; 0: less than one
 };
 
 /// Something about results that a reader must know. They are right by themselves.
 struct Note {
-    std::string_view name;   ///< for tables: gross_slip, …
-    std::string text;        ///< for people
+    std::string_view name;  ///< for tables: gross_slip, …
+    std::string text;       ///< for people
 };
 
 class RunMeans {
@@ -66,8 +67,8 @@ private:
     void halve();
 
     std::vector<Bin> bins_;
-    double per_bin_ = 1.0;      ///< outputs
-    double pin_period_ = 0.0;   ///< at the last output [s]
+    double per_bin_ = 1.0;     ///< outputs
+    double pin_period_ = 0.0;  ///< at the last output [s]
 };
 
 /// Names of all notes with their meanings, for `--help`, documents and tests.

@@ -45,12 +45,15 @@ std::vector<engine::Attribute> attributes_of_run(const Scene& scene) {
 engine::RunContents contents_of(const Scene& scene, const model::ChainLayout& at, const std::vector<const Channel*>& channels) {
     engine::RunContents contents;
     for (const Channel* channel : channels) {
-        contents.channels.push_back({std::string(channel->name), std::string(channel->unit), std::string(channel->description), channel->width(at), std::string(channel->axis)});
+        contents.channels.push_back({std::string(channel->name), std::string(channel->unit), std::string(channel->description),
+                                     channel->width(at), std::string(channel->axis)});
     }
     contents.state_size = static_cast<std::size_t>(at.size());
     contents.phase_count = static_cast<std::size_t>(model::tips_per_link * at.links);
-    contents.state_description = fmt::format("{} links of [q | v], {} coordinates each (a.x, b.x, a.y, b.y, a.z, a.e, b.z, b.e; orders 0...{}), then pulleys [q | v], {} coordinates",
-                                             at.links, at.link_size(), at.order, at.pulley_size);
+    contents.state_description = fmt::format(
+        "{} links of [q | v], {} coordinates each (a.x, b.x, a.y, b.y, a.z, a.e, b.z, b.e; orders 0...{}), then pulleys [q | v], {} "
+        "coordinates",
+        at.links, at.link_size(), at.order, at.pulley_size);
     contents.tables = {transition_table()};
     contents.attributes = attributes_of_run(scene);
     return contents;
@@ -59,7 +62,10 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainLayout& at
 }  // namespace
 
 RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options)
-    : options_(options), state_interval_(scene.run.state_interval), followed_pin_(scene.run.followed_pin), observer_(simulation.variator()),
+    : options_(options),
+      state_interval_(scene.run.state_interval),
+      followed_pin_(scene.run.followed_pin),
+      observer_(simulation.variator()),
       channels_(channels_of(simulation.variator().layout())) {
     const model::ChainLayout& at = simulation.variator().layout();
     std::size_t width = 0;
@@ -83,7 +89,7 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
         const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
         options_.progress({begin_, time, until_, wall, counters});
     }
-    if (begin_ < 0.0) return;   // settling is not recorded
+    if (begin_ < 0.0) return;  // settling is not recorded
     const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.phases.data());
     gather(now, workspace);
     if (file_) write(time, workspace, {now, workspace, counters, followed_pin_});
@@ -107,14 +113,17 @@ void RunRecorder::write(double time, const Workspace& workspace, const Instant& 
 
 void RunRecorder::transition(const TransitionRecord& record) {
     if (begin_ < 0.0 || !file_) return;
-    const double values[] = {record.time, static_cast<double>(record.pin), static_cast<double>(record.tip), static_cast<double>(record.from), static_cast<double>(record.to)};
+    const double values[] = {record.time, static_cast<double>(record.pin), static_cast<double>(record.tip),
+                             static_cast<double>(record.from), static_cast<double>(record.to)};
     file_->append_row("transitions", values);
     written_.tables[0].add(0.0, values);
 }
 
 void RunRecorder::gather(const model::Observation& now, const Workspace& workspace) {
     ++outputs_;
-    const auto add = [](auto& sum, const auto& values) { std::transform(sum.begin(), sum.end(), values.begin(), sum.begin(), std::plus<>()); };
+    const auto add = [](auto& sum, const auto& values) {
+        std::transform(sum.begin(), sum.end(), values.begin(), sum.begin(), std::plus<>());
+    };
     sums_.tight += now.tight;
     sums_.slack += now.slack;
     sums_.slip += now.slip;
@@ -133,7 +142,8 @@ namespace {
 template <class Each>
 void for_every_sum(RunReport& sums, const Each& each) {
     for (double* sum : {&sums.tight, &sums.slack, &sums.slip}) each(*sum);
-    for (auto* pair : {&sums.speed, &sums.torque, &sums.chain_torque, &sums.clamping, &sums.radius}) std::for_each(pair->begin(), pair->end(), each);
+    for (auto* pair : {&sums.speed, &sums.torque, &sums.chain_torque, &sums.clamping, &sums.radius})
+        std::for_each(pair->begin(), pair->end(), each);
     std::for_each(sums.axial_force.begin(), sums.axial_force.end(), each);
 }
 
@@ -142,8 +152,10 @@ void for_every_sum(RunReport& sums, const Each& each) {
 std::vector<double> RunRecorder::position() {
     if (file_) file_->flush();
     std::vector<double> numbers;
-    for (const engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {   // a double holds half of a checksum
-        numbers.insert(numbers.end(), {static_cast<double>(rows->count), static_cast<double>(rows->sum >> 32U), static_cast<double>(rows->sum & 0xffffffffU)});
+    for (const engine::RowsWritten* rows :
+         {&written_.channels, &written_.states, &written_.tables[0]}) {  // a double holds half of a checksum
+        numbers.insert(numbers.end(), {static_cast<double>(rows->count), static_cast<double>(rows->sum >> 32U),
+                                       static_cast<double>(rows->sum & 0xffffffffU)});
     }
     numbers.insert(numbers.end(), {next_state_, static_cast<double>(outputs_)});
     for_every_sum(sums_, [&](double sum) { numbers.push_back(sum); });
@@ -152,14 +164,15 @@ std::vector<double> RunRecorder::position() {
 }
 
 void RunRecorder::restore(const std::vector<double>& position) {
-    std::size_t least = 14;   // rows, next state, outputs, and what the means begin with
+    std::size_t least = 14;  // rows, next state, outputs, and what the means begin with
     for_every_sum(sums_, [&](double) { ++least; });
     if (position.size() < least) throw engine::RecordError(options_.file + ": the checkpoint does not say where its record stood");
     const double* next = position.data();
     const auto take = [&] { return *next++; };
     const auto count = [&] {
         const double number = take();
-        if (!(number >= 0.0 && number <= 9007199254740992.0)) throw engine::RecordError(options_.file + ": the checkpoint holds a count that is none");
+        if (!(number >= 0.0 && number <= 9007199254740992.0))
+            throw engine::RecordError(options_.file + ": the checkpoint holds a count that is none");
         return static_cast<std::size_t>(number);
     };
     for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {
@@ -172,7 +185,8 @@ void RunRecorder::restore(const std::vector<double>& position) {
     for_every_sum(sums_, [&](double& sum) { sum = take(); });
     (void)means_.load({next, position.data() + position.size()});
     if (!file_) return;
-    if (former_.empty() && written_.channels.count > 0) throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is gone");
+    if (former_.empty() && written_.channels.count > 0)
+        throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is gone");
     if (former_.empty()) return;
     engine::copy_record(former_, written_, contents_, *file_);
     std::filesystem::remove(former_);
@@ -202,8 +216,10 @@ void RunRecorder::finish(RunReport& report) {
     report.ratio_begin = means_.first_fifth().ratio;
     report.ratio_end = report.last_fifth.ratio;
     if (!file_) return;
-    if (report.fault) file_->set_status(report.fault.message());
-    else if (!report.reliable()) file_->set_status(unreliable_text(report));
+    if (report.fault)
+        file_->set_status(report.fault.message());
+    else if (!report.reliable())
+        file_->set_status(unreliable_text(report));
     file_->set_attribute({"energy_residual", report.energy.residual()});
     file_->set_attribute({"energy_residual_relative", report.energy.relative()});
     file_->set_attribute({"energy_suspicion", report.suspicion});

@@ -37,7 +37,7 @@ private:
     model::Observer observer_;
     std::vector<const Channel*> channels_;
     std::vector<double> row_;
-    std::string former_;   ///< file with the rows before the checkpoint
+    std::string former_;  ///< file with the rows before the checkpoint
     engine::RunContents contents_;
     std::unique_ptr<engine::RunFile> file_;
     engine::RecordPosition written_{{}, {}, {{}}};

@@ -15,7 +15,7 @@ void RunWatch::add(const model::Observation& now, const Workspace& workspace) {
 }
 
 RunVerdict RunWatch::verdict(const EnergyLedger& ledger, double before) const {
-    const EnergyBalance balance = ledger.balance();   // ends with the last sample, which lies elsewhere with other steps
+    const EnergyBalance balance = ledger.balance();  // ends with the last sample, which lies elsewhere with other steps
     return {balance.relative(), std::max(before, ledger.suspicion()), ledger.sums(end_).lost(), pin_period_, end_ - begin_, means_.all()};
 }
 

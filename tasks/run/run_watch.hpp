@@ -10,17 +10,17 @@ namespace cvtflow::tasks {
 
 class Workspace;
 
-/// Pin periods that means of slip and efficiency need. Mean slip over 16 of them is within 1.2 % of that over 20 ms, over 8 within 4 %, over one within
-/// 12 % (baseline, control, low, overdrive).
+/// Pin periods that means of slip and efficiency need. Mean slip over 16 of them is within 1.2 % of that over 20 ms, over 8 within 4 %,
+/// over one within 12 % (baseline, control, low, overdrive).
 inline constexpr double enough_pin_periods = 16.0;
 
 struct RunVerdict {
-    double residual = 0.0;     ///< of the energy balance over the losses [1]
-    double suspicion = 0.0;    ///< EnergyLedger::suspicion(), of what came before the run as well; above 1 the results are wrong
-    double loss = 0.0;         ///< dissipated up to the last output [J]
-    double pin_period = 0.0;   ///< at the end; 0: nothing passes a pulley [s]
-    double duration = 0.0;     ///< between the first and the last output [s]
-    SpanMeans means;           ///< over all outputs
+    double residual = 0.0;    ///< of the energy balance over the losses [1]
+    double suspicion = 0.0;   ///< EnergyLedger::suspicion(), of what came before the run as well; above 1 the results are wrong
+    double loss = 0.0;        ///< dissipated up to the last output [J]
+    double pin_period = 0.0;  ///< at the end; 0: nothing passes a pulley [s]
+    double duration = 0.0;    ///< between the first and the last output [s]
+    SpanMeans means;          ///< over all outputs
 
     [[nodiscard]] bool reliable() const noexcept { return suspicion <= 1.0; }
     [[nodiscard]] double pin_periods() const noexcept { return pin_period > 0.0 ? duration / pin_period : 0.0; }

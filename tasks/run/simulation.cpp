@@ -32,10 +32,11 @@ std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) 
         throw SimulationError(fmt::format("run.method: {}", error.what()));
     }
     if (scene.run.step_control != StepControl::fixed && method->error_power() == 0) {
-        throw SimulationError(fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
-                                          scene.run.method));
+        throw SimulationError(
+            fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
+                        scene.run.method));
     }
-    workspace.method = method.get();   // its tasks are in every graph
+    workspace.method = method.get();  // its tasks are in every graph
     return method;
 }
 
@@ -43,12 +44,16 @@ std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) 
 
 Simulation::Simulation(const Scene& scene) : Simulation(scene, schedules_for(scene), ChooserOptions{}) {}
 
-Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder) : Simulation(scene, std::vector{schedule}, ChooserOptions{}, recorder) {}
+Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder)
+    : Simulation(scene, std::vector{schedule}, ChooserOptions{}, recorder) {}
 
-Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options, engine::StampRecorder* recorder)
-    : scene_(scene), workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene),
-                                                            Partition::equal(scene.parameters.chain.pins, candidates.front().segments))),
-      method_(method_of(scene, *workspace_)), runner_(*workspace_, candidates, options, recorder) {
+Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
+                       engine::StampRecorder* recorder)
+    : scene_(scene),
+      workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene),
+                                             Partition::equal(scene.parameters.chain.pins, candidates.front().segments))),
+      method_(method_of(scene, *workspace_)),
+      runner_(*workspace_, candidates, options, recorder) {
     if (!scene_.state_file.empty()) {
         const auto saved = scene_.start_state.read(scene_.state_file);
         start_differences_ = tasks::start_differences(*saved, scene_);
@@ -59,12 +64,14 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
     rest_at_start();
 }
 
-bool Simulation::fits(const Scene& scene) const { return scene.run.method == scene_.run.method && model::layout_of(scene.parameters) == workspace_->layout(); }
+bool Simulation::fits(const Scene& scene) const {
+    return scene.run.method == scene_.run.method && model::layout_of(scene.parameters) == workspace_->layout();
+}
 
 void Simulation::reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed) {
     scene_ = scene;
     workspace_->adopt(scene.parameters);
-    if (find_program(scene.run.method) != nullptr) {   // what a program has derived from the parameters
+    if (find_program(scene.run.method) != nullptr) {  // what a program has derived from the parameters
         method_ = method_of(scene, *workspace_);
         runner_.forget_graphs();
     }
@@ -72,9 +79,12 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
     rest_.settling_suspicion = rest_.settling_residual = 0.0;
     start_differences_.clear();
     needs_settling_ = false;
-    if (saved != nullptr) take_state(*saved);
-    else if (placed != nullptr) begin_at(*placed);
-    else place_geometrically();
+    if (saved != nullptr)
+        take_state(*saved);
+    else if (placed != nullptr)
+        begin_at(*placed);
+    else
+        place_geometrically();
     rest_at_start();
 }
 
@@ -106,13 +116,15 @@ constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
 void Simulation::take_state(const engine::SavedState& saved) {
     const model::ChainLayout& at = workspace_->layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
-    const std::size_t beyond = saved.state.size() < mechanical ? 2 : saved.state.size() - mechanical;   // control: 1, ledger: 12, both: 13
+    const std::size_t beyond = saved.state.size() < mechanical ? 2 : saved.state.size() - mechanical;  // control: 1, ledger: 12, both: 13
     if ((beyond > 1 && beyond != ledger_size && beyond != ledger_size + 1) || saved.phases.size() != workspace_->phases.size()) {
-        std::string message = fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());
+        std::string message =
+            fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());
         for (const std::string& line : start_differences_) message += "\n  " + line;
         throw SimulationError(message);
     }
-    if (std::any_of(saved.phases.begin(), saved.phases.end(), [](std::uint8_t phase) { return phase > static_cast<std::uint8_t>(model::Phase::slip); })) {
+    if (std::any_of(saved.phases.begin(), saved.phases.end(),
+                    [](std::uint8_t phase) { return phase > static_cast<std::uint8_t>(model::Phase::slip); })) {
         throw SimulationError(fmt::format("start.state: {} holds a phase that is none", scene_.state_file));
     }
     const bool had_control = beyond % ledger_size == 1;
@@ -121,9 +133,10 @@ void Simulation::take_state(const engine::SavedState& saved) {
     if (at.control && had_control) workspace_->states[0][at.control_begin()] = *behind;
     if (at.ledger && beyond >= ledger_size) std::copy(behind + had_control, saved.state.end(), workspace_->states[0] + at.ledger_begin());
     const bool stick_slip = scene_.parameters.detail.stick_slip;
-    std::transform(saved.phases.begin(), saved.phases.end(), workspace_->phases.begin(), [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
+    std::transform(saved.phases.begin(), saved.phases.end(), workspace_->phases.begin(),
+                   [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
     rest_.settling_suspicion = suspicion_of(saved);
-    time_ = saved.time;   // inputs and the governor's angle go on from there
+    time_ = saved.time;  // inputs and the governor's angle go on from there
 }
 
 Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
@@ -224,8 +237,10 @@ Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Can
 
 void Simulation::rest_at_start() {
     const Workspace& w = *workspace_;
-    if (!scene_.run.step.automatic()) choice_.reset();
-    else if (choice_ == nullptr) choice_ = std::make_unique<AutoStep>(w.variator, scene_.run.method);
+    if (!scene_.run.step.automatic())
+        choice_.reset();
+    else if (choice_ == nullptr)
+        choice_ = std::make_unique<AutoStep>(w.variator, scene_.run.method);
     workspace_->energy.restart(method_->observation_stride());
     rest_.started = false;
     rest_.settling = needs_settling_;
@@ -244,7 +259,8 @@ void Simulation::restore(const IntegrationState& from) {
     Workspace& w = *workspace_;
     const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.phases.size();
     if (from.state.size() != size || from.phases.size() != tips || from.changed.size() != tips || from.before.size() != tips) {
-        throw SimulationError(fmt::format("a state of {} unknowns and {} tips does not fit this scene: {} and {}", from.state.size(), from.phases.size(), size, tips));
+        throw SimulationError(fmt::format("a state of {} unknowns and {} tips does not fit this scene: {} and {}", from.state.size(),
+                                          from.phases.size(), size, tips));
     }
     std::copy(from.state.begin(), from.state.end(), w.states[0]);
     w.phases = from.phases;
@@ -275,18 +291,6 @@ engine::SavedState Simulation::saved_state() const {
     saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
     saved.attributes = {{"scene", text}, {std::string(suspicion_attribute), suspicion()}};
     return saved;
-}
-
-FrozenStart frozen_start(const Simulation& simulation) {
-    const Workspace& at = simulation.workspace();
-    const std::size_t size = static_cast<std::size_t>(at.layout().size());
-    Workspace probed(at.parameters, engine::methods().front(), Partition::equal(at.layout().links, 1));
-    std::copy_n(simulation.state(), size, probed.states[0]);
-    probed.phases = simulation.phases();
-    SilentObserver nobody;
-    const engine::Cancellation never;
-    StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
-    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases, simulation.suspicion()};
 }
 
 }  // namespace cvtflow::tasks

@@ -34,7 +34,8 @@ public:
     /// The same with a schedule of one's own and, if wanted, time stamps of its tasks.
     Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
     /// The same with schedules to choose from while it runs, serial first (see ScheduleChooser).
-    Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options, engine::StampRecorder* recorder = nullptr);
+    Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
+               engine::StampRecorder* recorder = nullptr);
     ~Simulation();
 
     /// Whether reset() may be used: the same unknowns and the same method.
@@ -56,8 +57,8 @@ public:
     /// stopped. While the start settles, only to its end at t = 0, whatever `until`.
     /// @throws SimulationError if nothing has begun
     [[nodiscard]] Fault proceed(double until, RunObserver& observer, const engine::Cancellation& cancel);
-    /// Goes on from where it stands (or begins) to `until` or for so many steps (0: as many as it takes), whatever comes first; settling ends
-    /// at t = 0 in any case. Where calls end does not change a bit of what follows. Ends with a Fault of kind max_steps after `steps`.
+    /// Goes on from where it stands (or begins) to `until` or for so many steps (0: as many as it takes), whatever comes first; settling
+    /// ends at t = 0 in any case. Where calls end does not change a bit of what follows. Ends with a Fault of kind max_steps after `steps`.
     [[nodiscard]] Fault advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel);
     /// Puts values in place of the tables of inputs, between runs.
     void hold(const model::HeldInputs& held) noexcept { workspace_->variator.hold(held); }
@@ -66,7 +67,8 @@ public:
         workspace_->energy.inputs_changed(time_);
         if (rest_.started) workspace_->energy.save(rest_.energy);
     }
-    /// The next run ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr: none.
+    /// The next run ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr:
+    /// none.
     void pause_on(const bool* flag) noexcept { pause_ = flag; }
 
     /// Where the integration stands.
@@ -128,7 +130,7 @@ private:
     std::unique_ptr<Workspace> workspace_;
     std::unique_ptr<StepMethod> method_;
     ScheduleRunner runner_;
-    std::unique_ptr<AutoStep> choice_;   ///< of automatic steps
+    std::unique_ptr<AutoStep> choice_;  ///< of automatic steps
     bool needs_settling_ = false;
     double time_ = 0.0;
     double step_ = 0.0;

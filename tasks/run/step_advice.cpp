@@ -25,8 +25,14 @@ constexpr double difference = 1e-6;
 class Linearised {
 public:
     Linearised(const model::Variator& variator, double t, const double* state, const std::vector<model::Phase>& phases)
-        : variator_(variator), t_(t), phases_(phases), scratch_(variator.layout()), centre_(Eigen::Map<const Eigen::VectorXd>(state, variator.layout().size())),
-          scale_(Eigen::VectorXd::Ones(variator.layout().size())), above_(centre_), below_(centre_) {
+        : variator_(variator),
+          t_(t),
+          phases_(phases),
+          scratch_(variator.layout()),
+          centre_(Eigen::Map<const Eigen::VectorXd>(state, variator.layout().size())),
+          scale_(Eigen::VectorXd::Ones(variator.layout().size())),
+          above_(centre_),
+          below_(centre_) {
         const model::ChainLayout& at = variator.layout();
         for (int link = 0; link < at.links; ++link) scale_.segment(at.link_begin(link), at.link_size()).setConstant(position_scale);
         scale_.segment(at.pulley_begin(), at.pulley_size).setConstant(position_scale);
@@ -56,7 +62,8 @@ private:
 /// A start that has a share of every eigenvector, the same every time.
 [[nodiscard]] Eigen::VectorXd mixed(Eigen::Index size) {
     Eigen::VectorXd start(size);
-    for (Eigen::Index k = 0; k < size; ++k) start[k] = model::portable_sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
+    for (Eigen::Index k = 0; k < size; ++k)
+        start[k] = model::portable_sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
     return start.normalized();
 }
 
@@ -70,8 +77,8 @@ constexpr double least_damping = 1e-3;
 
 }  // namespace
 
-std::vector<std::complex<double>> extreme_eigenvalues(const model::Variator& variator, double t, const double* state, const std::vector<model::Phase>& phases,
-                                                      int directions) {
+std::vector<std::complex<double>> extreme_eigenvalues(const model::Variator& variator, double t, const double* state,
+                                                      const std::vector<model::Phase>& phases, int directions) {
     Linearised jacobian(variator, t, state, phases);
     const Eigen::Index most = std::min<Eigen::Index>(directions, jacobian.size());
     Eigen::MatrixXd basis(jacobian.size(), most + 1);
@@ -81,7 +88,7 @@ std::vector<std::complex<double>> extreme_eigenvalues(const model::Variator& var
     while (done < most) {
         Eigen::VectorXd next = jacobian(basis.col(done));
         if (!next.allFinite()) return {};
-        for (int pass = 0; pass < 2; ++pass) {   // twice is enough
+        for (int pass = 0; pass < 2; ++pass) {  // twice is enough
             const Eigen::VectorXd shares = basis.leftCols(done + 1).transpose() * next;
             next -= basis.leftCols(done + 1) * shares;
             hessenberg.col(done).head(done + 1) += shares;
@@ -89,7 +96,7 @@ std::vector<std::complex<double>> extreme_eigenvalues(const model::Variator& var
         const double rest = next.norm();
         hessenberg(done + 1, done) = rest;
         ++done;
-        if (!(rest > 0.0)) break;   // an invariant space: its eigenvalues are exact
+        if (!(rest > 0.0)) break;  // an invariant space: its eigenvalues are exact
         basis.col(done) = next / rest;
     }
     const Eigen::MatrixXd square = hessenberg.topLeftCorner(done, done);
@@ -105,21 +112,22 @@ double largest_stable_step(std::string_view method, const std::vector<std::compl
     double step = std::numeric_limits<double>::infinity();
     const engine::StagePlan* plan = engine::find_method(method);
     if (plan == nullptr) return step;
-    constexpr std::size_t most = 12;   // outermost ones; those inside allow longer steps
-    std::vector<std::complex<double>> looked;   // a scan takes a second with hundreds of stages, and most of these eigenvalues are real
+    constexpr std::size_t most = 12;           // outermost ones; those inside allow longer steps
+    std::vector<std::complex<double>> looked;  // a scan takes a second with hundreds of stages, and most of these eigenvalues are real
     for (std::size_t k = 0; k < std::min(most, eigenvalues.size()); ++k) {
         const double size = std::abs(eigenvalues[k]);
         if (!(size > 0.0)) continue;
         const std::complex<double> direction = direction_of(eigenvalues[k]);
         const auto same = [&](const std::complex<double>& other) { return std::abs(other - direction) < 1e-6; };
-        if (std::any_of(looked.begin(), looked.end(), same)) continue;   // one farther out in the same direction allows less
+        if (std::any_of(looked.begin(), looked.end(), same)) continue;  // one farther out in the same direction allows less
         looked.push_back(direction);
         step = std::min(step, engine::stability_reach(*plan, direction, 1e-6, step * size) / size);
     }
     return step;
 }
 
-double largest_stable_step(const model::Variator& variator, std::string_view method, double t, const double* state, const std::vector<model::Phase>& phases) {
+double largest_stable_step(const model::Variator& variator, std::string_view method, double t, const double* state,
+                           const std::vector<model::Phase>& phases) {
     if (find_program(method) == nullptr) return largest_stable_step(method, extreme_eigenvalues(variator, t, state, phases));
     StepLimitBound bound(variator, method);
     bound.look(t, state, phases.data());

@@ -31,7 +31,7 @@ Violation geometry_closes(const Scene& scene) {
     const auto& start = scene.parameters.start;
     const bool absent = scene.parameters.detail.pulleys == PulleyDetail::absent;
     if (start.layout != StartLayout::belt || absent || !scene.state_file.empty()) return {};
-    if (pulley.innermost >= pulley.outermost) return {};   // said by radii_ordered
+    if (pulley.innermost >= pulley.outermost) return {};  // said by radii_ordered
     const double length = model::chain_length(chain);
     const auto radii = model::belt_radii(length, start.ratio, pulley.centre_distance);
     const auto chain_text = fmt::format("chain.pins: {} pins make a chain of {}", chain.pins, mm(length));
@@ -76,13 +76,12 @@ Violation profile_is_round(const Scene& scene) {
 Violation radii_ordered(const Scene& scene) {
     const auto& pulley = scene.parameters.pulley;
     if (pulley.innermost < pulley.outermost) return {};
-    return fmt::format("pulley.innermost: {} is not smaller than pulley.outermost = {}", mm(pulley.innermost),
-                       mm(pulley.outermost));
+    return fmt::format("pulley.innermost: {} is not smaller than pulley.outermost = {}", mm(pulley.innermost), mm(pulley.outermost));
 }
 
 Violation arc_on_sheave(const Scene& scene) {
     const auto& pulley = scene.parameters.pulley;
-    if (pulley.innermost >= pulley.outermost) return {};   // said by radii_ordered
+    if (pulley.innermost >= pulley.outermost) return {};  // said by radii_ordered
     if (pulley.arc_position >= pulley.innermost && pulley.arc_position <= pulley.outermost) return {};
     return fmt::format("pulley.arc_position: {} is outside pulley.innermost = {} to pulley.outermost = {}", mm(pulley.arc_position),
                        mm(pulley.innermost), mm(pulley.outermost));
@@ -116,7 +115,7 @@ Violation control_has_speed(const Scene& scene) {
 }
 
 Violation outputs_take_steps(const Scene& scene) {
-    if (scene.run.output_interval >= scene.run.step) return {};   // an automatic step is 0 here: it gives way
+    if (scene.run.output_interval >= scene.run.step) return {};  // an automatic step is 0 here: it gives way
     return fmt::format("run.output_interval: {} is shorter than run.step = {}", seconds(scene.run.output_interval),
                        seconds(scene.run.step));
 }
@@ -141,7 +140,7 @@ Violation segments_have_links(const Scene& scene) {
 
 Violation method_exists(const Scene& scene) {
     if (scene.run.method.empty()) return "run.method: the name is empty";
-    if (may_be_method(scene.run.method)) return {};   // numbers of a family are looked at when the method is made
+    if (may_be_method(scene.run.method)) return {};  // numbers of a family are looked at when the method is made
     return "run.method: " + no_method(scene.run.method);
 }
 
@@ -150,7 +149,8 @@ Violation executor_exists(const Scene& scene) {
     if (name == "auto" || engine::find_executor(name) != nullptr) return {};
     std::vector<std::string> names{"auto"};
     for (const engine::ExecutorRow& row : engine::executors()) names.emplace_back(row.name);
-    return fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", name, engine::did_you_mean(engine::closest(name, names)));
+    return fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", name,
+                       engine::did_you_mean(engine::closest(name, names)));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace cvtflow::tasks {
 
 struct CrossCheck {
-    std::vector<std::string_view> keys;   ///< keys whose values are compared; a problem is reported at the first that the scene gives
+    std::vector<std::string_view> keys;  ///< keys whose values are compared; a problem is reported at the first that the scene gives
     /// What is wrong (a full sentence with its key), or nothing. Expects every key to be in its own range.
     std::optional<std::string> (*violation)(const Scene&);
 };

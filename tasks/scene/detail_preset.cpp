@@ -29,7 +29,8 @@ void apply_detail(Scene& scene, std::string_view preset) {
     if (chosen == presets.end()) {
         std::vector<std::string> names;
         for (const auto& row : presets) names.emplace_back(row.name);
-        throw SceneError(fmt::format("detail {}: not one of {}{}", preset, fmt::join(names, ", "), engine::did_you_mean(engine::closest(preset, names))));
+        throw SceneError(fmt::format("detail {}: not one of {}{}", preset, fmt::join(names, ", "),
+                                     engine::did_you_mean(engine::closest(preset, names))));
     }
     auto& detail = scene.parameters.detail;
     detail.order = chosen->order;

@@ -18,15 +18,11 @@ Json number_schema(double min, double max) {
     return {{"anyOf", {plain, with_unit}}};
 }
 
-Json list_schema(Json item) {
-    return {{"type", "array"}, {"items", std::move(item)}, {"minItems", 1}, {"maxItems", most_points}};
-}
+Json list_schema(Json item) { return {{"type", "array"}, {"items", std::move(item)}, {"minItems", 1}, {"maxItems", most_points}}; }
 
 Json point_schema(double min, double max) {
-    return {{"type", "array"},
-            {"prefixItems", {number_schema(0.0, latest_time), number_schema(min, max)}},
-            {"minItems", 2},
-            {"maxItems", 2}};
+    return {
+        {"type", "array"}, {"prefixItems", {number_schema(0.0, latest_time), number_schema(min, max)}}, {"minItems", 2}, {"maxItems", 2}};
 }
 
 /// `number` or a list of `item`.

@@ -13,7 +13,7 @@ namespace {
 // key, unit, min, max, choices / meaning / source, member
 const std::vector<Parameter>& rows() {
     static const std::vector<Parameter> table{
-    // clang-format off
+        // clang-format off
     {"scene.name", "", 0, 0, {},
      "Name of the scene; the file's stem if absent.",
      "model choice", [](Scene& s) -> Slot { return &s.name; }},
@@ -328,7 +328,7 @@ const std::vector<Parameter>& rows() {
     {"record.ledger", "", 0, 0, {},
      "Losses and works by kind are integrated along with the state.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.ledger; }},
-    // clang-format on
+        // clang-format on
     };
     return table;
 }
@@ -336,9 +336,9 @@ const std::vector<Parameter>& rows() {
 }  // namespace
 
 Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number, Kind::integer,     Kind::integer,    Kind::integer, Kind::boolean, Kind::text,
-                                      Kind::number_list, Kind::time_table, Kind::choice, Kind::choice, Kind::choice, Kind::choice,
-                                      Kind::choice, Kind::choice, Kind::choice, Kind::choice, Kind::choice, Kind::auto_number};
+    static constexpr std::array kinds{Kind::number,      Kind::integer,    Kind::integer, Kind::integer, Kind::boolean, Kind::text,
+                                      Kind::number_list, Kind::time_table, Kind::choice,  Kind::choice,  Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::choice,     Kind::choice,  Kind::choice,  Kind::choice,  Kind::auto_number};
     static_assert(kinds.size() == std::variant_size_v<Slot>);
     Scene scene;
     return kinds[member(scene).index()];

@@ -24,13 +24,13 @@ inline constexpr std::size_t most_points = 10000;
 inline constexpr double latest_time = 1e6;
 
 struct Parameter {
-    std::string_view key;                       ///< "section.name"
-    std::string_view unit;                      ///< SI unit of a number, "1" for a plain number; empty where there is no number
-    double min = 0.0;                           ///< smallest value allowed, in `unit`
-    double max = 0.0;                           ///< largest value allowed
-    std::vector<std::string_view> choices;      ///< of a choice, in the order of the enumerators
+    std::string_view key;                   ///< "section.name"
+    std::string_view unit;                  ///< SI unit of a number, "1" for a plain number; empty where there is no number
+    double min = 0.0;                       ///< smallest value allowed, in `unit`
+    double max = 0.0;                       ///< largest value allowed
+    std::vector<std::string_view> choices;  ///< of a choice, in the order of the enumerators
     std::string_view meaning;
-    std::string_view source;                    ///< where the default comes from
+    std::string_view source;  ///< where the default comes from
     Slot (*member)(Scene&);
 
     [[nodiscard]] std::string_view section() const noexcept { return key.substr(0, key.find('.')); }

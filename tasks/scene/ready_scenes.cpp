@@ -19,15 +19,17 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Folder of the program or shared library that this code is part of, by the list of what is mapped where; empty if unknown. (dladdr knows a program
-/// by argv[0] only, and a library by the name under which it was found, which may be relative.)
+/// Folder of the program or shared library that this code is part of, by the list of what is mapped where; empty if unknown. (dladdr knows
+/// a program by argv[0] only, and a library by the name under which it was found, which may be relative.)
 fs::path own_folder() {
     const auto here = reinterpret_cast<std::uintptr_t>(&own_folder);
     std::ifstream maps("/proc/self/maps");
     for (std::string line; std::getline(maps, line);) {
         std::uintptr_t begin = 0, end = 0;
-        int name = 0;   // where it begins
-        if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR " %*s %*s %*s %*s %n", &begin, &end, &name) != 2 || here < begin || here >= end) continue;
+        int name = 0;  // where it begins
+        if (std::sscanf(line.c_str(), "%" SCNxPTR "-%" SCNxPTR " %*s %*s %*s %*s %n", &begin, &end, &name) != 2 || here < begin ||
+            here >= end)
+            continue;
         std::error_code unknown;
         const fs::path path = fs::canonical(line.substr(static_cast<std::size_t>(name)), unknown);
         return unknown ? fs::path{} : path.parent_path();
@@ -48,7 +50,8 @@ std::vector<fs::path> scene_folders() {
     // bin/ or lib/ or lib/ARCHITECTURE/ beside share/
     const fs::path own = own_folder();
     fs::path folder = own;
-    for (int level = 0; level < 2 && folder.has_relative_path(); ++level) folders.push_back((folder = folder.parent_path()) / "share/cvtflow/scenes");
+    for (int level = 0; level < 2 && folder.has_relative_path(); ++level)
+        folders.push_back((folder = folder.parent_path()) / "share/cvtflow/scenes");
     // a build folder, up to three levels above
     folder = own;
     for (int level = 0; level < 4 && folder.has_relative_path(); ++level, folder = folder.parent_path()) {

@@ -18,7 +18,7 @@
 namespace cvtflow::tasks {
 namespace {
 
-constexpr std::size_t most_problems = 100;   ///< that are told, each a line
+constexpr std::size_t most_problems = 100;  ///< that are told, each a line
 
 /// A key in a message: as it was written, unless that is no use to anybody.
 std::string shown(const std::string& key) { return key.size() <= 100 ? key : key.substr(0, 60) + "…"; }
@@ -34,7 +34,8 @@ public:
     void document(const Node::Table& sections);
     void value(const Parameter& parameter, const Node& node);
     void unknown_key(const std::string& key, Position position) {
-        problem(position, fmt::format("{}: unknown key{}", shown(key), problems_.size() < most_problems ? engine::did_you_mean(nearest_key(key)) : ""));
+        problem(position, fmt::format("{}: unknown key{}", shown(key),
+                                      problems_.size() < most_problems ? engine::did_you_mean(nearest_key(key)) : ""));
     }
     void problem(Position position, std::string message) { problems_.push_back({position, std::move(message)}); }
 
@@ -65,14 +66,19 @@ void Reading::section(const Entry& entry) {
     const auto names = section_names();
     const auto* table = std::get_if<Node::Table>(&entry.node.value);
     if (std::find(names.begin(), names.end(), entry.key) == names.end()) {
-        if (table) return problem(entry.position, fmt::format("{}: unknown section{}", shown(entry.key), engine::did_you_mean(engine::closest(entry.key, names))));
-        return problem(entry.position, fmt::format("{}: this key is in no section{}", shown(entry.key), engine::did_you_mean(nearest_key(entry.key))));
+        if (table)
+            return problem(entry.position,
+                           fmt::format("{}: unknown section{}", shown(entry.key), engine::did_you_mean(engine::closest(entry.key, names))));
+        return problem(entry.position,
+                       fmt::format("{}: this key is in no section{}", shown(entry.key), engine::did_you_mean(nearest_key(entry.key))));
     }
     if (!table) return problem(entry.position, fmt::format("{0}: not a section; write [{0}]", entry.key));
     for (const Entry& row : *table) {
         const std::string key = fmt::format("{}.{}", entry.key, row.key);
-        if (const Parameter* parameter = find_parameter(key)) value(*parameter, row.node);
-        else unknown_key(key, row.position);
+        if (const Parameter* parameter = find_parameter(key))
+            value(*parameter, row.node);
+        else
+            unknown_key(key, row.position);
     }
 }
 
@@ -81,8 +87,10 @@ void Reading::value(const Parameter& parameter, const Node& node) {
     given_[parameter.key] = node.position;
     read_value(parameter, node, scene_, problems_);
     if (parameter.key == "start.state" && problems_.size() == before) resolve_state(node);
-    if (problems_.size() == before) wrong_.erase(parameter.key);
-    else wrong_.insert(parameter.key);
+    if (problems_.size() == before)
+        wrong_.erase(parameter.key);
+    else
+        wrong_.insert(parameter.key);
 }
 
 void Reading::resolve_state(const Node& node) {
@@ -110,7 +118,8 @@ Scene Reading::finish(const std::function<std::string(Position)>& place) {
     if (problems_.empty()) return std::move(scene_);
     std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) { return a.position < b.position; });
     std::vector<std::string> lines;
-    for (std::size_t i = 0; i < std::min(problems_.size(), most_problems); ++i) lines.push_back(fmt::format("{}: {}", place(problems_[i].position), problems_[i].message));
+    for (std::size_t i = 0; i < std::min(problems_.size(), most_problems); ++i)
+        lines.push_back(fmt::format("{}: {}", place(problems_[i].position), problems_[i].message));
     if (problems_.size() > most_problems) lines.push_back(fmt::format("… and {} more problems", problems_.size() - most_problems));
     throw SceneError(fmt::format("{}", fmt::join(lines, "\n")));
 }
@@ -152,9 +161,7 @@ void read_setting(Reading& reading, const std::string& setting, Position positio
 
 }  // namespace
 
-Scene read_scene(const std::filesystem::path& path, StartState start) {
-    return parse_scene(read_toml_text(path), path, start);
-}
+Scene read_scene(const std::filesystem::path& path, StartState start) { return parse_scene(read_toml_text(path), path, start); }
 
 Scene parse_scene(std::string text, std::filesystem::path name, StartState start) {
     const auto place = [&](Position position) { return fmt::format("{}:{}:{}", name.string(), position.line, position.column); };
@@ -175,7 +182,8 @@ void set_values(Scene& scene, std::span<const std::string> settings) {
     int number = 0;
     for (const std::string& setting : settings) read_setting(reading, setting, {number++, 0});
     scene = reading.finish([&](Position position) {
-        return position == nowhere ? fmt::format("{}, as it is now", scene.name) : fmt::format("--set {}", settings[static_cast<std::size_t>(position.line)]);
+        return position == nowhere ? fmt::format("{}, as it is now", scene.name)
+                                   : fmt::format("--set {}", settings[static_cast<std::size_t>(position.line)]);
     });
 }
 

@@ -22,7 +22,7 @@ namespace cvtflow::tasks {
 
 /// A positive number, or "auto": the program chooses it.
 struct AutoNumber {
-    double value = 0.0;   ///< 0: automatic
+    double value = 0.0;  ///< 0: automatic
 
     constexpr AutoNumber() = default;
     constexpr AutoNumber(double number) noexcept : value(number) {}
@@ -34,34 +34,34 @@ struct AutoNumber {
 
 /// How a scene is integrated and what is recorded.
 struct RunSettings {
-    std::string method = "leapfrog-chebyshev";   ///< name in the catalogue of methods
-    AutoNumber step;                  ///< fixed or longest [s]; automatic: as long as the method is stable and good at the state at hand
+    std::string method = "leapfrog-chebyshev";  ///< name in the catalogue of methods
+    AutoNumber step;  ///< fixed or longest [s]; automatic: as long as the method is stable and good at the state at hand
     StepControl step_control = StepControl::fixed;
-    double tolerance = 1.0;           ///< of local errors, in units of ErrorScale
-    double until = 5e-3;              ///< [s]
-    double output_interval = 1e-5;    ///< channels [s]
-    double state_interval = 1e-4;     ///< full states [s]
-    long max_steps = 0;               ///< 0: no limit
-    double max_wall = 0.0;            ///< wall-clock limit, 0: none [s]
-    int followed_pin = 0;             ///< pin whose own channels are recorded
-    std::string schedule = "auto";    ///< executor by name in the catalogue, or auto: the fastest by trials during the run
+    double tolerance = 1.0;         ///< of local errors, in units of ErrorScale
+    double until = 5e-3;            ///< [s]
+    double output_interval = 1e-5;  ///< channels [s]
+    double state_interval = 1e-4;   ///< full states [s]
+    long max_steps = 0;             ///< 0: no limit
+    double max_wall = 0.0;          ///< wall-clock limit, 0: none [s]
+    int followed_pin = 0;           ///< pin whose own channels are recorded
+    std::string schedule = "auto";  ///< executor by name in the catalogue, or auto: the fastest by trials during the run
     Assembly assembly = Assembly::fused;
     PartitionKind partition = PartitionKind::equal;
-    int segments = 0;                 ///< parts of the chain that are tasks of their own; 0: as many as threads
-    int threads = 0;                  ///< 0: as many as this process may use
-    std::uint64_t seed = 0;           ///< of whatever is drawn by chance
+    int segments = 0;        ///< parts of the chain that are tasks of their own; 0: as many as threads
+    int threads = 0;         ///< 0: as many as this process may use
+    std::uint64_t seed = 0;  ///< of whatever is drawn by chance
     bool operator==(const RunSettings&) const = default;
 };
 
 struct Scene {
-    std::string name;                 ///< the file's stem if the scene does not say
+    std::string name;  ///< the file's stem if the scene does not say
     std::string description;
     model::Parameters parameters;
     RunSettings run;
-    std::string state_file;           ///< absolute path of the state to start from; empty: geometric start
-    KeptState start_state;            ///< what state_file holds, read once
-    std::string text;                 ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
-    std::filesystem::path path;       ///< of the file, as given
+    std::string state_file;      ///< absolute path of the state to start from; empty: geometric start
+    KeptState start_state;       ///< what state_file holds, read once
+    std::string text;            ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
+    std::filesystem::path path;  ///< of the file, as given
 };
 
 /// A scene that cannot be used. what() is the full message: one problem per line, in the order of their positions.

@@ -33,14 +33,22 @@ std::string value_text(const Parameter& parameter, const Scene& scene) {
     return std::visit(
         [&](const auto* member) -> std::string {
             using T = std::remove_cv_t<std::remove_pointer_t<decltype(member)>>;
-            if constexpr (std::is_same_v<T, double>) return number_text(*member);
-            else if constexpr (std::is_same_v<T, AutoNumber>) return member->automatic() ? "\"auto\"" : number_text(*member);
-            else if constexpr (std::is_same_v<T, bool>) return *member ? "true" : "false";
-            else if constexpr (std::is_same_v<T, std::string>) return toml_text(*member);
-            else if constexpr (std::is_same_v<T, std::vector<double>>) return list_text(*member);
-            else if constexpr (std::is_same_v<T, model::TimeTable>) return table_text(*member);
-            else if constexpr (std::is_enum_v<T>) return toml_text(std::string(parameter.choices[static_cast<std::size_t>(*member)]));
-            else return std::to_string(*member);
+            if constexpr (std::is_same_v<T, double>)
+                return number_text(*member);
+            else if constexpr (std::is_same_v<T, AutoNumber>)
+                return member->automatic() ? "\"auto\"" : number_text(*member);
+            else if constexpr (std::is_same_v<T, bool>)
+                return *member ? "true" : "false";
+            else if constexpr (std::is_same_v<T, std::string>)
+                return toml_text(*member);
+            else if constexpr (std::is_same_v<T, std::vector<double>>)
+                return list_text(*member);
+            else if constexpr (std::is_same_v<T, model::TimeTable>)
+                return table_text(*member);
+            else if constexpr (std::is_enum_v<T>)
+                return toml_text(std::string(parameter.choices[static_cast<std::size_t>(*member)]));
+            else
+                return std::to_string(*member);
         },
         parameter.member(copy));
 }

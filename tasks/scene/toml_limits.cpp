@@ -36,13 +36,16 @@ private:
             return;
         }
         if (c == '#') at_ = std::min(text_.find('\n', at_), text_.size()) - 1;
-        const bool word = c == '_' || c == '-' || c == '+' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c & 0x80) != 0;
+        const bool word = c == '_' || c == '-' || c == '+' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                          (c & 0x80) != 0;
         length_ = word ? length_ + 1 : 0;
         if (c == '[' || c == '{') ++depth_;
         if (c == ']' || c == '}') --depth_;
         if (c == '\n' && depth_ < 0) depth_ = 0;
-        if (c == '.') ++dots_;
-        else if (!word && c != ' ' && c != '\t') dots_ = 0;
+        if (c == '.')
+            ++dots_;
+        else if (!word && c != ' ' && c != '\t')
+            dots_ = 0;
     }
 
     /// To the last quote of a text, of one line or several.
@@ -51,9 +54,12 @@ private:
         const bool lines = text_.compare(at_, 3, three) == 0;
         at_ += lines ? 3 : 1;
         for (; at_ < text_.size(); ++at_) {
-            if (text_[at_] == '\\' && quote == '"') ++at_;
-            else if (lines ? text_.compare(at_, 3, three) == 0 : text_[at_] == quote) break;
-            else if (!lines && text_[at_] == '\n') return;   // not closed: an error of its own
+            if (text_[at_] == '\\' && quote == '"')
+                ++at_;
+            else if (lines ? text_.compare(at_, 3, three) == 0 : text_[at_] == quote)
+                break;
+            else if (!lines && text_[at_] == '\n')
+                return;  // not closed: an error of its own
         }
         if (lines) at_ += 2;
     }

@@ -33,12 +33,12 @@ struct Node {
     using Array = std::vector<Node>;
     using Table = std::vector<Entry>;
     std::variant<Date, bool, std::int64_t, double, std::string, Array, Table> value;
-    Position position;   ///< of the value
+    Position position;  ///< of the value
 };
 
 struct Entry {
     std::string key;
-    Position position;   ///< of the key
+    Position position;  ///< of the key
     Node node;
 };
 
@@ -48,8 +48,8 @@ inline constexpr std::size_t longest_toml = std::size_t{4} << 20U;
 /// The text of a TOML file. @throws SceneError "path: cannot be read: why"
 [[nodiscard]] std::string read_toml_text(const std::filesystem::path& path);
 
-/// @return the document's table, or the first violation of the TOML grammar (duplicate keys included) or of what this program takes: texts up
-/// to longest_toml, keys of up to 256 characters and 32 parts, values nested up to 32 deep
+/// @return the document's table, or the first violation of the TOML grammar (duplicate keys included) or of what this program takes: texts
+/// up to longest_toml, keys of up to 256 characters and 32 parts, values nested up to 32 deep
 [[nodiscard]] std::variant<Node, Problem> parse_toml(const std::string& text);
 
 /// `"text"` with TOML's escapes.

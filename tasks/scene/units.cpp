@@ -21,7 +21,7 @@ namespace {
 /// One unit in SI is 10^decimal · numerator / denominator. The power of ten is kept apart because it can be applied without rounding.
 struct Unit {
     std::string_view symbol;
-    Dimension dimension;   // in halves
+    Dimension dimension;  // in halves
     int decimal;
     double numerator;
     double denominator;
@@ -54,22 +54,46 @@ struct NamedDimension {
 };
 
 constexpr std::array<NamedDimension, 22> named_dimensions{{
-    {"a plain number", "1"}, {"a length", "m"}, {"an area", "m^2"}, {"a volume", "m^3"}, {"a mass", "kg"},
-    {"a time", "s"}, {"an angle", "rad"}, {"a speed", "m/s"}, {"an acceleration", "m/s^2"},
-    {"a rotational speed", "rad/s"}, {"a frequency", "Hz"}, {"a force", "N"}, {"a force rate", "N/s"},
-    {"a torque", "N*m"}, {"a pressure", "Pa"}, {"a stiffness", "N/m"}, {"a Hertz stiffness", "N/m^1.5"},
-    {"a rotational stiffness", "N*m/rad"}, {"a bending stiffness", "N*m^2"}, {"a damping", "N*s/m"},
-    {"a moment of inertia", "kg*m^2"}, {"a density", "kg/m^3"},
+    {"a plain number", "1"},
+    {"a length", "m"},
+    {"an area", "m^2"},
+    {"a volume", "m^3"},
+    {"a mass", "kg"},
+    {"a time", "s"},
+    {"an angle", "rad"},
+    {"a speed", "m/s"},
+    {"an acceleration", "m/s^2"},
+    {"a rotational speed", "rad/s"},
+    {"a frequency", "Hz"},
+    {"a force", "N"},
+    {"a force rate", "N/s"},
+    {"a torque", "N*m"},
+    {"a pressure", "Pa"},
+    {"a stiffness", "N/m"},
+    {"a Hertz stiffness", "N/m^1.5"},
+    {"a rotational stiffness", "N*m/rad"},
+    {"a bending stiffness", "N*m^2"},
+    {"a damping", "N*s/m"},
+    {"a moment of inertia", "kg*m^2"},
+    {"a density", "kg/m^3"},
 }};
 
 struct UsualUnits {
     std::string_view si;
-    std::array<std::string_view, 3> usual;   // unused places are empty
+    std::array<std::string_view, 3> usual;  // unused places are empty
 };
 
 constexpr std::array<UsualUnits, 11> usual_table{{
-    {"m", {"mm", "um", "cm"}}, {"m^2", {"mm^2", "cm^2"}}, {"kg", {"g", "mg"}}, {"s", {"ms", "us", "ns"}}, {"rad", {"deg", "mrad"}},
-    {"m/s", {"mm/s", "um/s"}}, {"rad/s", {"rpm"}}, {"N", {"kN", "MN"}}, {"Pa", {"GPa", "MPa"}}, {"N/m", {"kN/mm", "N/mm", "MN/m"}},
+    {"m", {"mm", "um", "cm"}},
+    {"m^2", {"mm^2", "cm^2"}},
+    {"kg", {"g", "mg"}},
+    {"s", {"ms", "us", "ns"}},
+    {"rad", {"deg", "mrad"}},
+    {"m/s", {"mm/s", "um/s"}},
+    {"rad/s", {"rpm"}},
+    {"N", {"kN", "MN"}},
+    {"Pa", {"GPa", "MPa"}},
+    {"N/m", {"kN/mm", "N/mm", "MN/m"}},
     {"N*m", {"kN*m", "N*mm"}},
 }};
 
@@ -245,7 +269,7 @@ std::string number_text(double number) {
     const double size = std::abs(number);
     std::string scientific = written(std::chars_format::scientific);
     const auto e = scientific.find('e');
-    if (e == std::string::npos) return scientific;   // inf, nan
+    if (e == std::string::npos) return scientific;  // inf, nan
     scientific = fmt::format("{}e{}", scientific.substr(0, e), std::atoi(scientific.c_str() + e + 1));
     std::string fixed = written(std::chars_format::fixed);
     const bool plain = (size >= 0.1 && size < 1e4) || (size >= 1e4 && fixed.size() <= scientific.size());

@@ -20,8 +20,8 @@ struct Dimension {
 
 /// A number with its unit, read from text.
 struct Quantity {
-    double value = 0.0;      ///< in SI
-    double number = 0.0;     ///< as written, before the unit
+    double value = 0.0;   ///< in SI
+    double number = 0.0;  ///< as written, before the unit
     Dimension dimension;
     bool has_unit = false;
 };

@@ -20,7 +20,7 @@ struct Rule {
     std::string_view unit;
     double min;
     double max;
-    double usual;   ///< guesses at a forgotten unit go for the value nearest to this one
+    double usual;  ///< guesses at a forgotten unit go for the value nearest to this one
 };
 
 /// " m", or nothing for a plain number.
@@ -30,13 +30,20 @@ std::string written(const Node& node) {
     return std::visit(
         [](const auto& value) -> std::string {
             using T = std::decay_t<decltype(value)>;
-            if constexpr (std::is_same_v<T, Date>) return "a date or time";
-            else if constexpr (std::is_same_v<T, bool>) return value ? "true" : "false";
-            else if constexpr (std::is_same_v<T, std::int64_t>) return std::to_string(value);
-            else if constexpr (std::is_same_v<T, double>) return std::isfinite(value) ? number_text(value) : fmt::format("{}", value);
-            else if constexpr (std::is_same_v<T, std::string>) return toml_text(value);
-            else if constexpr (std::is_same_v<T, Node::Array>) return "a list";
-            else return "a table";
+            if constexpr (std::is_same_v<T, Date>)
+                return "a date or time";
+            else if constexpr (std::is_same_v<T, bool>)
+                return value ? "true" : "false";
+            else if constexpr (std::is_same_v<T, std::int64_t>)
+                return std::to_string(value);
+            else if constexpr (std::is_same_v<T, double>)
+                return std::isfinite(value) ? number_text(value) : fmt::format("{}", value);
+            else if constexpr (std::is_same_v<T, std::string>)
+                return toml_text(value);
+            else if constexpr (std::is_same_v<T, Node::Array>)
+                return "a list";
+            else
+                return "a table";
         },
         node.value);
 }
@@ -48,7 +55,7 @@ std::string real_text(double number) {
 }
 
 /// The default of a number, list or table (its first value); 0 for other kinds.
-constexpr double usual_step = 1e-6;   ///< where a number may be automatic, that is of steps [s]
+constexpr double usual_step = 1e-6;  ///< where a number may be automatic, that is of steps [s]
 
 double default_number(const Parameter& parameter) {
     Scene scene;
@@ -73,13 +80,14 @@ public:
 
     void read(const Node& node, AutoNumber& member) {
         const auto* text = std::get_if<std::string>(&node.value);
-        if (text && *text == "auto") member = AutoNumber();
-        else if (const auto value = number(node, rule())) member = *value;
+        if (text && *text == "auto")
+            member = AutoNumber();
+        else if (const auto value = number(node, rule()))
+            member = *value;
     }
 
     template <class Integer>
-        requires(std::is_integral_v<Integer> && !std::is_same_v<Integer, bool>)
-    void read(const Node& node, Integer& member) {
+    requires(std::is_integral_v<Integer> && !std::is_same_v<Integer, bool>) void read(const Node& node, Integer& member) {
         const auto* value = std::get_if<std::int64_t>(&node.value);
         const bool real = std::holds_alternative<double>(node.value);
         if (!value) return refuse(node, "{} is not an integer", real ? real_text(std::get<double>(node.value)) : written(node));
@@ -102,7 +110,7 @@ public:
     }
 
     template <class Choice>
-        requires std::is_enum_v<Choice>
+    requires std::is_enum_v<Choice>
     void read(const Node& node, Choice& member) {
         const auto* value = std::get_if<std::string>(&node.value);
         const auto& choices = parameter_.choices;
@@ -173,9 +181,12 @@ private:
     std::optional<double> number(const Node& node, const Rule& rule) {
         if (const auto* text = std::get_if<std::string>(&node.value)) return quantity(node, *text, rule);
         double value = 0.0;
-        if (const auto* integer = std::get_if<std::int64_t>(&node.value)) value = static_cast<double>(*integer);
-        else if (const auto* real = std::get_if<double>(&node.value)) value = *real;
-        else return refuse(node, "{} is not a number", written(node)), std::nullopt;
+        if (const auto* integer = std::get_if<std::int64_t>(&node.value))
+            value = static_cast<double>(*integer);
+        else if (const auto* real = std::get_if<double>(&node.value))
+            value = *real;
+        else
+            return refuse(node, "{} is not a number", written(node)), std::nullopt;
         if (!std::isfinite(value)) return refuse(node, "{} is not a finite number", written(node)), std::nullopt;
         return in_range(node, value, value, written(node) + suffix(rule.unit), rule);
     }

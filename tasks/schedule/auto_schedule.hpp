@@ -7,9 +7,10 @@
 
 namespace cvtflow::tasks {
 
-/// The scene's own schedule, or, if run.schedule is "auto", what is worth trying: serial first, then `flow` in both assemblies, with one segment and two
-/// segments per thread, with equal and with balanced segments, and on half the threads where there are four or more. Numbers of segments and threads that the
-/// scene gives are respected, and so are assembly and partition if they are not the usual ones. Only serial on one usable processor.
+/// The scene's own schedule, or, if run.schedule is "auto", what is worth trying: serial first, then `flow` in both assemblies, with one
+/// segment and two segments per thread, with equal and with balanced segments, and on half the threads where there are four or more.
+/// Numbers of segments and threads that the scene gives are respected, and so are assembly and partition if they are not the usual ones.
+/// Only serial on one usable processor.
 /// @throws SceneError for an executor that does not exist
 [[nodiscard]] std::vector<Schedule> schedules_for(const Scene& scene);
 

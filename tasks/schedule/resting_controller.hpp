@@ -22,9 +22,9 @@ protected:
     RestJudge& operator=(const RestJudge&) = default;
 };
 
-/// Passes the step controller's decisions on. At the end of every fourth step it looks at the clock, and once a window is over it asks the judge. To rest,
-/// it keeps the next step's first cycle back and says stop; the next Executor::run() begins with that cycle. What the step controller has prepared for it
-/// lies in the workspace and knows nothing of segments, so results are bitwise those of an unbroken run.
+/// Passes the step controller's decisions on. At the end of every fourth step it looks at the clock, and once a window is over it asks the
+/// judge. To rest, it keeps the next step's first cycle back and says stop; the next Executor::run() begins with that cycle. What the step
+/// controller has prepared for it lies in the workspace and knows nothing of segments, so results are bitwise those of an unbroken run.
 class RestingController final : public engine::Controller {
 public:
     RestingController(StepController& whole, RestJudge& judge) : whole_(whole), judge_(judge) {}
@@ -35,16 +35,16 @@ public:
 
 private:
     using Clock = std::chrono::steady_clock;
-    static constexpr int stride = 4;     ///< steps between looks at the clock; the first stride is not counted: threads are on their way
+    static constexpr int stride = 4;  ///< steps between looks at the clock; the first stride is not counted: threads are on their way
 
     [[nodiscard]] bool rests() noexcept;
 
     StepController& whole_;
     RestJudge& judge_;
     bool over_ = false;
-    int held_ = stop;                    ///< cycle kept back
-    long steps_ = 0, looks_ = 0;         ///< steps seen; looks since the run was taken up
-    long cycles_ = 0;                    ///< since `counted_`
+    int held_ = stop;             ///< cycle kept back
+    long steps_ = 0, looks_ = 0;  ///< steps seen; looks since the run was taken up
+    long cycles_ = 0;             ///< since `counted_`
     Clock::time_point taken_up_ = Clock::now(), counted_ = taken_up_;
 };
 

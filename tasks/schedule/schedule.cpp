@@ -21,7 +21,8 @@ namespace {
         std::ifstream file(root / group / "cpu.max");
         std::string quota;
         double period = 0.0;
-        if (file >> quota >> period && quota != "max" && period > 0.0) least = std::min(least, std::max(1, static_cast<int>(std::strtod(quota.c_str(), nullptr) / period)));
+        if (file >> quota >> period && quota != "max" && period > 0.0)
+            least = std::min(least, std::max(1, static_cast<int>(std::strtod(quota.c_str(), nullptr) / period)));
         if (group.empty()) return least;
     }
 }
@@ -44,7 +45,10 @@ int quota_processors(const std::filesystem::path& root, const std::filesystem::p
     return least_quota(root, group);
 }
 
-int usable_threads() { return std::max(1, std::min({engine::usable_processors(), quota_processors("/sys/fs/cgroup", "/proc/self/cgroup"), granted_processors()})); }
+int usable_threads() {
+    return std::max(1,
+                    std::min({engine::usable_processors(), quota_processors("/sys/fs/cgroup", "/proc/self/cgroup"), granted_processors()}));
+}
 
 namespace {
 
@@ -74,7 +78,8 @@ AssemblyOptions assembly_named(const std::string& name) {
 
 std::string Schedule::text() const {
     if (executor == "serial" && segments == 1 && assembly.kind == Assembly::fused) return "serial";
-    return fmt::format("{}, {}, {} segments, {} threads{}", executor, assembly_name(assembly), segments, threads, balanced ? ", balanced" : "");
+    return fmt::format("{}, {}, {} segments, {} threads{}", executor, assembly_name(assembly), segments, threads,
+                       balanced ? ", balanced" : "");
 }
 
 Schedule schedule_of(const RunSettings& run, int links) {
@@ -122,7 +127,8 @@ double longest_segment(const std::vector<model::Phase>& phases, std::span<const 
     double longest = 0.0;
     for (std::size_t s = 1; s < cuts.size(); ++s) {
         double cost = 0.0;
-        for (int link = cuts[s - 1]; link < cuts[s]; link += costs.grain) cost += unit_cost(phases, link, std::min(link + costs.grain, cuts[s]), costs);
+        for (int link = cuts[s - 1]; link < cuts[s]; link += costs.grain)
+            cost += unit_cost(phases, link, std::min(link + costs.grain, cuts[s]), costs);
         longest = std::max(longest, cost);
     }
     return longest;
@@ -135,7 +141,7 @@ void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const
     const auto cost = [&](int unit) { return unit_cost(phases, costs.grain * unit, std::min(links, costs.grain * (unit + 1)), costs); };
     double total = 0.0;
     for (int unit = 0; unit < units; ++unit) total += cost(unit);
-    double until = 0.0, before = 0.0;   // cost of the units before `at`, and before the one in front of it
+    double until = 0.0, before = 0.0;  // cost of the units before `at`, and before the one in front of it
     cuts.front() = 0;
     for (int s = 1, at = 0, last = 0; s < segments; ++s) {
         const double wanted = total * s / segments;

@@ -16,19 +16,20 @@ namespace cvtflow::tasks {
 
 /// Processors that this process may use: affinity, CPU quota of its cgroup, SLURM_CPUS_PER_TASK.
 [[nodiscard]] int usable_threads();
-/// Whole processors that the CPU quota of a process's control group (version 2), or of one that it lies in, leaves it; a large number: there is none.
+/// Whole processors that the CPU quota of a process's control group (version 2), or of one that it lies in, leaves it; a large number:
+/// there is none.
 /// @param root where control groups are mounted   @param membership the process's file of groups
 [[nodiscard]] int quota_processors(const std::filesystem::path& root, const std::filesystem::path& membership);
 
 struct Schedule {
-    std::string executor = "serial";    ///< name in the catalogue of executors
+    std::string executor = "serial";  ///< name in the catalogue of executors
     AssemblyOptions assembly;
     int segments = 1;
     int threads = 1;
-    bool balanced = false;              ///< partition by cost of links instead of equal numbers
+    bool balanced = false;  ///< partition by cost of links instead of equal numbers
     engine::Wait wait = engine::Wait::balanced;
     bool pin = false;
-    bool present_arena = false;         ///< flow only: in the oneTBB arena of the caller
+    bool present_arena = false;  ///< flow only: in the oneTBB arena of the caller
 
     bool operator==(const Schedule&) const = default;
     /// "flow, fused, 2 segments, 2 threads"
@@ -52,8 +53,8 @@ struct Schedule {
 /// Cost of a link relative to a free one, from the cost of a touching link: used by the balanced partition.
 struct LinkCosts {
     double free = 1.0;
-    double touching = 1.35;   ///< measured at full detail: tips are a third of what else a link costs (bench rhs)
-    int grain = 1;            ///< links that are evaluated side by side: segments begin at multiples of it, as long as there are enough
+    double touching = 1.35;  ///< measured at full detail: tips are a third of what else a link costs (bench rhs)
+    int grain = 1;           ///< links that are evaluated side by side: segments begin at multiples of it, as long as there are enough
 };
 
 /// Contiguous segments of about equal cost, judged by which links touch now. @param phases [4 links]
@@ -62,6 +63,7 @@ struct LinkCosts {
 /// The same without memory of its own: cuts[0] = 0 < cuts[1] < … < cuts[segments] = links. @param cuts [segments + 1, out]
 void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs = {}) noexcept;
 /// Cost of the most costly segment between such cuts.
-[[nodiscard]] double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts, const LinkCosts& costs = {}) noexcept;
+[[nodiscard]] double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts,
+                                     const LinkCosts& costs = {}) noexcept;
 
 }  // namespace cvtflow::tasks

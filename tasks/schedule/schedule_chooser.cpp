@@ -83,7 +83,7 @@ void ScheduleChooser::end_check() noexcept {
     for (Candidate& each : candidates_) {
         const auto middle = each.turns.begin() + static_cast<std::ptrdiff_t>(each.turns.size() / 2);
         std::nth_element(each.turns.begin(), middle, each.turns.end());
-        each.median = *middle;   // each has had a turn: none is out before its first
+        each.median = *middle;  // each has had a turn: none is out before its first
     }
     const int before = chosen_;
     choose();

@@ -1,10 +1,11 @@
 #pragma once
-/// Which of several schedules a run goes on with. Pure bookkeeping: told how fast the run was, it says what to run next and for how long; it knows neither
-/// clock nor thread, so that its promise can be tested on invented machines.
+/// Which of several schedules a run goes on with. Pure bookkeeping: told how fast the run was, it says what to run next and for how long;
+/// it knows neither clock nor thread, so that its promise can be tested on invented machines.
 ///
-/// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only what the
-/// schedule on trial is slower than the one at work. These losses are counted, and a turn is taken only while all of them together, this turn being wasted entirely, stay
-/// below `regret` of the time so far. A run too short for a trial stays with the first candidate.
+/// The run itself is the measurement: schedules take turns on its own steps (results do not depend on the schedule), so a trial costs only
+/// what the schedule on trial is slower than the one at work. These losses are counted, and a turn is taken only while all of them
+/// together, this turn being wasted entirely, stay below `regret` of the time so far. A run too short for a trial stays with the first
+/// candidate.
 ///
 ///     work (windows) ── due and affordable ──► check: rounds of turns of all candidates ──► medians ──► work
 ///          ▲ not affordable: back to work for a window, the check goes on afterwards ─┘
@@ -29,9 +30,9 @@ struct ChooserOptions {
 
 /// How a stretch of steps went.
 struct Pace {
-    double seconds = 0.0;      ///< wall time, the arrival of threads included [s]
-    double per_cycle = 0.0;    ///< wall time per cycle once threads have arrived [s]
-    int touching = 0;          ///< links that touch now
+    double seconds = 0.0;    ///< wall time, the arrival of threads included [s]
+    double per_cycle = 0.0;  ///< wall time per cycle once threads have arrived [s]
+    int touching = 0;        ///< links that touch now
 };
 
 class ScheduleChooser {
@@ -56,9 +57,9 @@ public:
 
 private:
     struct Candidate {
-        std::vector<double> turns;   ///< of the check at hand; room for all rounds
+        std::vector<double> turns;  ///< of the check at hand; room for all rounds
         double median = 0.0;
-        bool out = false;            ///< of the check at hand
+        bool out = false;  ///< of the check at hand
     };
 
     void worked(const Pace& pace) noexcept;
@@ -73,13 +74,13 @@ private:
     ChooserOptions options_;
     std::vector<Candidate> candidates_;
     int now_ = 0, chosen_ = 0;
-    bool trying_ = false;        ///< candidate() is on trial
-    bool checking_ = false;      ///< a check has begun and not ended
-    int next_ = 0, round_ = 0;   ///< whose turn in the check
-    double work_ = 0.0;          ///< time per cycle of the last window of work [s]
-    double reference_ = 0.0;     ///< time per cycle of the first window after the choice; 0: not known
-    int touching_ = -1;          ///< links that touched at the last check
-    int drifting_ = 0;           ///< windows in a row whose pace differs
+    bool trying_ = false;       ///< candidate() is on trial
+    bool checking_ = false;     ///< a check has begun and not ended
+    int next_ = 0, round_ = 0;  ///< whose turn in the check
+    double work_ = 0.0;         ///< time per cycle of the last window of work [s]
+    double reference_ = 0.0;    ///< time per cycle of the first window after the choice; 0: not known
+    int touching_ = -1;         ///< links that touched at the last check
+    int drifting_ = 0;          ///< windows in a row whose pace differs
     double elapsed_ = 0.0, since_check_ = 0.0, lost_ = 0.0, period_;
     long checks_ = 0, changes_ = 0;
 };

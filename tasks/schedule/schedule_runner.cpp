@@ -8,7 +8,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-/// Longest segment over that of balanced borders from which on they are moved: a move costs an end and a beginning of the threads' common run.
+/// Longest segment over that of balanced borders from which on they are moved: a move costs an end and a beginning of the threads' common
+/// run.
 constexpr double tolerable = 1.02;
 
 [[nodiscard]] bool touches(const Workspace& w, int link) noexcept {
@@ -43,13 +44,14 @@ constexpr double tolerable = 1.02;
 
 }  // namespace
 
-ScheduleRunner::ScheduleRunner(Workspace& workspace, std::vector<Schedule> candidates, const ChooserOptions& options, engine::StampRecorder* recorder)
+ScheduleRunner::ScheduleRunner(Workspace& workspace, std::vector<Schedule> candidates, const ChooserOptions& options,
+                               engine::StampRecorder* recorder)
     : w_(workspace), chooser_(static_cast<int>(candidates.size()), options), recorder_(recorder) {
     costs_.grain = grain(w_);
     for (Schedule& each : candidates) slots_.push_back({each, equal_cuts(w_, each.segments)});
     cuts_.reserve(static_cast<std::size_t>(w_.layout().links) + 1);
     Slot& first = slots_.front();
-    first.executor = make_executor(first.schedule, recorder_);   // complaints come now
+    first.executor = make_executor(first.schedule, recorder_);  // complaints come now
     w_.repartition(Partition::at(first.cuts));
     w_.staged_states = first.schedule.assembly.kind == Assembly::staged;
     first.graph = step_graph(w_, first.schedule.assembly);
@@ -61,7 +63,8 @@ void ScheduleRunner::forget_graphs() noexcept {
 
 void ScheduleRunner::run(StepController& controller) {
     take_up();
-    if (slots_.size() == 1 && (!schedule().balanced || schedule().segments == 1)) return slots_.front().executor->run(graph(), &w_, controller);
+    if (slots_.size() == 1 && (!schedule().balanced || schedule().segments == 1))
+        return slots_.front().executor->run(graph(), &w_, controller);
     RestingController resting(controller, *this);
     for (;;) {
         slots_[current()].executor->run(graph(), &w_, resting);
@@ -91,7 +94,7 @@ void ScheduleRunner::take_up() {
 bool ScheduleRunner::wants_other_borders() noexcept {
     const Slot& slot = slots_[current()];
     if (!slot.schedule.balanced || slot.schedule.segments == 1) return false;
-    cuts_.resize(slot.cuts.size());   // within what was reserved
+    cuts_.resize(slot.cuts.size());  // within what was reserved
     balance(w_.phases, cuts_, costs_);
     return longest_segment(w_.phases, slot.cuts, costs_) > tolerable * longest_segment(w_.phases, cuts_, costs_);
 }
@@ -107,7 +110,7 @@ std::string ScheduleRunner::text() const {
     const std::string name = slots_[chosen].schedule.text();
     if (slots_.size() == 1) return moved.empty() ? name : fmt::format("{} ({})", name, moved);
     if (chooser_.checks() == 0) return name + " (auto: no check finished, trials may cost 1 % of the time)";
-    std::size_t other = chosen == 0 ? 1 : 0;   // serial, or the best beside it
+    std::size_t other = chosen == 0 ? 1 : 0;  // serial, or the best beside it
     for (std::size_t each = 2; chosen == 0 && each < slots_.size(); ++each) {
         if (chooser_.per_cycle(static_cast<int>(each)) < chooser_.per_cycle(static_cast<int>(other))) other = each;
     }

@@ -1,6 +1,6 @@
 #pragma once
-/// Runs steps under a schedule that may change on the way: another of several candidates when the machine's load or the chain's phases change, other
-/// borders of segments when links begin or cease to touch.
+/// Runs steps under a schedule that may change on the way: another of several candidates when the machine's load or the chain's phases
+/// change, other borders of segments when links begin or cease to touch.
 
 #include <memory>
 #include <string>
@@ -14,9 +14,11 @@ namespace cvtflow::tasks {
 
 class ScheduleRunner final : private RestJudge {
 public:
-    /// One candidate: that is the schedule. Several: serial first; they are chosen from as ScheduleChooser says. The workspace outlives this.
+    /// One candidate: that is the schedule. Several: serial first; they are chosen from as ScheduleChooser says. The workspace outlives
+    /// this.
     /// @throws std::invalid_argument as the catalogue's make
-    ScheduleRunner(Workspace& workspace, std::vector<Schedule> candidates, const ChooserOptions& options = {}, engine::StampRecorder* recorder = nullptr);
+    ScheduleRunner(Workspace& workspace, std::vector<Schedule> candidates, const ChooserOptions& options = {},
+                   engine::StampRecorder* recorder = nullptr);
 
     /// To the controller's stop. Allocates at the beginning and whenever the schedule changes, not in between.
     void run(StepController& controller);
@@ -30,14 +32,15 @@ public:
     [[nodiscard]] long moves() const noexcept { return moves_; }
     /// Times that a run has rested.
     [[nodiscard]] long rests() const noexcept { return rests_; }
-    /// The schedule and how it was come by: "flow, fused, 2 segments, 2 threads (auto: 13.9 us per cycle, serial 25.2 us; 2 checks, 1 change)"
+    /// The schedule and how it was come by: "flow, fused, 2 segments, 2 threads (auto: 13.9 us per cycle, serial 25.2 us; 2 checks, 1
+    /// change)"
     [[nodiscard]] std::string text() const;
 
 private:
     struct Slot {
         Schedule schedule;
-        std::vector<int> cuts;                          ///< borders of its segments
-        std::unique_ptr<engine::Executor> executor{};   ///< made when it is first used
+        std::vector<int> cuts;                         ///< borders of its segments
+        std::unique_ptr<engine::Executor> executor{};  ///< made when it is first used
         engine::TaskGraph graph{};
     };
 
@@ -51,8 +54,8 @@ private:
     ScheduleChooser chooser_;
     std::vector<Slot> slots_;
     engine::StampRecorder* recorder_;
-    std::vector<int> cuts_;   ///< room for balanced borders
-    LinkCosts costs_;         ///< by which they are balanced
+    std::vector<int> cuts_;  ///< room for balanced borders
+    LinkCosts costs_;        ///< by which they are balanced
     long moves_ = 0, rests_ = 0;
 };
 

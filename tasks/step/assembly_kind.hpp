@@ -4,13 +4,13 @@
 namespace cvtflow::tasks {
 
 enum class Assembly {
-    fused,    ///< one task per segment and evaluation, joints at segment borders computed by both neighbours: a single synchronisation
-    staged,   ///< the published schedule: every stage its own tasks
+    fused,   ///< one task per segment and evaluation, joints at segment borders computed by both neighbours: a single synchronisation
+    staged,  ///< the published schedule: every stage its own tasks
 };
 
 enum class PartitionKind {
-    equal,      ///< segments of equal numbers of links
-    balanced,   ///< segments of about equal cost: links that touch a sheave cost more
+    equal,     ///< segments of equal numbers of links
+    balanced,  ///< segments of about equal cost: links that touch a sheave cost more
 };
 
 }  // namespace cvtflow::tasks

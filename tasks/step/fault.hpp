@@ -5,14 +5,26 @@
 
 namespace cvtflow::tasks {
 
-enum class FaultKind { none, non_finite, penetration, left_sheave, too_stiff, max_steps, max_wall, cancelled, step_size, blow_up, step_too_short };
+enum class FaultKind {
+    none,
+    non_finite,
+    penetration,
+    left_sheave,
+    too_stiff,
+    max_steps,
+    max_wall,
+    cancelled,
+    step_size,
+    blow_up,
+    step_too_short
+};
 
 struct Fault {
     FaultKind kind = FaultKind::none;
-    double time = 0.0;     ///< [s]
-    int pin = -1;          ///< pin whose link shows it, -1: none in particular
-    double value = 0.0;    ///< depth or radius [m], limit of the budget
-    double limit = 0.0;    ///< what it exceeded
+    double time = 0.0;   ///< [s]
+    int pin = -1;        ///< pin whose link shows it, -1: none in particular
+    double value = 0.0;  ///< depth or radius [m], limit of the budget
+    double limit = 0.0;  ///< what it exceeded
 
     [[nodiscard]] explicit operator bool() const noexcept { return kind != FaultKind::none; }
     /// One line for a user: what happened, when, where.

@@ -14,7 +14,8 @@ std::span<const double> taken(std::span<const double>& memory, std::size_t count
 
 int whole_taken(std::span<const double>& memory, int first, int last) {
     const double number = taken(memory, 1)[0];
-    if (!(number >= first && number <= last) || number != std::floor(number)) throw std::invalid_argument("what the method remembers counts what is not there");
+    if (!(number >= first && number <= last) || number != std::floor(number))
+        throw std::invalid_argument("what the method remembers counts what is not there");
     return static_cast<int>(number);
 }
 

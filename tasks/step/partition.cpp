@@ -8,7 +8,8 @@ namespace cvtflow::tasks {
 
 Partition Partition::equal(int links, int segments, int grain) {
     if (segments < 1 || segments > links) {
-        throw std::invalid_argument("run.segments: " + std::to_string(segments) + " segments for " + std::to_string(links) + " links; give 1 to " + std::to_string(links));
+        throw std::invalid_argument("run.segments: " + std::to_string(segments) + " segments for " + std::to_string(links) +
+                                    " links; give 1 to " + std::to_string(links));
     }
     Partition partition;
     const int unit = segments <= (links + grain - 1) / grain ? grain : 1, units = (links + unit - 1) / unit;
@@ -25,7 +26,8 @@ Partition Partition::at(const std::vector<int>& cuts) {
         if (cuts[s] <= cuts[s - 1]) throw std::invalid_argument("partition: cuts must ascend");
         partition.segments_.push_back({cuts[s - 1], cuts[s]});
     }
-    if (partition.segments_.empty() || cuts.front() != 0) throw std::invalid_argument("partition: cuts begin with 0 and end with the number of links");
+    if (partition.segments_.empty() || cuts.front() != 0)
+        throw std::invalid_argument("partition: cuts begin with 0 and end with the number of links");
     return partition;
 }
 

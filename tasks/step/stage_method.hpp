@@ -1,7 +1,7 @@
 #pragma once
-/// A step by a table of stages (engine::CompiledPlan): one evaluate cycle per stage. Where the last stage is evaluated at the result, its slope
-/// is the next step's first, unless a transition or anybody else has changed the state in between; where a step was rejected, its first slope
-/// still holds. Neither is evaluated again.
+/// A step by a table of stages (engine::CompiledPlan): one evaluate cycle per stage. Where the last stage is evaluated at the result, its
+/// slope is the next step's first, unless a transition or anybody else has changed the state in between; where a step was rejected, its
+/// first slope still holds. Neither is evaluated again.
 
 #include <algorithm>
 
@@ -12,7 +12,8 @@ namespace cvtflow::tasks {
 class StageMethod : public StepMethod {
 public:
     /// Uses the workspace's plan. @param error_power of its error estimate
-    explicit StageMethod(Workspace& workspace, int error_power = 0) noexcept : w_(workspace), plan_(&workspace.plan), error_power_(error_power) {}
+    explicit StageMethod(Workspace& workspace, int error_power = 0) noexcept
+        : w_(workspace), plan_(&workspace.plan), error_power_(error_power) {}
 
     [[nodiscard]] int begin() override;
     [[nodiscard]] int next() override;

@@ -1,6 +1,6 @@
 #pragma once
-/// How one step is taken. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides which
-/// cycles of the task graph lead from the start to the result.
+/// How one step is taken. The controller decides when a step begins, whether it is accepted and where it is cut; a step method decides
+/// which cycles of the task graph lead from the start to the result.
 
 #include <optional>
 #include <span>
@@ -15,8 +15,8 @@ namespace cvtflow::tasks {
 class StepMethod {
 public:
     /// What begin() and next() answer instead of a cycle.
-    static constexpr int done = -2;     ///< the step is taken: workspace.row combines its result from the slots
-    static constexpr int failed = -3;   ///< it could not be taken: see fault()
+    static constexpr int done = -2;    ///< the step is taken: workspace.row combines its result from the slots
+    static constexpr int failed = -3;  ///< it could not be taken: see fault()
 
     virtual ~StepMethod() = default;
 
@@ -33,8 +33,8 @@ public:
     virtual void repartitioned() {}
 
     /// true: at a transition the step is taken again up to there, and the search for it uses positions and velocities at both ends only.
-    /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the end,
-    /// so slopes[0] must hold the slope at the start when the step is done.
+    /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the
+    /// end, so slopes[0] must hold the slope at the start when the step is done.
     [[nodiscard]] virtual bool retakes() const noexcept { return false; }
     /// A run begins, or somebody has set the state: whatever is remembered is forgotten.
     virtual void restart() noexcept {}
@@ -50,12 +50,12 @@ public:
     /// Longest step that the method can take now, at most `wanted` [s]. Asked before a step whose length is free.
     [[nodiscard]] virtual double longest_step(double wanted) { return wanted; }
 
-    /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after restart()
-    /// goes on bit for bit where save() was called. Nothing for methods without memory.
+    /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after
+    /// restart() goes on bit for bit where save() was called. Nothing for methods without memory.
     virtual void save(std::vector<double>& memory) const { memory.clear(); }
     virtual void load(std::span<const double> memory) { (void)memory; }
-    /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a leapfrog, whose
-    /// step costs as much as five evaluations.
+    /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a
+    /// leapfrog, whose step costs as much as five evaluations.
     [[nodiscard]] virtual long observation_stride() const noexcept { return 24; }
     /// Why a step failed.
     [[nodiscard]] virtual Fault fault() const noexcept { return {}; }

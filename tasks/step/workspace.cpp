@@ -20,10 +20,14 @@ model::PhaseRule rule_of(const model::Parameters& p) {
 }  // namespace
 
 Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_plan, Partition parts)
-    : parameters(p), variator(p), plan(stage_plan), rule(rule_of(p)), stages(model::staged_functions(variator.chain(), p.ledger)),
+    : parameters(p),
+      variator(p),
+      plan(stage_plan),
+      rule(rule_of(p)),
+      stages(model::staged_functions(variator.chain(), p.ledger)),
       staged(variator.layout()) {
     const std::size_t size = static_cast<std::size_t>(layout().size());
-    const std::size_t stride = (size + 7) / 8 * 8;   // every slot begins on a cache line of its own
+    const std::size_t stride = (size + 7) / 8 * 8;  // every slot begins on a cache line of its own
     const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 4;
     memory_.assign(arrays * stride, 0.0);
     double* next = memory_.data();
@@ -65,7 +69,8 @@ void Workspace::repartition(Partition parts) {
     partition = std::move(parts);
     verdicts.resize(static_cast<std::size_t>(partition.size()));
     windows.resize(static_cast<std::size_t>(partition.size()));
-    for (int s = 0; s < partition.size(); ++s) windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
+    for (int s = 0; s < partition.size(); ++s)
+        windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
     split_sums.clear();
     for (int s = 1; s < partition.size(); ++s) {
         const int group = partition[s].first / model::links_per_sum;
@@ -112,7 +117,7 @@ double Workspace::pin_period() const noexcept {
         const double vx = v[layout().x(model::End::rear, 0)], vy = v[layout().y(model::End::rear, 0)];
         speed += std::sqrt(vx * vx + vy * vy);
     }
-    return speed > 0.0 ? model::chain_length(parameters.chain) / speed : 0.0;   // mean pitch over mean speed
+    return speed > 0.0 ? model::chain_length(parameters.chain) / speed : 0.0;  // mean pitch over mean speed
 }
 
 std::array<double, 2> Workspace::shaft_momentum() const noexcept {
@@ -125,14 +130,16 @@ std::size_t Workspace::bytes() const noexcept {
     const auto of = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
     std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + tail.size();
     for (const auto& window : windows) doubles += window.size();
-    return doubles * sizeof(double) + of(loads) + of(sums) + of(accounts) + of(phases) + of(before) + of(after) + of(probes) + of(changed) + of(verdicts) + sizeof(*this);
+    return doubles * sizeof(double) + of(loads) + of(sums) + of(accounts) + of(phases) + of(before) + of(after) + of(probes) + of(changed) +
+           of(verdicts) + sizeof(*this);
 }
 
 void Workspace::list_touching() noexcept {
     touching_count = 0;
     for (int link = 0; link < layout().links; ++link) {
         const model::Phase* tips = phases.data() + model::tips_per_link * link;
-        const bool any = tips[0] != model::Phase::free || tips[1] != model::Phase::free || tips[2] != model::Phase::free || tips[3] != model::Phase::free;
+        const bool any = tips[0] != model::Phase::free || tips[1] != model::Phase::free || tips[2] != model::Phase::free ||
+                         tips[3] != model::Phase::free;
         if (any) touching[static_cast<std::size_t>(touching_count++)] = link;
     }
 }

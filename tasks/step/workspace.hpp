@@ -18,18 +18,18 @@ namespace cvtflow::tasks {
 
 /// A transition of one tip within the step at hand.
 struct Transition {
-    double theta = 2.0;   ///< share of the step at which it is due; > 1: none
-    int tip = -1;         ///< 4 link + 2 end + side
-    model::Phase to = model::Phase::free;   ///< what it becomes
+    double theta = 2.0;                    ///< share of the step at which it is due; > 1: none
+    int tip = -1;                          ///< 4 link + 2 end + side
+    model::Phase to = model::Phase::free;  ///< what it becomes
 };
 
 /// What one segment found in a detect, locate or truncate cycle.
 struct alignas(64) Verdict {
     Fault fault;
-    Transition first;        ///< earliest transition of the segment's tips
-    long detected = 0;       ///< transitions found in this cycle
-    long suppressed = 0;     ///< transitions put off because the tip has just changed
-    bool pending = false;    ///< some tip has to be located
+    Transition first;      ///< earliest transition of the segment's tips
+    long detected = 0;     ///< transitions found in this cycle
+    long suppressed = 0;   ///< transitions put off because the tip has just changed
+    bool pending = false;  ///< some tip has to be located
 };
 
 class StepMethod;
@@ -40,68 +40,69 @@ public:
     Workspace(const Workspace&) = delete;
     Workspace& operator=(const Workspace&) = delete;
 
-    model::Parameters parameters;     ///< changed by adopt() only, as variator and rule
-    model::Variator variator;         ///< also constant but for inputs that are held
+    model::Parameters parameters;  ///< changed by adopt() only, as variator and rule
+    model::Variator variator;      ///< also constant but for inputs that are held
     const engine::CompiledPlan plan;
     model::PhaseRule rule;
     const model::StagedFunctions stages;
 
-    Partition partition;              ///< changed by repartition() only
+    Partition partition;  ///< changed by repartition() only
 
     // The step at hand; written by the controller between cycles.
-    double time = 0.0;                ///< t at the step's start [s]
-    double h = 0.0;                   ///< its length [s]
-    double dwell = 0.0;               ///< a tip that changed less than this ago stays [s]
-    engine::PlanStep row{};           ///< stage or result that an evaluate cycle combines
-    double theta = 1.0;               ///< where a truncate cycle cuts
-    bool estimate_error = false;      ///< a detect cycle also estimates the local error of its links
-    engine::PlanStep error_row{};     ///< how
-    ErrorScale error_scale;           ///< in which units
-    Transition due;                   ///< what it cuts for
-    bool secant = false;              ///< a detect cycle makes the slopes at both ends from the states there
-    long evaluations = 0;             ///< of the right-hand side, so far
-    StepMethod* method = nullptr;     ///< whose tasks are in the graph, for their bodies; nullptr: none
-    double* slope_out = nullptr;      ///< where an evaluate cycle writes slopes
-    double* state_out = nullptr;      ///< where a detect or truncate cycle writes states
-    bool evaluate_end = false;        ///< an evaluate cycle works at the end of the step instead of a stage
+    double time = 0.0;             ///< t at the step's start [s]
+    double h = 0.0;                ///< its length [s]
+    double dwell = 0.0;            ///< a tip that changed less than this ago stays [s]
+    engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
+    double theta = 1.0;            ///< where a truncate cycle cuts
+    bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
+    engine::PlanStep error_row{};  ///< how
+    ErrorScale error_scale;        ///< in which units
+    Transition due;                ///< what it cuts for
+    bool secant = false;           ///< a detect cycle makes the slopes at both ends from the states there
+    long evaluations = 0;          ///< of the right-hand side, so far
+    StepMethod* method = nullptr;  ///< whose tasks are in the graph, for their bodies; nullptr: none
+    double* slope_out = nullptr;   ///< where an evaluate cycle writes slopes
+    double* state_out = nullptr;   ///< where a detect or truncate cycle writes states
+    bool evaluate_end = false;     ///< an evaluate cycle works at the end of the step instead of a stage
 
     // Fields over the state vector: [slot][layout.size()].
-    std::vector<double*> states;      ///< state slots; 0 = y at the step's start
-    std::vector<double*> slopes;      ///< slope slots; 0 = its slope
-    double* end_state;                ///< y at the step's end
-    double* end_slope;                ///< its slope with the step's phases, only if a transition has to be located
-    double* cut_state;                ///< y at theta
+    std::vector<double*> states;  ///< state slots; 0 = y at the step's start
+    std::vector<double*> slopes;  ///< slope slots; 0 = its slope
+    double* end_state;            ///< y at the step's end
+    double* end_slope;            ///< its slope with the step's phases, only if a transition has to be located
+    double* cut_state;            ///< y at theta
 
     // Fields over links and tips.
-    std::vector<model::LinkLoad> loads;        ///< [links]
-    std::vector<model::SheaveSum> sums;        ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
-    std::vector<int> split_sums;               ///< those whose links several segments share
-    std::vector<model::Account> accounts;      ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation
-    std::vector<model::Phase> phases;          ///< [4 links]
-    std::vector<model::TipIndicator> before;   ///< [4 links] at the step's start
-    std::vector<model::TipIndicator> after;    ///< [4 links] at its end
-    std::vector<model::TipProbe> probes;       ///< [links] the same with the links' radii
-    std::vector<double> changed;               ///< [4 links] time of the last change of phase [s]
+    std::vector<model::LinkLoad> loads;  ///< [links]
+    std::vector<model::SheaveSum>
+        sums;                     ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
+    std::vector<int> split_sums;  ///< those whose links several segments share
+    std::vector<model::Account> accounts;  ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation
+    std::vector<model::Phase> phases;      ///< [4 links]
+    std::vector<model::TipIndicator> before;  ///< [4 links] at the step's start
+    std::vector<model::TipIndicator> after;   ///< [4 links] at its end
+    std::vector<model::TipProbe> probes;      ///< [links] the same with the links' radii
+    std::vector<double> changed;              ///< [4 links] time of the last change of phase [s]
 
     // Staged assembly only; empty otherwise.
-    bool staged_states = false;                ///< evaluate cycles leave the stage state in stage_state instead of in windows
-    double* stage_state = nullptr;             ///< stage state of all links, where later stages read it
+    bool staged_states = false;     ///< evaluate cycles leave the stage state in stage_state instead of in windows
+    double* stage_state = nullptr;  ///< stage state of all links, where later stages read it
     model::StagedBuffers staged;
-    std::vector<int> touching;                 ///< links with a touching tip, ascending: [0, touching_count)
+    std::vector<int> touching;  ///< links with a touching tip, ascending: [0, touching_count)
     int touching_count = 0;
 
     // Per segment.
     std::vector<model::LineVector<double>> windows;  ///< stage states of the segment's links and their two neighbours
-    std::vector<double> link_errors;  ///< [links] local error of the step, root mean square in units of error_scale
+    std::vector<double> link_errors;                 ///< [links] local error of the step, root mean square in units of error_scale
     std::vector<Verdict> verdicts;
 
     // Pulleys, written by the controller.
-    std::vector<double> tail;                  ///< stage state behind the links
-    model::SheaveMotion sheaves[4]{};          ///< of the stage
-    model::SheaveMotion end_sheaves[4]{};      ///< at the step's end
+    std::vector<double> tail;              ///< stage state behind the links
+    model::SheaveMotion sheaves[4]{};      ///< of the stage
+    model::SheaveMotion end_sheaves[4]{};  ///< at the step's end
 
-    EnergyLedger energy;                       ///< works, losses and balance so far, written by the controller
-    model::SheaveMotion observed_sheaves[4]{}; ///< at the step's start, for an observe cycle
+    EnergyLedger energy;                        ///< works, losses and balance so far, written by the controller
+    model::SheaveMotion observed_sheaves[4]{};  ///< at the step's start, for an observe cycle
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
     /// Another variator of the same layout, at rest before its start; between runs only.

@@ -13,12 +13,14 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double nudge = 1e-4;   ///< of saturation speeds, to first order: eigenvalues keep their order but for the closest
+constexpr double nudge = 1e-4;  ///< of saturation speeds, to first order: eigenvalues keep their order but for the closest
 
 engine::Eigenvalues edge(const model::Parameters& parameters, const FrozenStart& start, double border) {
     const model::Variator variator(parameters);
     const int size = static_cast<int>(start.state.size());
-    return engine::extremal_eigenvalues(jacobian(variator, start.time, start.state, start.phases), size, {.left_of = border, .progress = {}}).values;
+    return engine::extremal_eigenvalues(jacobian(variator, start.time, start.state, start.phases), size,
+                                        {.left_of = border, .progress = {}})
+        .values;
 }
 
 void keep_left_of(engine::Eigenvalues& values, double border) {
@@ -80,7 +82,7 @@ Attribution attribute(const model::Parameters& parameters, const FrozenStart& st
         model::Parameters changed = parameters;
         kinds[kind].friction(changed).saturation_speed *= 1.0 + nudge;
         tell(fmt::format("share of {}", kinds[kind].name));
-        engine::Eigenvalues moved = edge(changed, start, border * (1.0 - 2.0 * nudge));   // those at the border must not get lost
+        engine::Eigenvalues moved = edge(changed, start, border * (1.0 - 2.0 * nudge));  // those at the border must not get lost
         for (std::size_t k = 0; k < std::min(moved.size(), result.values.size()); ++k)
             result.shares[k][kind] = -std::log(std::abs(moved[k]) / std::abs(result.values[k])) / std::log1p(nudge);
     }

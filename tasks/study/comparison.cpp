@@ -26,7 +26,8 @@ public:
         watch.add(seen, workspace);
         if (course.time.empty()) {
             const model::ChainLayout& at = workspace.layout();
-            for (int link = 0; link < at.links; ++link) course.side.push_back(workspace.states[0][at.link_begin(link) + at.x(model::End::rear, 0)]);
+            for (int link = 0; link < at.links; ++link)
+                course.side.push_back(workspace.states[0][at.link_begin(link) + at.x(model::End::rear, 0)]);
         }
         course.time.push_back(time - begin_);
         course.tip_axial.push_back(seen.tip_axial);
@@ -85,8 +86,8 @@ double median(std::vector<double> values) {
 }
 
 /// All candidates in turns, so that a busy neighbour slows all of them.
-void time_candidates(const model::Parameters& parameters, const FrozenStart& start, const ComparisonOptions& options, const engine::Cancellation& cancel,
-                     std::vector<Compared>& candidates) {
+void time_candidates(const model::Parameters& parameters, const FrozenStart& start, const ComparisonOptions& options,
+                     const engine::Cancellation& cancel, std::vector<Compared>& candidates) {
     std::vector<std::vector<double>> seconds(candidates.size());
     for (int round = 0; round < options.rounds; ++round) {
         if (options.progress) options.progress(fmt::format("round {} of {}", round + 1, options.rounds));
@@ -102,9 +103,11 @@ void time_candidates(const model::Parameters& parameters, const FrozenStart& sta
     for (std::size_t k = 0; k < candidates.size(); ++k) candidates[k].seconds = median(seconds[k]);
 }
 
-Compared run_candidate(const model::Parameters& parameters, const FrozenStart& start, const Candidate& candidate, const ComparisonOptions& options,
-                       const engine::Cancellation& cancel) {
-    if (options.progress) options.progress(candidate.step == 0.0 ? candidate.method + " at automatic steps" : fmt::format("{} at {:g} s", candidate.method, candidate.step));
+Compared run_candidate(const model::Parameters& parameters, const FrozenStart& start, const Candidate& candidate,
+                       const ComparisonOptions& options, const engine::Cancellation& cancel) {
+    if (options.progress)
+        options.progress(candidate.step == 0.0 ? candidate.method + " at automatic steps"
+                                               : fmt::format("{} at {:g} s", candidate.method, candidate.step));
     MethodRun run(parameters, candidate.method);
     CourseKeeper keeper(run.workspace().variator, start.time);
     Compared compared;
@@ -124,12 +127,13 @@ std::vector<double> Course::pin_axial(int pin, int sheave_side) const {
     const std::size_t own = static_cast<std::size_t>(pin), before = (own + links - 1) % links;
     const auto number = static_cast<std::size_t>(sheave_side);
     std::vector<double> forces;
-    for (const std::vector<double>& tips : tip_axial) forces.push_back(tips[model::tips_per_link * own + number] + tips[model::tips_per_link * before + 2 + number]);
+    for (const std::vector<double>& tips : tip_axial)
+        forces.push_back(tips[model::tips_per_link * own + number] + tips[model::tips_per_link * before + 2 + number]);
     return forces;
 }
 
-Comparison compare(const model::Parameters& parameters, const FrozenStart& start, std::span<const Candidate> candidates, const ComparisonOptions& options,
-                   const engine::Cancellation& cancel) {
+Comparison compare(const model::Parameters& parameters, const FrozenStart& start, std::span<const Candidate> candidates,
+                   const ComparisonOptions& options, const engine::Cancellation& cancel) {
     Comparison comparison;
     Compared reference = run_candidate(parameters, start, options.reference, options, cancel);
     if (reference.fault) throw SimulationError("the reference: " + reference.fault.message());

@@ -16,16 +16,16 @@ namespace cvtflow::tasks {
 
 struct Candidate {
     std::string method;
-    double step = 0.0;   ///< 0: automatic [s]
+    double step = 0.0;  ///< 0: automatic [s]
 };
 
 /// What a candidate computed, at every output time.
 struct Course {
-    std::vector<double> time;                                    ///< [outputs] since the start [s]
-    std::vector<std::vector<double>> tip_axial;                  ///< [outputs][4 links] [N]
-    std::vector<std::vector<double>> tension;                    ///< [outputs][links] [N]
+    std::vector<double> time;                    ///< [outputs] since the start [s]
+    std::vector<std::vector<double>> tip_axial;  ///< [outputs][4 links] [N]
+    std::vector<std::vector<double>> tension;    ///< [outputs][links] [N]
     std::vector<TransitionRecord> transitions;
-    std::vector<double> side;                                    ///< [links] x of the rear halves at the start [m]
+    std::vector<double> side;  ///< [links] x of the rear halves at the start [m]
 
     /// Axial force of a pin on the sheave at that side (0: -z, 1: +z) over the outputs: of its rear half and of the front half before it.
     [[nodiscard]] std::vector<double> pin_axial(int pin, int sheave_side) const;
@@ -33,32 +33,32 @@ struct Course {
 
 struct Compared {
     Candidate candidate;
-    Fault fault;                      ///< why it stopped early; errors are then NaN
-    double step = 0.0;                ///< in use: that asked for or a little less; the last one of automatic steps [s]
-    RunVerdict watch;                 ///< whether its figures can be right
+    Fault fault;        ///< why it stopped early; errors are then NaN
+    double step = 0.0;  ///< in use: that asked for or a little less; the last one of automatic steps [s]
+    RunVerdict watch;   ///< whether its figures can be right
     Counters counters;
-    double seconds = 0.0;             ///< median over the rounds of what the run took, without outputs [s]
-    double error_axial = 0.0;         ///< ‖axial force of all tips - reference‖/‖reference‖, over all outputs
-    double error_tension = 0.0;       ///< the same of the tensions of all links
-    double error_pin = 0.0;           ///< the same of the pin that enters
+    double seconds = 0.0;        ///< median over the rounds of what the run took, without outputs [s]
+    double error_axial = 0.0;    ///< ‖axial force of all tips - reference‖/‖reference‖, over all outputs
+    double error_tension = 0.0;  ///< the same of the tensions of all links
+    double error_pin = 0.0;      ///< the same of the pin that enters
     Course course;
 };
 
 struct ComparisonOptions {
-    double duration = 1e-3;           ///< [s]
-    double output_interval = 12e-6;   ///< a multiple of most steps [s]
+    double duration = 1e-3;          ///< [s]
+    double output_interval = 12e-6;  ///< a multiple of most steps [s]
     Candidate reference{"rk4", 12.5e-9};
-    int rounds = 3;                   ///< of timing, all candidates in turns
-    int pin = -1;                     ///< whose axial force is looked at; -1: the first that enters the driving sheaves
-    std::function<void(const std::string&)> progress;   ///< may be empty
+    int rounds = 3;                                    ///< of timing, all candidates in turns
+    int pin = -1;                                      ///< whose axial force is looked at; -1: the first that enters the driving sheaves
+    std::function<void(const std::string&)> progress;  ///< may be empty
 };
 
 struct Comparison {
     Course reference;
     Counters reference_counters;
     RunVerdict reference_watch;
-    int pin = -1;                     ///< looked at; -1: none enters
-    double entry = 0.0;               ///< when it enters, since the start [s]
+    int pin = -1;        ///< looked at; -1: none enters
+    double entry = 0.0;  ///< when it enters, since the start [s]
     std::vector<Compared> candidates;
 };
 

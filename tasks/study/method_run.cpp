@@ -28,15 +28,18 @@ engine::TaskGraph graph_of(Workspace& workspace, StepMethod& method, const Assem
 
 MethodRun::MethodRun(const model::Parameters& parameters, const std::string& method, const Schedule& schedule)
     : workspace_(std::make_unique<Workspace>(parameters, plan_of(method), Partition::equal(parameters.chain.pins, schedule.segments))),
-      method_(make_step_method(method, *workspace_)), graph_(graph_of(*workspace_, *method_, schedule.assembly)), executor_(make_executor(schedule)),
+      method_(make_step_method(method, *workspace_)),
+      graph_(graph_of(*workspace_, *method_, schedule.assembly)),
+      executor_(make_executor(schedule)),
       name_(method) {}
 
 MethodRun::~MethodRun() = default;
 
-Fault MethodRun::run(const FrozenStart& start, double duration, double step, double output_interval, RunObserver& observer, const engine::Cancellation& cancel) {
+Fault MethodRun::run(const FrozenStart& start, double duration, double step, double output_interval, RunObserver& observer,
+                     const engine::Cancellation& cancel) {
     std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
     workspace_->phases = start.phases;
-    std::fill(workspace_->changed.begin(), workspace_->changed.end(), -1e300);   // never yet
+    std::fill(workspace_->changed.begin(), workspace_->changed.end(), -1e300);  // never yet
     method_->restart();
     if (step == 0.0 && choice_ == nullptr) choice_ = std::make_unique<AutoStep>(workspace_->variator, name_);
     StepSettings settings{start.time, start.time + duration, step, output_interval, 0, 0.0};
@@ -63,7 +66,8 @@ std::vector<double> one_step(MethodRun& method, const FrozenStart& start, double
 
 }  // namespace
 
-std::vector<LocalError> local_errors(const model::Parameters& parameters, const std::string& method, const FrozenStart& start, std::span<const double> steps) {
+std::vector<LocalError> local_errors(const model::Parameters& parameters, const std::string& method, const FrozenStart& start,
+                                     std::span<const double> steps) {
     const model::Variator variator(parameters);
     if (find_program(method) == nullptr) return local_errors(variator, plan_of(method), start, steps);
     MethodRun coarse(parameters, method), fine(parameters, "rk4");

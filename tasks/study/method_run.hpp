@@ -40,13 +40,13 @@ private:
     std::unique_ptr<engine::Executor> executor_;
     Counters counters_;
     double step_ = 0.0;
-    std::unique_ptr<AutoStep> choice_;   ///< once an automatic step has been asked for
+    std::unique_ptr<AutoStep> choice_;  ///< once an automatic step has been asked for
     std::string name_;
 };
 
-/// As local_errors(), for any method. A table of stages takes its step with phases held. A program takes it as it does in a run, and so does the
-/// reference then; across a transition no method has its order, so a step within which one happens is left out: its errors are NaN, as
-/// are those of a step that failed.
+/// As local_errors(), for any method. A table of stages takes its step with phases held. A program takes it as it does in a run, and so
+/// does the reference then; across a transition no method has its order, so a step within which one happens is left out: its errors are
+/// NaN, as are those of a step that failed.
 [[nodiscard]] std::vector<LocalError> local_errors(const model::Parameters& parameters, const std::string& method, const FrozenStart& start,
                                                    std::span<const double> steps);
 

@@ -15,17 +15,18 @@ namespace cvtflow::tasks {
 struct TrialEnd {
     Fault fault;
     Counters counters;
-    double step = 0.0;                          ///< in use [s]
-    double wall = 0.0;                          ///< [s]
-    std::optional<NewtonStatistics> newton;     ///< of trapezoidal methods
-    std::string report;                         ///< what the method says of its work
-    std::vector<double> state;                  ///< [layout.size()]
-    std::vector<double> axial_force, tension;   ///< of every tip, of every link [N]
+    double step = 0.0;                         ///< in use [s]
+    double wall = 0.0;                         ///< [s]
+    std::optional<NewtonStatistics> newton;    ///< of trapezoidal methods
+    std::string report;                        ///< what the method says of its work
+    std::vector<double> state;                 ///< [layout.size()]
+    std::vector<double> axial_force, tension;  ///< of every tip, of every link [N]
 };
 
 /// Serial run of `method` from `start` over `duration` with the given step.
 /// @throws std::invalid_argument for an unknown method
-[[nodiscard]] TrialEnd try_method(const model::Parameters& parameters, const FrozenStart& start, const std::string& method, double step, double duration);
+[[nodiscard]] TrialEnd try_method(const model::Parameters& parameters, const FrozenStart& start, const std::string& method, double step,
+                                  double duration);
 
 /// ‖values - reference‖/‖reference‖, Euclidean; 0 for a reference of zeros.
 [[nodiscard]] double relative_difference(const std::vector<double>& values, const std::vector<double>& reference) noexcept;

@@ -14,7 +14,8 @@ namespace {
 
 }  // namespace
 
-std::vector<double> jacobian(const model::Variator& variator, double t, const std::vector<double>& state, const std::vector<model::Phase>& phases) {
+std::vector<double> jacobian(const model::Variator& variator, double t, const std::vector<double>& state,
+                             const std::vector<model::Phase>& phases) {
     const model::ChainLayout& at = variator.layout();
     const std::size_t n = state.size();
     model::EvaluationScratch scratch(at);
@@ -36,7 +37,8 @@ std::vector<double> jacobian(const model::Variator& variator, double t, const st
     return matrix;
 }
 
-std::vector<std::complex<double>> spectrum(const model::Variator& variator, double t, const std::vector<double>& state, const std::vector<model::Phase>& phases) {
+std::vector<std::complex<double>> spectrum(const model::Variator& variator, double t, const std::vector<double>& state,
+                                           const std::vector<model::Phase>& phases) {
     return engine::eigenvalues(jacobian(variator, t, state, phases), static_cast<int>(state.size()));
 }
 

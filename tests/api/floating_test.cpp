@@ -15,7 +15,7 @@ struct Environment {
     const char* name;
     int round;
     int traps;
-    bool flushes;   ///< denormals to zero, as hosts of audio and games set it
+    bool flushes;  ///< denormals to zero, as hosts of audio and games set it
 };
 
 constexpr Environment environments[] = {
@@ -34,9 +34,11 @@ void adopt(const Environment& wanted) {
     feenableexcept(wanted.traps);
 }
 
-/// Whether modes, traps and flags are the same; the rest (where the last x87 instruction stood, how it compared) is no part of an environment.
+/// Whether modes, traps and flags are the same; the rest (where the last x87 instruction stood, how it compared) is no part of an
+/// environment.
 bool same(const std::fenv_t& a, const std::fenv_t& b) {
-    return a.__control_word == b.__control_word && (a.__status_word & FE_ALL_EXCEPT) == (b.__status_word & FE_ALL_EXCEPT) && a.__mxcsr == b.__mxcsr;
+    return a.__control_word == b.__control_word && (a.__status_word & FE_ALL_EXCEPT) == (b.__status_word & FE_ALL_EXCEPT) &&
+           a.__mxcsr == b.__mxcsr;
 }
 
 /// Calls the interface under an environment, and looks after each call whether it is still the host's.
@@ -69,7 +71,7 @@ auto counted(const Action& action) {
     };
 }
 
-constexpr const char* decimals = "run.step=100.3 ns";   // no binary fraction: read by rounding
+constexpr const char* decimals = "run.step=100.3 ns";  // no binary fraction: read by rounding
 
 /// Everything that a host may ask of a scene and a simulation, as numbers to compare bit by bit.
 std::vector<double> tour(const Environment& environment, const std::string& method) {
@@ -160,7 +162,8 @@ TEST(HostFloating, EnvironmentIsTheHostsAgainInItsCallbacksWhichMayChangeIt) {
 
 TEST(HostFloating, EnvironmentIsTheHostsAgainAfterErrors) {
     Host host(environments[5]);
-    EXPECT_EQ(host("Scene::parse", [] { return code_of([] { static_cast<void>(Scene::parse("[chain]\npins = 2.5\n")); }); }), ErrorCode::scene);
+    EXPECT_EQ(host("Scene::parse", [] { return code_of([] { static_cast<void>(Scene::parse("[chain]\npins = 2.5\n")); }); }),
+              ErrorCode::scene);
     EXPECT_EQ(host("State::from_bytes", [] { return code_of([] { static_cast<void>(State::from_bytes({})); }); }), ErrorCode::state);
     const Scene scene = tiny({"run.step=10 us", "run.output_interval=10 us"});
     Simulation diverging(scene);

@@ -13,12 +13,12 @@
 namespace cvtflow::host {
 
 #if defined(__SANITIZE_THREAD__)
-inline constexpr bool thread_sanitizer = true;   ///< it sees into neither oneTBB nor OpenMP, and reports what is no race
+inline constexpr bool thread_sanitizer = true;  ///< it sees into neither oneTBB nor OpenMP, and reports what is no race
 #else
 inline constexpr bool thread_sanitizer = false;
 #endif
 #if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool address_sanitizer = true;   ///< it keeps more on the stack and owns malloc
+inline constexpr bool address_sanitizer = true;  ///< it keeps more on the stack and owns malloc
 #else
 inline constexpr bool address_sanitizer = false;
 #endif

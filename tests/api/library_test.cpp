@@ -6,9 +6,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cvtflow/cvtflow.h>
 #include <array>
 #include <cstdio>
-#include <cvtflow/cvtflow.h>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -135,7 +135,8 @@ std::string output_of(const std::string& command) {
 
 /// Names with versions that the library shows and that match `pattern` of grep -E.
 std::set<std::string> shown(const std::string& pattern) {
-    std::istringstream lines(output_of("nm -D --defined-only --with-symbol-versions '" CVTFLOW_LIBRARY "' | awk '{print $3}' | grep -E '" + pattern + "'"));
+    std::istringstream lines(
+        output_of("nm -D --defined-only --with-symbol-versions '" CVTFLOW_LIBRARY "' | awk '{print $3}' | grep -E '" + pattern + "'"));
     std::set<std::string> names;
     for (std::string name; std::getline(lines, name);) names.insert(name);
     return names;
@@ -162,7 +163,8 @@ TEST(SharedLibrary, HidesItsInsideAndWhatItIsMadeOf) {
 TEST(SharedLibrary, HeaderDeclaresWhatTheSymbolFilePromises) {
     std::ifstream header(CVTFLOW_SOURCE_DIR "/api/include/cvtflow/cvtflow.h");
     const std::string text{std::istreambuf_iterator<char>(header), {}};
-    for (const std::string& name : shown("^cvtflow_")) EXPECT_NE(text.find(" " + name.substr(0, name.find('@')) + "("), std::string::npos) << name;
+    for (const std::string& name : shown("^cvtflow_"))
+        EXPECT_NE(text.find(" " + name.substr(0, name.find('@')) + "("), std::string::npos) << name;
 }
 
 /// Sizes and places of members are part of the binary interface: x86-64 and other 64-bit systems.

@@ -31,7 +31,9 @@ protected:
         EXPECT_EQ(pclose(pipe), 0) << command << "\n" << output;
         return output;
     }
-    void install(const std::string& prefix) const { run("cmake --install '" CVTFLOW_BINARY_DIR "' --prefix '" + (folder_ / prefix).string() + "'"); }
+    void install(const std::string& prefix) const {
+        run("cmake --install '" CVTFLOW_BINARY_DIR "' --prefix '" + (folder_ / prefix).string() + "'");
+    }
 
     fs::path folder_;
 };
@@ -39,7 +41,8 @@ protected:
 TEST_F(Package, IsFoundAndUsedByAFreshProjectAlsoAfterItWasMoved) {
     install("first");
     fs::rename(folder_ / "first", folder_ / "moved");
-    run("cmake -S " + here + "/consumer -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/moved -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
+    run("cmake -S " + here +
+        "/consumer -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/moved -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
     run("cmake --build b");
     EXPECT_THAT(run("b/consumer_cpp"), testing::HasSubstr("t = -0.009999 s, 648 unknowns"));
     EXPECT_THAT(run("b/consumer_c"), testing::HasSubstr("648 unknowns"));
@@ -55,7 +58,8 @@ TEST_F(Package, IsFoundByPkgConfig) {
     const std::string config = run("dirname $(find p -name cvtflow.pc)");
     const std::string with = "export PKG_CONFIG_PATH=" + config.substr(0, config.size() - 1) + "; ";
     EXPECT_EQ(run(with + "pkg-config --modversion cvtflow"), CVTFLOW_PROJECT_VERSION "\n");
-    run(with + CVTFLOW_CC " -std=c11 -Wall -Wextra -pedantic -Werror " + here + "/consumer/main.c -o c $(pkg-config --cflags --libs cvtflow)");
+    run(with + CVTFLOW_CC " -std=c11 -Wall -Wextra -pedantic -Werror " + here +
+        "/consumer/main.c -o c $(pkg-config --cflags --libs cvtflow)");
     EXPECT_THAT(run(with + "LD_LIBRARY_PATH=$(pkg-config --variable=libdir cvtflow) ./c"), testing::HasSubstr("648 unknowns"));
     EXPECT_THAT(run(with + "ls $(pkg-config --variable=scenesdir cvtflow)"), testing::HasSubstr("tiny.toml"));
 }
@@ -71,20 +75,25 @@ TEST_F(Package, HoldsNoHeaderOfThirdPartiesAndNothingOfTheInside) {
 }
 
 TEST_F(Package, IsAFolderInAHostsProject) {
-    run("cmake -S " + here + "/subdirectory -B b -G Ninja -DCVTFLOW_SOURCE=" CVTFLOW_SOURCE_DIR " -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
+    run("cmake -S " + here +
+        "/subdirectory -B b -G Ninja -DCVTFLOW_SOURCE=" CVTFLOW_SOURCE_DIR " -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
+        " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
 }
 
 using NightlyPackage = Package;
 
 TEST_F(NightlyPackage, IsBuiltAsAFolderInAHostsProject) {
-    run("cmake -S " + here + "/subdirectory -B b -G Ninja -DCVTFLOW_SOURCE=" CVTFLOW_SOURCE_DIR " -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
+    run("cmake -S " + here +
+        "/subdirectory -B b -G Ninja -DCVTFLOW_SOURCE=" CVTFLOW_SOURCE_DIR " -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
+        " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
     run("cmake --build b");
     EXPECT_THAT(run("b/host"), testing::HasSubstr("648 unknowns"));
 }
 
 TEST_F(NightlyPackage, BuildsTheExamplesAgainstTheInstallation) {
     install("p");
-    run("cmake -S " CVTFLOW_SOURCE_DIR "/examples -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
+    run("cmake -S " CVTFLOW_SOURCE_DIR
+        "/examples -B b -G Ninja -DCMAKE_PREFIX_PATH=$PWD/p -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER=" CVTFLOW_CXX
         " -DCMAKE_C_COMPILER=" CVTFLOW_CC);
     run("cmake --build b");
     EXPECT_THAT(run("b/host_openmp 3"), testing::HasSubstr("the same bits"));

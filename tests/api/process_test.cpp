@@ -1,7 +1,7 @@
 /// Threads and processes: none before the first step, none after shutdown, and what a fork leaves.
 
-#include <oneapi/tbb/global_control.h>
 #include <cvtflow/cvtflow.h>
+#include <oneapi/tbb/global_control.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -27,7 +27,7 @@ template <class Action>
 int in_child(const Action& action) {
     const pid_t child = fork();
     if (child == 0) {
-        alarm(60);   // a child that hangs ends with a signal
+        alarm(60);  // a child that hangs ends with a signal
         _exit(action());
     }
     int status = 0;
@@ -65,7 +65,7 @@ int create_with(const cvtflow_scene* scene, std::size_t more) {
     const rlimit limit{addresses() + more, RLIM_INFINITY};
     setrlimit(RLIMIT_AS, &limit);
     cvtflow_code code = CVTFLOW_OK;
-    for (int k = 0; k < 400 && code == CVTFLOW_OK; ++k) {   // until there is no room for another one; all are kept
+    for (int k = 0; k < 400 && code == CVTFLOW_OK; ++k) {  // until there is no room for another one; all are kept
         cvtflow_simulation* simulation = nullptr;
         code = cvtflow_create(scene, nullptr, &simulation, nullptr);
     }
@@ -76,7 +76,8 @@ TEST(HostProcess, WithoutMemorySaysSoInsteadOfCrashing) {
     if (address_sanitizer || thread_sanitizer) GTEST_SKIP() << "they take terabytes of addresses";
     if (!alone()) return;
     cvtflow_scene* scene = nullptr;
-    ASSERT_EQ(cvtflow_scene_read((std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml").c_str(), &scene, nullptr), CVTFLOW_OK);   // starts from a state file
+    ASSERT_EQ(cvtflow_scene_read((std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml").c_str(), &scene, nullptr),
+              CVTFLOW_OK);  // starts from a state file
     for (std::size_t more = 0; more < (std::size_t{24} << 20U); more += 400'000) {
         EXPECT_EQ(in_child([&] { return create_with(scene, more); }), CVTFLOW_MEMORY) << more << " bytes";
     }
@@ -110,13 +111,13 @@ TEST(HostProcess, StepsAfterShutdownStartNewThreads) {
             EXPECT_EQ(simulation.hash(), expected);
         }
         EXPECT_TRUE(shutdown());
-        EXPECT_TRUE(eventually([] { return threads() == 1; }));   // the kernel takes a joined thread off its list a moment later
+        EXPECT_TRUE(eventually([] { return threads() == 1; }));  // the kernel takes a joined thread off its list a moment later
     }
 }
 
 TEST(HostProcess, ShutdownSaysWhenOthersKeepTheWorkers) {
     if (!alone()) return;
-    oneapi::tbb::task_scheduler_handle hosts{oneapi::tbb::attach{}};   // a host that uses oneTBB and is not done with it
+    oneapi::tbb::task_scheduler_handle hosts{oneapi::tbb::attach{}};  // a host that uses oneTBB and is not done with it
     Simulation simulation(tiny(), Threads::own(2));
     simulation.advance_to(-2.9e-4);
     EXPECT_FALSE(shutdown());

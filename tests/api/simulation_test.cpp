@@ -47,11 +47,11 @@ TEST(HostSimulation, ContinuesBitwiseFromAStateThatWasPutBack) {
         simulation.advance_to(1e-5);
         const std::uint64_t expected = simulation.hash();
         const Counters counters = simulation.counters();
-        simulation.set_state(saved);   // back in time
+        simulation.set_state(saved);  // back in time
         EXPECT_EQ(simulation.state(), saved);
         simulation.advance_to(1e-5);
         EXPECT_EQ(simulation.hash(), expected) << saved_at;
-        Simulation other(scene, Threads::own(2));   // and in another simulation, run another way
+        Simulation other(scene, Threads::own(2));  // and in another simulation, run another way
         other.set_state(State::from_bytes(saved.bytes()));
         other.advance_to(1e-5);
         EXPECT_EQ(other.hash(), expected) << saved_at;
@@ -78,12 +78,13 @@ TEST(HostSimulation, RefusesStatesThatAreDamagedOrOfAnotherScene) {
     std::vector<std::byte> bytes(good.bytes().begin(), good.bytes().end());
     bytes[bytes.size() / 2] ^= std::byte{1};
     EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(bytes)); }), "saved state: it is damaged");
-    EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(std::span(bytes).first(3))); }), "saved state: these bytes are none of this version");
+    EXPECT_EQ(error_of([&] { static_cast<void>(State::from_bytes(std::span(bytes).first(3))); }),
+              "saved state: these bytes are none of this version");
     EXPECT_EQ(error_of([&] { simulation.set_state(State()); }), "saved state: these bytes are none of this version");
     Simulation stiffer(tiny({"tip.hertz=3e10"}));
     EXPECT_EQ(error_of([&] { stiffer.set_state(good); }), "saved state: it belongs to another scene, method or step");
     Simulation elsewhere(tiny({"run.threads=3", "run.until=7 ms", "scene.name=other"}));
-    EXPECT_NO_THROW(elsewhere.set_state(good));   // what does not matter to the course does not count
+    EXPECT_NO_THROW(elsewhere.set_state(good));  // what does not matter to the course does not count
 }
 
 TEST(HostSimulation, TakesInputsFromTheHost) {
@@ -101,13 +102,14 @@ TEST(HostSimulation, TakesInputsFromTheHost) {
     const double polar = 2e-2 + 2 * 8e-3, frequency = 2.0 * M_PI * 200.0;
     const double expected = same.channel("shaft_1/torque")[0] + 2.0 * polar * frequency * (250.0 - 209.43951023931953);
     EXPECT_NEAR(simulation.channel("shaft_1/torque")[0], expected, 1e-9 * std::abs(expected));
-    simulation.set_input(Input::drive_speed, 250.0);   // once more changes nothing
+    simulation.set_input(Input::drive_speed, 250.0);  // once more changes nothing
     EXPECT_NEAR(simulation.channel("shaft_1/torque")[0], expected, 1e-9 * std::abs(expected));
 }
 
 TEST(HostSimulation, AnInputHeldAtTheTablesValueChangesNothing) {
     Simulation simulation(tiny()), held(tiny());
-    for (const Input input : {Input::clamping_driving, Input::clamping_driven, Input::load_torque}) held.set_input(input, held.input(input));
+    for (const Input input : {Input::clamping_driving, Input::clamping_driven, Input::load_torque})
+        held.set_input(input, held.input(input));
     simulation.advance_to(1e-6);
     held.advance_to(1e-6);
     EXPECT_EQ(held.hash(), simulation.hash());
@@ -129,7 +131,8 @@ TEST(HostSimulation, ShowsChannelsByNameAndNumber) {
     EXPECT_EQ(simulation.channel_info(tension).unit, "N");
     EXPECT_EQ(simulation.channel_info(tension).width, 24u);
     EXPECT_EQ(simulation.channel(tension).size(), 24u);
-    for (std::size_t k = 0; k < simulation.channels(); ++k) EXPECT_EQ(simulation.find_channel(std::string(simulation.channel_info(k).name)), k);
+    for (std::size_t k = 0; k < simulation.channels(); ++k)
+        EXPECT_EQ(simulation.find_channel(std::string(simulation.channel_info(k).name)), k);
     simulation.advance_to(-1e-4);
     EXPECT_GT(simulation.channel("tips/touching")[0], 0.0);
     EXPECT_EQ(simulation.channel("run/steps")[0], static_cast<double>(simulation.counters().steps));
@@ -154,7 +157,7 @@ TEST(HostSimulation, RightHandSideIsTheSlopeOfTheMotion) {
         error += (moved - h * slope[k]) * (moved - h * slope[k]);
         change += moved * moved;
     }
-    EXPECT_LT(std::sqrt(error / change), 0.5);   // h λ is up to 0.6: the first order is half of it at most
+    EXPECT_LT(std::sqrt(error / change), 0.5);  // h λ is up to 0.6: the first order is half of it at most
     EXPECT_EQ(code_of([&] { simulation.rhs(t, std::span(before).first(3), slope); }), ErrorCode::argument);
 }
 
@@ -206,7 +209,7 @@ TEST(HostSimulation, ExceptionsOfCallbacksReachTheCaller) {
     EXPECT_THROW(simulation.advance_to(0.0), std::string);
     EXPECT_NEAR(simulation.time(), -2e-4, 1e-9);
     simulation.on_output(1.0, nullptr);
-    simulation.advance_to(-1e-4);   // and goes on
+    simulation.advance_to(-1e-4);  // and goes on
     Simulation undisturbed(tiny());
     undisturbed.advance_to(-1e-4);
     EXPECT_EQ(simulation.hash(), undisturbed.hash());
@@ -218,7 +221,7 @@ TEST(HostSimulation, LeavesTheFloatingPointEnvironmentAsItFoundIt) {
     Simulation simulation(tiny(), Threads::own(2));
     std::fesetround(FE_UPWARD);
     feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
-    const unsigned denormals = __builtin_ia32_stmxcsr() | 0x8040;   // flushed to zero, as hosts of audio and games set it
+    const unsigned denormals = __builtin_ia32_stmxcsr() | 0x8040;  // flushed to zero, as hosts of audio and games set it
     __builtin_ia32_ldmxcsr(denormals);
     std::fenv_t before, after;
     std::fegetenv(&before);
@@ -236,7 +239,9 @@ TEST(HostSimulation, LeavesTheFloatingPointEnvironmentAsItFoundIt) {
 TEST(HostSimulation, ReportsFaultsWithCodesAndStaysAtTheLastGoodStep) {
     Simulation simulation(tiny({"run.step=10 us", "run.output_interval=10 us"}));
     const ErrorCode code = code_of([&] { simulation.advance_to(0.0); });
-    EXPECT_TRUE(code == ErrorCode::non_finite || code == ErrorCode::penetration || code == ErrorCode::left_sheave || code == ErrorCode::blow_up) << error_name(code);
+    EXPECT_TRUE(code == ErrorCode::non_finite || code == ErrorCode::penetration || code == ErrorCode::left_sheave ||
+                code == ErrorCode::blow_up)
+        << error_name(code);
     for (const double unknown : simulation.unknowns()) ASSERT_TRUE(std::isfinite(unknown));
     EXPECT_LT(simulation.largest_stable_step(), 1e-5);
     EXPECT_GT(simulation.largest_stable_step(), 1e-9);
@@ -253,7 +258,8 @@ TEST(HostSimulation, KnowsTheLargestStableStepOfProgramsToo) {
 
 TEST(HostSimulation, ReportsWhatIsWrongWithScenesAndArguments) {
     EXPECT_EQ(code_of([] { static_cast<void>(Scene::read("/nowhere.toml")); }), ErrorCode::scene);
-    EXPECT_EQ(error_of([] { static_cast<void>(Scene::parse("[chain]\npins = 2\n", "host.toml")); }), "host.toml:2:8: chain.pins: 2 is outside [3, 10000]");
+    EXPECT_EQ(error_of([] { static_cast<void>(Scene::parse("[chain]\npins = 2\n", "host.toml")); }),
+              "host.toml:2:8: chain.pins: 2 is outside [3, 10000]");
     EXPECT_EQ(error_of([] { static_cast<void>(Scene::ready("baselin")); }), "no scene 'baselin' (did you mean 'baseline'?)");
     EXPECT_EQ(tiny().value("chain.pins"), "24");
     EXPECT_EQ(code_of([] { static_cast<void>(tiny().value("chain.pin")); }), ErrorCode::argument);
@@ -263,12 +269,13 @@ TEST(HostSimulation, ReportsWhatIsWrongWithScenesAndArguments) {
     Simulation simulation(tiny());
     EXPECT_EQ(code_of([&] { simulation.advance_to(std::nan("")); }), ErrorCode::argument);
     EXPECT_EQ(code_of([&] { simulation.on_output(0.0, [](Simulation&) {}); }), ErrorCode::argument);
-    EXPECT_NO_THROW(simulation.advance_to(-1.0));   // the past: nothing to do
+    EXPECT_NO_THROW(simulation.advance_to(-1.0));  // the past: nothing to do
     EXPECT_EQ(simulation.time(), -3e-4);
 }
 
 TEST(HostSimulation, VersionOfHeadersAndLibraryIsThatOfTheProject) {
-    const std::string headers = std::to_string(CVTFLOW_VERSION_MAJOR) + "." + std::to_string(CVTFLOW_VERSION_MINOR) + "." + std::to_string(CVTFLOW_VERSION_PATCH);
+    const std::string headers =
+        std::to_string(CVTFLOW_VERSION_MAJOR) + "." + std::to_string(CVTFLOW_VERSION_MINOR) + "." + std::to_string(CVTFLOW_VERSION_PATCH);
     EXPECT_EQ(headers, CVTFLOW_PROJECT_VERSION);
     EXPECT_EQ(library_version(), CVTFLOW_PROJECT_VERSION);
 }

@@ -31,7 +31,7 @@ TEST(HostThreads, EightThreadsWithFourSimulationsEachGetTheSerialHash) {
                 hosts.emplace_back([&] {
                     std::vector<Simulation> mine;
                     for (int k = 0; k < 4; ++k) mine.emplace_back(scene, threads);
-                    for (double t = -2.9e-4; t < -2.45e-4; t += 1e-5) {   // by turns
+                    for (double t = -2.9e-4; t < -2.45e-4; t += 1e-5) {  // by turns
                         for (Simulation& simulation : mine) simulation.advance_to(t);
                     }
                     for (Simulation& simulation : mine) {
@@ -78,7 +78,7 @@ TEST(HostThreads, CancellationFromAnotherThreadEndsOneCallSoon) {
         ErrorCode code = ErrorCode::none;
         std::jthread stepper([&] {
             running = true;
-            code = code_of([&] { simulation.advance_to(10.0); });   // hours
+            code = code_of([&] { simulation.advance_to(10.0); });  // hours
         });
         ASSERT_TRUE(eventually([&] { return running.load(); }));
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -91,7 +91,7 @@ TEST(HostThreads, CancellationFromAnotherThreadEndsOneCallSoon) {
         RecordProperty("latency_us", std::to_string(1e6 * latency));
         const std::uint64_t there = hash_of_serial_run(scene, simulation.time());
         EXPECT_EQ(simulation.hash(), there);
-        EXPECT_NO_THROW(simulation.step());   // one wish, one call
+        EXPECT_NO_THROW(simulation.step());  // one wish, one call
     }
 }
 
@@ -125,7 +125,8 @@ TEST(HostThreads, AHostArenaUnderLoadDoesNotMix) {
                     }
                 });
             }
-            for (int wait = 0; wait < 1000 && host_tasks == 0; ++wait) std::this_thread::sleep_for(std::chrono::milliseconds(1));   // a worker comes
+            for (int wait = 0; wait < 1000 && host_tasks == 0; ++wait)
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));  // a worker comes
             Simulation simulation(scene, threads);
             for (int k = 1; k <= 10; ++k) {
                 inside = std::this_thread::get_id();

@@ -1,10 +1,9 @@
 /// Who may include whom, and where threads and third parties may be spoken of.
 ///
 ///     model  → std, Eigen (.cpp)                                tools, bench, tests → everything
-///     engine → std, POSIX, fmt and Eigen (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor and engine/thread (.cpp)
-///     tasks  → model, engine, std, any third party (.cpp)
-///     api    → model, engine, tasks, std; its public headers (api/include) → std and one another only
-///     threads, locks and atomics: engine/executor and engine/thread only
+///     engine → std, POSIX, fmt and Eigen (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor and engine/thread
+///     (.cpp) tasks  → model, engine, std, any third party (.cpp) api    → model, engine, tasks, std; its public headers (api/include) →
+///     std and one another only threads, locks and atomics: engine/executor and engine/thread only
 ///
 /// A header that includes a third party, itself or through another one, is private: only files of its own room (engine/record with all its
 /// folders, say) and tests include it. Rooms of a part stand on floors: includes point downwards, and never in a circle.
@@ -33,14 +32,14 @@ const std::map<std::string, Names> friends{
     {"api", {"model", "engine", "tasks", "api"}},
 };
 
-const Names thread_headers{"atomic", "barrier",   "condition_variable", "future",     "latch",
-                           "mutex",  "semaphore", "shared_mutex",       "stop_token", "thread", "pthread.h"};
+const Names thread_headers{"atomic",    "barrier",      "condition_variable", "future", "latch",    "mutex",
+                           "semaphore", "shared_mutex", "stop_token",         "thread", "pthread.h"};
 const Names posix_headers{"dlfcn.h", "fcntl.h", "poll.h", "pthread.h", "sched.h", "unistd.h"};
 
 /// Third party behind a header in angle brackets; empty for the standard library and POSIX.
 std::string third_party(const std::string& name) {
-    if (posix_headers.contains(name) || name.starts_with("sys/") || name == "immintrin.h") return "";   // ships with the compiler
-    if (name.starts_with("cvtflow/")) return "";   // our public headers
+    if (posix_headers.contains(name) || name.starts_with("sys/") || name == "immintrin.h") return "";  // ships with the compiler
+    if (name.starts_with("cvtflow/")) return "";                                                       // our public headers
     if (name == "omp.h") return "OpenMP";
     if (name.starts_with("hdf5") || name.starts_with("H5")) return "HDF5";
     if (name.starts_with("tbb/") || name.starts_with("oneapi/")) return "oneTBB";
@@ -124,10 +123,14 @@ TEST(IncludeRule, HeadersThatIncludeThirdPartiesArePrivate) {
 /// They call each other: kernels are compiled once per instruction set and reached through the model, whose types they take.
 const Names chain_and_kernels{"model/.", "model/contact", "model/kernels", "model/jacobian", "model/observe", "model/start"};
 
-/// Floors of a part's rooms, the ground floor first; what stands on one floor does not know its neighbours. A room of no floor is a mistake.
+/// Floors of a part's rooms, the ground floor first; what stands on one floor does not know its neighbours. A room of no floor is a
+/// mistake.
 const std::map<std::string, std::vector<Names>> floors{
     {"model", {{"model/basis"}, {"model/parameters"}, {"model/law"}, {"model/machine"}, {"model/force"}, chain_and_kernels}},
-    {"engine", {{"engine/base", "engine/linear"}, {"engine/graph", "engine/event", "engine/thread"}, {"engine/method", "engine/executor", "engine/record"}}},
+    {"engine",
+     {{"engine/base", "engine/linear"},
+      {"engine/graph", "engine/event", "engine/thread"},
+      {"engine/method", "engine/executor", "engine/record"}}},
     {"tasks", {{"tasks/step"}, {"tasks/method"}, {"tasks/scene"}, {"tasks/schedule"}, {"tasks/run"}, {"tasks/batch", "tasks/study"}}},
 };
 
@@ -158,7 +161,8 @@ TEST(IncludeRule, PublicHeadersIncludeTheStandardLibraryAndOneAnother) {
         if (!file.path.starts_with("api/include/")) continue;
         for (const Include& include : includes_of(file.text)) {
             EXPECT_FALSE(include.quoted) << where(file, include);
-            EXPECT_TRUE(third_party(include.name).empty() && (!include.name.ends_with(".h") || include.name.starts_with("cvtflow/"))) << where(file, include);
+            EXPECT_TRUE(third_party(include.name).empty() && (!include.name.ends_with(".h") || include.name.starts_with("cvtflow/")))
+                << where(file, include);
         }
     }
 }

@@ -1,6 +1,6 @@
 /// The kernels are compiled once per instruction set. A function that two of these copies define under one name is shared by the linker,
-/// which may then put AVX-512 code where the baseline's is meant: on an older processor that is an illegal instruction, on none a test fails.
-/// So no object file of the kernels may define a symbol that the linker merges.
+/// which may then put AVX-512 code where the baseline's is meant: on an older processor that is an illegal instruction, on none a test
+/// fails. So no object file of the kernels may define a symbol that the linker merges.
 
 #include <gtest/gtest.h>
 
@@ -38,12 +38,12 @@ TEST(KernelSymbols, NoneIsSharedBetweenInstructionSets) {
             if (file.path().extension() != ".o") continue;
             for (const Symbol& symbol : symbols_of(file.path().string())) {
                 entries += symbol.kind == 'T';
-                if (symbol.name.starts_with("DW.ref.")) continue;   // the address of a run-time function, the same in every copy
+                if (symbol.name.starts_with("DW.ref.")) continue;  // the address of a run-time function, the same in every copy
                 EXPECT_EQ(std::string("WVu").find(symbol.kind), std::string::npos) << file.path() << ": " << symbol.name;
             }
         }
     }
-    EXPECT_GE(entries, 2);   // chain_kernels and staged_kernels of at least one
+    EXPECT_GE(entries, 2);  // chain_kernels and staged_kernels of at least one
 }
 
 }  // namespace

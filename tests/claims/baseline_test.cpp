@@ -38,8 +38,8 @@ void expect_theory(const Operation& run) {
     // Means over 10 ms: 14 pin passages of 0.71 ms.
     const double drift = run.mean(run.ratio, 8e-3, 10e-3) / run.mean(run.ratio, 0.0, 2e-3) - 1.0;
     EXPECT_LT(std::abs(drift), 1e-3);
-    EXPECT_NEAR(run.mean(run.tight), 4960.0, 0.05 * 4960.0);   // one-dimensional theory: 4850
-    EXPECT_NEAR(run.mean(run.slack), 2210.0, 0.05 * 2210.0);   // one-dimensional theory: 2100
+    EXPECT_NEAR(run.mean(run.tight), 4960.0, 0.05 * 4960.0);  // one-dimensional theory: 4850
+    EXPECT_NEAR(run.mean(run.slack), 2210.0, 0.05 * 2210.0);  // one-dimensional theory: 2100
     EXPECT_NEAR((run.mean(run.tight) - run.mean(run.slack)) * run.mean(run.radius), 150.0, 1.5);
     const double clamping[] = {27.1e3, 27.1e3, 20e3, 20e3};
     for (std::size_t sheave = 0; sheave < 4; ++sheave) {
@@ -81,9 +81,11 @@ TEST(LoadRamp, SlipsWithinFivePercentOfTheFrictionLimit) {
     const tasks::Scene scene = ready_scene("load_ramp");
     const Operation run(scene);
     const auto& p = scene.parameters;
-    double carried = 0.0;   // largest torque that the driven side takes, averaged over a pin passage
-    for (double from = 0.0; from + 0.72e-3 < run.time.back(); from += 0.36e-3) carried = std::max(carried, run.mean(run.driven_torque, from, from + 0.72e-3));
-    const double limit = 2.0 * p.tip.friction.coefficient * p.clamping.driven.at(0.0) * run.mean(run.radius, 0.0, 2e-3) / std::cos(p.tip.angle);
+    double carried = 0.0;  // largest torque that the driven side takes, averaged over a pin passage
+    for (double from = 0.0; from + 0.72e-3 < run.time.back(); from += 0.36e-3)
+        carried = std::max(carried, run.mean(run.driven_torque, from, from + 0.72e-3));
+    const double limit =
+        2.0 * p.tip.friction.coefficient * p.clamping.driven.at(0.0) * run.mean(run.radius, 0.0, 2e-3) / std::cos(p.tip.angle);
     EXPECT_NEAR(carried, limit, 0.05 * limit);
     // Gross slip, not creep: ten times what the baseline creeps, and growing to the end.
     EXPECT_GT(run.mean(run.slip, 24e-3, 25e-3), 10.0 * run.mean(run.slip, 0.0, 1e-3));
@@ -103,8 +105,9 @@ TEST(NightlyThrustRatio, UnderRatioControlTheControllerFindsTheThrustRatioOfTheo
 
 TEST(NightlyThrustRatio, WithoutLoadTheStationaryThrustRatioIsOneWithinThreePercent) {
     const auto drift = [](const char* driving) {
-        const Operation run(ready_scene("baseline", {"detail.order=1", "detail.plates=lumped", "start.state=", "start.settling_time=15 ms", "run.until=12 ms",
-                                                     "load.torque=0", "clamping.driven=20 kN", std::string("clamping.driving=") + driving}));
+        const Operation run(ready_scene(
+            "baseline", {"detail.order=1", "detail.plates=lumped", "start.state=", "start.settling_time=15 ms", "run.until=12 ms",
+                         "load.torque=0", "clamping.driven=20 kN", std::string("clamping.driving=") + driving}));
         EXPECT_FALSE(run.fault) << run.fault.message();
         return run.mean(run.ratio, 10e-3, 12e-3) - run.mean(run.ratio, 0.0, 2e-3);
     };

@@ -16,12 +16,13 @@ double norm(Vector a) { return std::sqrt(dot(a, a)); }
 
 namespace {
 
-Vector turned(Vector a) { return {-a.y, a.x, 0.0}; }   // k×a
+Vector turned(Vector a) { return {-a.y, a.x, 0.0}; }  // k×a
 double arm(const model::Parameters& p) { return p.joint.radius - 0.5 * p.half.width; }
 
 }  // namespace
 
-ChainView::ChainView(const model::Parameters& parameters, const double* state) : parameters_(parameters), layout_(model::layout_of(parameters)), state_(state) {}
+ChainView::ChainView(const model::Parameters& parameters, const double* state)
+    : parameters_(parameters), layout_(model::layout_of(parameters)), state_(state) {}
 
 Vector ChainView::read(int link, End end, int offset) const {
     const double* block = state_ + layout_.link_begin(link) + offset;
@@ -75,14 +76,15 @@ Vector ChainView::momentum() const {
     Vector sum{0.0, 0.0, 0.0};
     for (int link = 0; link < links(); ++link) {
         const double* v = state_ + layout_.link_begin(link) + layout_.link_size();
-        for (const int row : {0, lateral}) {   // m = 0 of both halves; plates couple it with bending
+        for (const int row : {0, lateral}) {  // m = 0 of both halves; plates couple it with bending
             for (int column = 0; column < 2 * lateral; ++column) {
                 const double mass = inertia.lateral_matrix[static_cast<std::size_t>(2 * lateral * row + column)];
                 sum = sum + Vector{mass * v[column], mass * v[2 * lateral + column], 0.0};
             }
         }
         for (const int row : {0, 2}) {
-            for (int column = 0; column < 4; ++column) sum.z += inertia.axial_matrix[static_cast<std::size_t>(4 * row + column)] * v[4 * lateral + column];
+            for (int column = 0; column < 4; ++column)
+                sum.z += inertia.axial_matrix[static_cast<std::size_t>(4 * row + column)] * v[4 * lateral + column];
         }
     }
     return sum;
@@ -97,7 +99,8 @@ double ChainView::angular_momentum() const {
         const double* v = q + layout_.link_size();
         for (int row = 0; row < size; ++row) {
             for (int column = 0; column < size; ++column) {
-                sum += inertia.lateral_matrix[static_cast<std::size_t>(row * size + column)] * (q[row] * v[size + column] - q[size + row] * v[column]);
+                sum += inertia.lateral_matrix[static_cast<std::size_t>(row * size + column)] *
+                       (q[row] * v[size + column] - q[size + row] * v[column]);
             }
         }
     }

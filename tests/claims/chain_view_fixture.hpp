@@ -42,7 +42,7 @@ public:
 
 private:
     [[nodiscard]] Vector read(int link, model::End end, int offset) const;
-    [[nodiscard]] Vector centres(int pin) const;   ///< C_L - C_R
+    [[nodiscard]] Vector centres(int pin) const;  ///< C_L - C_R
 
     const model::Parameters& parameters_;
     model::ChainLayout layout_;

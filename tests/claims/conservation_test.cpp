@@ -22,8 +22,8 @@ model::Parameters ring() {
 }
 
 struct Momentum {
-    std::array<double, 2> sum{};    ///< in x and y [kg·m/s]
-    std::array<double, 2> size{};   ///< sum of magnitudes over links
+    std::array<double, 2> sum{};   ///< in x and y [kg·m/s]
+    std::array<double, 2> size{};  ///< sum of magnitudes over links
 };
 
 /// Of every link, A v against a unit translation: order 0 of both halves.
@@ -39,7 +39,8 @@ Momentum momentum(const model::Variator& variator, const double* state) {
             double own = 0.0;
             for (const model::End end : {model::End::rear, model::End::front}) {
                 const int row = at.x(end, 0);
-                for (int column = 0; column < size; ++column) own += matrix[static_cast<std::size_t>(row * size + column)] * v[begin + column];
+                for (int column = 0; column < size; ++column)
+                    own += matrix[static_cast<std::size_t>(row * size + column)] * v[begin + column];
             }
             total.sum[static_cast<std::size_t>(direction)] += own;
             total.size[static_cast<std::size_t>(direction)] += std::abs(own);
@@ -53,7 +54,8 @@ TEST(EveryMethod, KeepsTheMomentumOfAFreeChain) {
         Rig rig(ring(), 1, plan.name);
         const model::ChainLayout& at = rig.variator().layout();
         for (int link = 0; link < at.links; ++link) {
-            for (int k = 0; k < at.link_size(); ++k) rig.mutable_state()[at.link_begin(link) + at.link_size() + k] += 0.02 * std::sin(1.0 + link + 3.0 * k);
+            for (int k = 0; k < at.link_size(); ++k)
+                rig.mutable_state()[at.link_begin(link) + at.link_size() + k] += 0.02 * std::sin(1.0 + link + 3.0 * k);
         }
         const Momentum before = momentum(rig.variator(), rig.state());
         ASSERT_GT(std::abs(before.sum[0]), 1e-6 * before.size[0]);

@@ -1,5 +1,5 @@
-/// Claim: the contact of tips and sheaves is Hertz's, its friction lets a pushed block creep, and a tip that flies onto a sheave arrives once
-/// and on time. (design check 10.7)
+/// Claim: the contact of tips and sheaves is Hertz's, its friction lets a pushed block creep, and a tip that flies onto a sheave arrives
+/// once and on time. (design check 10.7)
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ model::Parameters ring_between_sheaves(int order) {
     p.start.ring_speed = 0.0;
     p.start.settling_time = 0.0;
     p.chain.pins = 13;
-    p.pulley.arc_position = 16.8e-3;   // the ring's radius, 13 pitches round
+    p.pulley.arc_position = 16.8e-3;  // the ring's radius, 13 pitches round
     p.pulley.innermost = 10e-3;
     p.pulley.outermost = 30e-3;
     p.drive.speed = model::TimeTable(0.0);
@@ -63,15 +63,17 @@ protected:
         const ChainView chain(p, rig.state());
         const Vector t = chain.direction(link);
         const double sine = std::sin(p.tip.angle), cosine = std::cos(p.tip.angle);
-        return chain.position(link, end) + Vector{p.tip.radius * sine * t.y, -p.tip.radius * sine * t.x, 0.5 * p.half.length - p.tip.radius * cosine};
+        return chain.position(link, end) +
+               Vector{p.tip.radius * sine * t.y, -p.tip.radius * sine * t.x, 0.5 * p.half.length - p.tip.radius * cosine};
     }
     /// Centre of the meridian arc of the fixed or resting sheave at side +z: radius from the axis, height.
     struct Arc {
         double radius, height;
     };
     [[nodiscard]] Arc arc() const {
-        const double w = rig.state()[at.pulley_begin() + 2];   // of the movable sheave 1+
-        return {p.pulley.arc_position - p.pulley.arc_radius * std::sin(p.tip.angle), 0.5 * p.half.length + w + p.pulley.arc_radius * std::cos(p.tip.angle)};
+        const double w = rig.state()[at.pulley_begin() + 2];  // of the movable sheave 1+
+        return {p.pulley.arc_position - p.pulley.arc_radius * std::sin(p.tip.angle),
+                0.5 * p.half.length + w + p.pulley.arc_radius * std::cos(p.tip.angle)};
     }
     [[nodiscard]] double reach() const { return p.pulley.arc_radius + p.tip.radius; }
 };
@@ -80,31 +82,33 @@ TEST_P(Contact, A700NewtonTipIsNineMicrometresDeepAsHertzSays) {
     const double depth = std::pow(700.0 / p.tip.hertz, 2.0 / 3.0);
     EXPECT_NEAR(depth, 9e-6, 0.5e-6);
     double& w = rig.mutable_state()[at.pulley_begin() + 2];
-    for (int iteration = 0; iteration < 40; ++iteration) w += probe(0).depth[1] - depth;   // moving the sheave by dw changes the depth by nearly dw
+    for (int iteration = 0; iteration < 40; ++iteration)
+        w += probe(0).depth[1] - depth;  // moving the sheave by dw changes the depth by nearly dw
     ASSERT_NEAR(probe(0).depth[1], depth, 1e-15);
     std::vector<model::Phase> phases(static_cast<std::size_t>(4 * at.links), model::Phase::touching);
     model::SheaveMotion sheaves[4];
     rig.variator().pulleys().motions(rig.state() + at.pulley_begin(), sheaves);
     model::LinkContact contact;
     rig.variator().chain().contact(0, rig.state() + at.link_begin(0), sheaves, phases.data(), contact);
-    EXPECT_NEAR(contact.normal[1], 700.0, 1e-6);   // 1.5 · 700 N/9 µm · 1e-15 m = 1e-7 N
+    EXPECT_NEAR(contact.normal[1], 700.0, 1e-6);  // 1.5 · 700 N/9 µm · 1e-15 m = 1e-7 N
     EXPECT_NEAR(contact.normal[3], 700.0, 1e-6) << "the link is symmetric";
-    EXPECT_NEAR(contact.axial[1], 700.0 * std::cos(p.tip.angle), 0.1);   // it leans by β at r_m; a millimetre away by 1 mm/R_c less, 0.07 N
+    EXPECT_NEAR(contact.axial[1], 700.0 * std::cos(p.tip.angle), 0.1);  // it leans by β at r_m; a millimetre away by 1 mm/R_c less, 0.07 N
 }
 
 TEST_P(Contact, ARingThatFliesAxiallyOntoASheaveArrivesWithAllTipsAtOneTime) {
     const double gap = 37e-6, speed = 0.8;
-    rig.mutable_state()[at.pulley_begin() + 2] += 1e-3;   // opens the +z sheave
-    launch({0.0, 0.0, 0.5e-3}, {0.0, 0.0, 0.0});          // away from the -z sheave
+    rig.mutable_state()[at.pulley_begin() + 2] += 1e-3;  // opens the +z sheave
+    launch({0.0, 0.0, 0.5e-3}, {0.0, 0.0, 0.0});         // away from the -z sheave
     const Vector s = sphere(0, model::End::rear);
-    const double across = arc().height - std::sqrt(reach() * reach() - std::pow(std::hypot(s.x, s.y) - arc().radius, 2)) - s.z;   // until it touches
+    const double across =
+        arc().height - std::sqrt(reach() * reach() - std::pow(std::hypot(s.x, s.y) - arc().radius, 2)) - s.z;  // until it touches
     launch({0.0, 0.0, across - gap}, {0.0, 0.0, speed});
     ASSERT_FALSE(rig.run({0.0, gap / speed + 2e-7, 5e-8, 1e-6}));
     ASSERT_EQ(rig.transitions().size(), static_cast<std::size_t>(2 * at.links)) << "each half once, at +z only";
     for (const auto& event : rig.transitions()) {
         EXPECT_EQ(event.tip % 2, 1);
         EXPECT_EQ(event.to, model::Phase::touching);
-        EXPECT_NEAR(event.time, gap / speed, 1e-14);   // lengths of 2 m are rounded to 4e-16 m; 1e-9 of the step is 5e-17 s
+        EXPECT_NEAR(event.time, gap / speed, 1e-14);  // lengths of 2 m are rounded to 4e-16 m; 1e-9 of the step is 5e-17 s
     }
     EXPECT_EQ(rig.counters().suppressed, 0);
 }
@@ -121,7 +125,7 @@ double arrival(Vector s, double u, double touching_radius) {
 TEST_P(Contact, ARingThatFliesAlongXTouchesFirstWithTheTipThatIsDueAndOnce) {
     const double gap = 20e-6, speed = 2.0;
     rig.mutable_state()[at.pulley_begin() + 2] += gap;
-    launch({0.0, 0.0, 0.8 * gap}, {0.0, 0.0, 0.0});   // clear of the -z sheave for longer
+    launch({0.0, 0.0, 0.8 * gap}, {0.0, 0.0, 0.0});  // clear of the -z sheave for longer
     launch({0.0, 0.0, 0.0}, {speed, 0.0, 0.0});
     double first = 1e300;
     int tip = -1;
@@ -142,7 +146,8 @@ TEST_P(Contact, ARingThatFliesAlongXTouchesFirstWithTheTipThatIsDueAndOnce) {
     EXPECT_EQ(rig.counters().truncated, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Orders, Contact, testing::Values(0, 1, 3), [](const auto& instance) { return "p" + std::to_string(instance.param); });
+INSTANTIATE_TEST_SUITE_P(Orders, Contact, testing::Values(0, 1, 3),
+                         [](const auto& instance) { return "p" + std::to_string(instance.param); });
 
 TEST(Creep, ABlockPushedByLessThanItsFrictionCreepsAtTheShareOfTheSaturationSpeed) {
     const model::Friction friction{0.09, 0.01};
@@ -152,7 +157,7 @@ TEST(Creep, ABlockPushedByLessThanItsFrictionCreepsAtTheShareOfTheSaturationSpee
         const double push = share * friction.coefficient * normal;
         double v = 0.0;
         const double relaxation = mass * friction.saturation_speed / (friction.coefficient * normal);
-        for (int step = 0; step < 400; ++step) {   // implicit midpoint would do no better: 0.1 relaxation times per step, 40 in all
+        for (int step = 0; step < 400; ++step) {  // implicit midpoint would do no better: 0.1 relaxation times per step, 40 in all
             v += 0.1 * relaxation / mass * (push - curve.coefficient * normal * model::slip_factor<1>(curve, model::Lanes<1>(v))[0] * v);
         }
         EXPECT_NEAR(v, friction.saturation_speed * share, 1e-15);
@@ -160,14 +165,14 @@ TEST(Creep, ABlockPushedByLessThanItsFrictionCreepsAtTheShareOfTheSaturationSpee
 }
 
 TEST(Creep, ARingDrivenByItsSheavesLagsByTheShareOfTheSaturationSpeed) {
-    // The same with the whole model: a torque T on the shaft speeds up sheaves (I_s) and, through friction alone, the ring (I_r). So friction
-    // passes on M = T I_r/(I_r + I_s) and needs the slip v0 M/(μ ΣN r), well below saturation.
+    // The same with the whole model: a torque T on the shaft speeds up sheaves (I_s) and, through friction alone, the ring (I_r). So
+    // friction passes on M = T I_r/(I_r + I_s) and needs the slip v0 M/(μ ΣN r), well below saturation.
     model::Parameters p = ring_between_sheaves(0);
     p.drive.mode = model::DriveMode::torque;
     p.drive.torque = model::TimeTable(4.0);
     p.clamping.driving = model::TimeTable(2000.0);
     p.pulley.shaft_polar_inertia = p.pulley.sheave_polar_inertia = 1e-5;
-    p.chain.damping_ratio = 1.0;   // ends the ringing of the sudden start; damping takes no part in steady spin-up
+    p.chain.damping_ratio = 1.0;  // ends the ringing of the sudden start; damping takes no part in steady spin-up
     Rig rig(p);
     ASSERT_FALSE(rig.run({0.0, 2e-3, 5e-8, 1e-4}));
     model::Observer observer(rig.variator());
@@ -175,7 +180,7 @@ TEST(Creep, ARingDrivenByItsSheavesLagsByTheShareOfTheSaturationSpeed) {
     const ChainView chain(p, rig.state());
     const double ring = chain.angular_momentum() / chain.turning(0), sheaves = 3e-5;
     const double passed_on = 4.0 * ring / (ring + sheaves);
-    EXPECT_NEAR(-now.chain_torque[0], passed_on, 1e-3 * passed_on);   // measured 6e-5
+    EXPECT_NEAR(-now.chain_torque[0], passed_on, 1e-3 * passed_on);  // measured 6e-5
     const double normal = 2.0 * 2000.0 / std::cos(p.tip.angle), radius = norm(chain.pin(0));
     const double share = passed_on / (p.tip.friction.coefficient * normal * radius);
     ASSERT_LT(share, 0.7);

@@ -26,8 +26,8 @@ double energy(Rig& rig) {
 }
 
 struct Ledger {
-    double lost = 0.0, put_in = 0.0;   ///< [J]
-    double passed = 0.0;               ///< sum of magnitudes [J]
+    double lost = 0.0, put_in = 0.0;  ///< [J]
+    double passed = 0.0;              ///< sum of magnitudes [J]
 };
 Ledger ledger(const Rig& rig) {
     Ledger sum;
@@ -52,11 +52,11 @@ TEST(Energy, IsKeptWithoutFrictionDampingAndInputs) {
     p.start.settling_time = 3e-3;
     p.start.ramp_time = 2e-3;
     std::vector<model::Phase> phases;
-    std::vector<double> state = settled_state(p, 3e-3, phases);   // taking friction away is a jolt: the motion is far from steady
+    std::vector<double> state = settled_state(p, 3e-3, phases);  // taking friction away is a jolt: the motion is far from steady
     make_conservative(p);
     p.drive.mode = model::DriveMode::torque;
     p.drive.torque = p.load.torque = model::TimeTable(0.0);
-    p.ledger = true;   // counts the work of the constant clamping forces
+    p.ledger = true;  // counts the work of the constant clamping forces
     state.resize(static_cast<std::size_t>(model::layout_of(p).size()));
     Rig rig(p, state, phases);
     const double before = energy(rig);
@@ -92,11 +92,14 @@ TEST_P(EnergyBalance, TheLedgerOfWorksAndLossesClosesOverARunWithEverythingOn) {
     EXPECT_NEAR(energy(rig) - before, sum.put_in - sum.lost, 1e-6 * sum.passed);
 }
 
-INSTANTIATE_TEST_SUITE_P(Details, EnergyBalance, testing::Values(Balance{0, 0.5e-3, false}, Balance{1, 1e-3, false}, Balance{2, 0.5e-3, true}, Balance{3, 0.5e-3, true}),
+INSTANTIATE_TEST_SUITE_P(Details, EnergyBalance,
+                         testing::Values(Balance{0, 0.5e-3, false}, Balance{1, 1e-3, false}, Balance{2, 0.5e-3, true},
+                                         Balance{3, 0.5e-3, true}),
                          [](const auto& instance) { return "p" + std::to_string(instance.param.order); });
 
 /// d/dt of the stored energy along a slope, differenced. Kinetic energy is quadratic in velocities alone, so a long step is exact there.
-double energy_rate(const model::Variator& variator, const std::vector<double>& state, const std::vector<model::Phase>& phases, const std::vector<double>& slope) {
+double energy_rate(const model::Variator& variator, const std::vector<double>& state, const std::vector<model::Phase>& phases,
+                   const std::vector<double>& slope) {
     model::Observer observer(variator);
     const model::ChainLayout& at = variator.layout();
     const auto is_rate = [&](int k) {
@@ -111,7 +114,7 @@ double energy_rate(const model::Variator& variator, const std::vector<double>& s
         const double kinetic = account[model::Energy::kinetic];
         return rates ? kinetic : total(account) - kinetic;
     };
-    const double brief = 1e-10, longer = 1e-8;   // positions move by a nanometre
+    const double brief = 1e-10, longer = 1e-8;  // positions move by a nanometre
     return (moved(brief, false) - moved(-brief, false)) / (2.0 * brief) + (moved(longer, true) - moved(-longer, true)) / (2.0 * longer);
 }
 

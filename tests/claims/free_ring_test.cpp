@@ -15,8 +15,8 @@ namespace {
 struct Spin {
     int order;
     int pins;
-    double speed;     ///< Ω [rad/s]
-    double damping;   ///< ζ: the one that lets the ring stop breathing fastest
+    double speed;    ///< Ω [rad/s]
+    double damping;  ///< ζ: the one that lets the ring stop breathing fastest
 };
 
 model::Parameters ring(const Spin& spin) {
@@ -36,8 +36,8 @@ model::Parameters ring(const Spin& spin) {
 /// whole asks for 2 F sin(π/N) = m r_c Ω² (r_c: of its middle); along the link, each half with its sixth of the plates (consistent bars)
 /// hangs on the plates with ℓ/2 Ω² more than the joint gives.
 struct Theory {
-    double exact;    ///< tension of the plates [N]
-    double simple;   ///< m r Ω²/(2 sin(π/N)), r: radius of the pins [N]
+    double exact;   ///< tension of the plates [N]
+    double simple;  ///< m r Ω²/(2 sin(π/N)), r: radius of the pins [N]
 };
 Theory theory(const model::Parameters& p, const ChainView& chain) {
     const double angle = std::numbers::pi / chain.links();
@@ -70,11 +70,14 @@ TEST_P(FreeRing, CarriesItsCentrifugalForceInEveryLink) {
     EXPECT_NEAR(now.tight, expected.exact, 5e-5 * expected.exact);
 }
 
-INSTANTIATE_TEST_SUITE_P(Spins, FreeRing, testing::Values(Spin{0, 84, 200.0, 10.0}, Spin{1, 84, 200.0, 10.0}, Spin{2, 84, 200.0, 10.0}, Spin{3, 84, 200.0, 10.0}, Spin{0, 84, 50.0, 10.0},
-                                                          Spin{0, 84, 400.0, 4.0}, Spin{1, 24, 600.0, 10.0}, Spin{3, 12, 600.0, 10.0}, Spin{0, 6, 600.0, 10.0}),
+INSTANTIATE_TEST_SUITE_P(Spins, FreeRing,
+                         testing::Values(Spin{0, 84, 200.0, 10.0}, Spin{1, 84, 200.0, 10.0}, Spin{2, 84, 200.0, 10.0},
+                                         Spin{3, 84, 200.0, 10.0}, Spin{0, 84, 50.0, 10.0}, Spin{0, 84, 400.0, 4.0},
+                                         Spin{1, 24, 600.0, 10.0}, Spin{3, 12, 600.0, 10.0}, Spin{0, 6, 600.0, 10.0}),
                          [](const auto& instance) {
                              const Spin& s = instance.param;
-                             return "p" + std::to_string(s.order) + "_N" + std::to_string(s.pins) + "_at" + std::to_string(static_cast<int>(s.speed));
+                             return "p" + std::to_string(s.order) + "_N" + std::to_string(s.pins) + "_at" +
+                                    std::to_string(static_cast<int>(s.speed));
                          });
 
 }  // namespace

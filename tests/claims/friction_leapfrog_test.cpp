@@ -48,7 +48,8 @@ TEST(FrictionLeapfrogClaim, AtTwoMicrosecondsItIsAsExactAsDumka3WithOneEvaluatio
 
 /// Order 2: errors fall at least by 2^1.6 when the step is halved; transitions and kinks of the law take some of it.
 TEST(FrictionLeapfrogClaim, ItsErrorFallsLikeTheSquareOfTheStep) {
-    const double coarse = errors(baseline(), "leapfrog-rkc", "2us").axial_force, fine = errors(baseline(), "leapfrog-rkc", "500ns").axial_force;
+    const double coarse = errors(baseline(), "leapfrog-rkc", "2us").axial_force,
+                 fine = errors(baseline(), "leapfrog-rkc", "500ns").axial_force;
     EXPECT_LT(std::log2(coarse / fine) / 2.0, 2.4);
     EXPECT_GT(std::log2(coarse / fine) / 2.0, 1.6);
 }
@@ -58,8 +59,9 @@ void expect_limit(const std::string& method) {
     const auto end = [&](const std::string& scale) {
         const double factor = std::stod(scale);
         const auto text = [&](double value) { return std::to_string(value * factor * 1e9) + "e-9"; };
-        const tasks::Scene scene = ready_scene("baseline", {"run.schedule=serial", "run.method=" + method, "run.step=1us", "joint.saturation_speed=" + text(5e-3),
-                                                            "plate.saturation_speed=" + text(1e-2), "tip.saturation_speed=" + text(1e-2)});
+        const tasks::Scene scene =
+            ready_scene("baseline", {"run.schedule=serial", "run.method=" + method, "run.step=1us", "joint.saturation_speed=" + text(5e-3),
+                                     "plate.saturation_speed=" + text(1e-2), "tip.saturation_speed=" + text(1e-2)});
         tasks::Simulation simulation(scene);
         tasks::SilentObserver nobody;
         EXPECT_FALSE(simulation.run(100e-6, nobody, never)) << scale;
@@ -71,7 +73,8 @@ void expect_limit(const std::string& method) {
     EXPECT_LT(std::abs(thousandth - hundredth), std::abs(hundredth - tenth) + 1e-3 * hundredth);
 }
 
-/// A saturation speed a hundred times smaller makes RK4 need steps a hundred times shorter; here stages grow tenfold and results tend to a limit.
+/// A saturation speed a hundred times smaller makes RK4 need steps a hundred times shorter; here stages grow tenfold and results tend to a
+/// limit.
 TEST(FrictionLeapfrogClaim, AsTheSaturationSpeedVanishesResultsTendToALimit) { expect_limit("leapfrog-chebyshev"); }
 
 /// Solves take more iterations, but get there.
@@ -81,7 +84,7 @@ TEST(FrictionLeapfrogClaim, AsTheSaturationSpeedVanishesSolvedFrictionTendsToALi
 TEST(NightlyFrictionLeapfrog, KeepsItsErrorsOnLowOverdriveAndTheLoadRamp) {
     for (const std::string scene : {"low", "overdrive", "load_ramp"}) {
         const tasks::ErrorMeasure measure = measure_of(scene);
-        for (const char* method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {   // the second is what scenes use that name no method
+        for (const char* method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {  // the second is what scenes use that name no method
             const tasks::TrajectoryErrors found = errors(measure, method, "2us");
             EXPECT_LT(found.axial_force, 1e-3) << scene << ' ' << method;
             EXPECT_LT(found.tension, 1e-3) << scene << ' ' << method;

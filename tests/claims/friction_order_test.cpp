@@ -1,5 +1,5 @@
-/// Claim: methods that solve for friction have their order where friction is smooth and counts, with the whole state; and the leapfrog is stable
-/// while ω h < 2.
+/// Claim: methods that solve for friction have their order where friction is smooth and counts, with the whole state; and the leapfrog is
+/// stable while ω h < 2.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,9 @@ void expect_order(const Smooth& scene, const std::string& method, double order, 
     double above = 0.0;
     for (const int steps : numbers) {
         const double error = distance(solution(method, steps), reference);
-        if (above > 0.0) { EXPECT_NEAR(std::log2(above / error), order, 0.15) << method << ": " << steps << " steps, error " << error; }
+        if (above > 0.0) {
+            EXPECT_NEAR(std::log2(above / error), order, 0.15) << method << ": " << steps << " steps, error " << error;
+        }
         above = error;
     }
 }
@@ -68,7 +70,8 @@ TEST(FrictionOrder, LeapfrogsAreStableToTheImaginaryBoundaryWithinTwoPercent) {
     make_conservative(p);
     const Rig start(p);
     double fastest = 0.0;
-    for (const auto& value : tasks::spectrum(start.variator(), 0.0, start.state_copy(), start.phases())) fastest = std::max(fastest, std::abs(value.imag()));
+    for (const auto& value : tasks::spectrum(start.variator(), 0.0, start.state_copy(), start.phases()))
+        fastest = std::max(fastest, std::abs(value.imag()));
     // Saturating contacts bound what is unstable: two runs are compared that begin a picometre apart.
     const auto grows = [&](const std::string& method, double share) {
         std::vector<double> state = start.state_copy();

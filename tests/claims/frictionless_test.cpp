@@ -29,7 +29,7 @@ model::Parameters frictionless(double speed) {
     p.clamping = {model::TimeTable(clamping), model::TimeTable(clamping)};
     p.start.settling_time = 8e-3;
     p.start.ramp_time = 4e-3;
-    p.chain.damping_ratio = 0.5;   // damping has no force in the mean of a steady state; the ringing of the ramp decays within it
+    p.chain.damping_ratio = 0.5;  // damping has no force in the mean of a steady state; the ringing of the ramp decays within it
     return p;
 }
 
@@ -62,7 +62,7 @@ Means settled(const model::Parameters& p) {
     constexpr int outputs = 120;
     int seen = 0;
     EXPECT_FALSE(rig.run({0.0, 3.0 * passage, 1e-7, 3.0 * passage / outputs}, [&](double t, const tasks::Workspace& w) {
-        if (seen++ == outputs) return;   // the last output is the first of the next passage
+        if (seen++ == outputs) return;  // the last output is the first of the next passage
         const model::Observation& now = observer.observe(t, w.states[0], w.phases.data());
         means.tight += now.tight / outputs;
         means.slack += now.slack / outputs;
@@ -79,7 +79,7 @@ class Frictionless : public testing::TestWithParam<double> {};
 TEST_P(Frictionless, StrandsCarryTwiceTheClampingTimesTheWedgeOverTheWrap) {
     const model::Parameters p = frictionless(GetParam());
     const Means now = settled(p);
-    const double excess = 2.0 * clamping * std::tan(p.tip.angle) / std::numbers::pi;   // Θ = π
+    const double excess = 2.0 * clamping * std::tan(p.tip.angle) / std::numbers::pi;  // Θ = π
     EXPECT_NEAR(excess, 2474.9, 0.05);
     const double centrifugal = model::link_mass(p) / p.chain.pitch[0] * now.speed * now.speed;
     // A link's pitch shortens by ρ(α/2)² as it bends by α = p/r, so a larger radius takes up ρα/(4r) less chain than a belt's 2π dr and, by
@@ -88,11 +88,13 @@ TEST_P(Frictionless, StrandsCarryTwiceTheClampingTimesTheWedgeOverTheWrap) {
     const double of_chain = excess / (1.0 - p.joint.radius * bend / (4.0 * now.radius[0]));
     for (const double tension : {now.tight, now.slack}) {
         EXPECT_NEAR(tension - centrifugal, excess, 0.01 * excess);
-        EXPECT_NEAR(tension - centrifugal, of_chain, 0.005 * of_chain);   // and what is left of settling: 0.1 % over 14 ms, 0.4 % after 8 ms
+        EXPECT_NEAR(tension - centrifugal, of_chain, 0.005 * of_chain);  // and what is left of settling: 0.1 % over 14 ms, 0.4 % after 8 ms
     }
     // Plates that slide axially on their pins, where strands climb, pass up to 0.2 % of the force from one side to the other.
-    for (std::size_t sheave = 0; sheave < 4; ++sheave) EXPECT_NEAR(now.axial[sheave], sheave % 2 == 1 ? clamping : -clamping, 0.002 * clamping) << sheave;
-    for (const double radius : now.radius) EXPECT_NEAR(radius, 54.3e-3, 0.1e-3);   // of the belt, 54.44 mm, less the shortening in the arcs and a little stretch
+    for (std::size_t sheave = 0; sheave < 4; ++sheave)
+        EXPECT_NEAR(now.axial[sheave], sheave % 2 == 1 ? clamping : -clamping, 0.002 * clamping) << sheave;
+    for (const double radius : now.radius)
+        EXPECT_NEAR(radius, 54.3e-3, 0.1e-3);  // of the belt, 54.44 mm, less the shortening in the arcs and a little stretch
 }
 
 INSTANTIATE_TEST_SUITE_P(Speeds, Frictionless, testing::Values(60.0, 209.43951023931953),

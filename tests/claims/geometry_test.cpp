@@ -66,7 +66,7 @@ TEST(BeltGeometry, AtRatioOneTheRadiusIs54MillimetresAndTheWrapsAreHalfCircles) 
     const auto radii = model::belt_radii(length, 1.0, 0.170);
     ASSERT_TRUE(radii.has_value());
     EXPECT_NEAR(radii->driving, (length - 2.0 * 0.170) / (2.0 * pi), 1e-16);
-    EXPECT_NEAR(radii->driving, 54.444e-3, 5e-7);   // as rounded in the design
+    EXPECT_NEAR(radii->driving, 54.444e-3, 5e-7);  // as rounded in the design
     EXPECT_NEAR(radii->driven, radii->driving, 1e-17);
 }
 
@@ -80,7 +80,8 @@ TEST(BeltGeometry, AtRatio24RadiiAndWrapsAreThoseOfTheOpenBelt) {
     EXPECT_NEAR(180.0 - lean * 360.0 / pi, 150.43, 5e-3);
     EXPECT_NEAR(180.0 + lean * 360.0 / pi, 209.57, 5e-3);
     // Length put together from its pieces: two strands and two arcs.
-    const double pieces = 2.0 * std::sqrt(a * a - std::pow(radii->driven - radii->driving, 2)) + radii->driving * (pi - 2.0 * lean) + radii->driven * (pi + 2.0 * lean);
+    const double pieces = 2.0 * std::sqrt(a * a - std::pow(radii->driven - radii->driving, 2)) + radii->driving * (pi - 2.0 * lean) +
+                          radii->driven * (pi + 2.0 * lean);
     EXPECT_NEAR(model::belt_length(*radii, a), pieces, 1e-15);
     EXPECT_NEAR(pieces, 84 * 8.12e-3, 1e-15);
 }
@@ -117,12 +118,14 @@ TEST_P(GeometricStart, PinsLieOnOneCirclePerPulleyAndOnTheTangentsBetween) {
             EXPECT_NEAR(std::hypot(at.x - a, at.y), r2, 1e-12);
             ++counted[1];
         } else {
-            EXPECT_NEAR(-at.x * sine + std::abs(at.y) * cosine, r1, 1e-12);   // distance of the tangent from the driving axis
+            EXPECT_NEAR(-at.x * sine + std::abs(at.y) * cosine, r1, 1e-12);  // distance of the tangent from the driving axis
             ++counted[2];
         }
     }
     EXPECT_GT(counted[0], 0);
-    if (!is_ring) { EXPECT_GT(counted[1] * counted[2], 0); }
+    if (!is_ring) {
+        EXPECT_GT(counted[1] * counted[2], 0);
+    }
 }
 
 TEST_P(GeometricStart, VelocitiesNeitherCloseJointsNorStretchPlates) {
@@ -149,7 +152,8 @@ TEST_P(GeometricStart, TheDeepestTipJustTouchesEachSheave) {
         model::TipProbe probe;
         model.probe(block, sheaves, false, probe);
         const int shaft = model.shaft_of(block);
-        for (int tip = 0; tip < model::tips_per_link; ++tip) deepest[2 * shaft + tip % 2] = std::max(deepest[2 * shaft + tip % 2], probe.depth[tip]);
+        for (int tip = 0; tip < model::tips_per_link; ++tip)
+            deepest[2 * shaft + tip % 2] = std::max(deepest[2 * shaft + tip % 2], probe.depth[tip]);
     }
     for (const double depth : deepest) EXPECT_NEAR(depth, 0.0, 1e-12);
     for (const model::Phase phase : start.phases) EXPECT_EQ(phase, model::Phase::free);
@@ -160,17 +164,18 @@ INSTANTIATE_TEST_SUITE_P(Chain, GeometricStart, testing::ValuesIn(starts()), [](
 TEST(GeometricStart, IsRefusedWhereTheChainDoesNotFit) {
     model::Parameters p;
     p.chain.pins = 60;
-    p.start.ratio = 20.0;   // leaves a driving radius of 2 mm for links of 8 mm
+    p.start.ratio = 20.0;  // leaves a driving radius of 2 mm for links of 8 mm
     EXPECT_NO_THROW(static_cast<void>(model::start_state(around_pulleys(2.4, {8.12e-3}))));
     EXPECT_THROW(static_cast<void>(model::start_state(p)), std::invalid_argument);
     p.start.ratio = 1.0;
-    p.chain.pins = 40;     // 325 mm: shorter than twice the centre distance
+    p.chain.pins = 40;  // 325 mm: shorter than twice the centre distance
     EXPECT_THROW(static_cast<void>(model::start_state(p)), std::invalid_argument);
-    p.chain.pins = 200;    // 1624 mm: the pulleys would have to overlap
+    p.chain.pins = 200;  // 1624 mm: the pulleys would have to overlap
     EXPECT_THROW(static_cast<void>(model::start_state(p)), std::invalid_argument);
 }
 
-/// A ring of N links of mass m on springs K has no radius at which it turns with Ω > 2π/N √(K/m): its tension grows faster than Hooke's law.
+/// A ring of N links of mass m on springs K has no radius at which it turns with Ω > 2π/N √(K/m): its tension grows faster than Hooke's
+/// law.
 TEST(GeometricStart, IsRefusedWhereTheRingBursts) {
     model::Parameters p = ring(84, {8.12e-3});
     const double mass = 2.0 * p.half.mass + p.plate.count * p.plate.mass, stiffness = p.plate.count * p.plate.stiffness;

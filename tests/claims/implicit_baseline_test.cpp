@@ -1,5 +1,5 @@
-/// Claims about implicit methods at the operating point, full detail, steps of 2 µs, against tight rk4: how often Newton's method converges, and
-/// what methods lose that see one tangent of the friction per step.
+/// Claims about implicit methods at the operating point, full detail, steps of 2 µs, against tight rk4: how often Newton's method
+/// converges, and what methods lose that see one tangent of the friction per step.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,9 @@ protected:
         static const tasks::FrozenStart settled = tasks::frozen_start(tasks::Simulation(scene()));
         return settled;
     }
-    static tasks::TrialEnd end(const std::string& method, double h = step) { return tasks::try_method(scene().parameters, start(), method, h, duration); }
+    static tasks::TrialEnd end(const std::string& method, double h = step) {
+        return tasks::try_method(scene().parameters, start(), method, h, duration);
+    }
     static double axial_error(const tasks::TrialEnd& end) { return tasks::relative_difference(end.axial_force, reference().axial_force); }
 
 private:
@@ -64,7 +66,9 @@ TEST_F(NightlyImplicit, LinearlyImplicitMethodsLoseOnSaturatingFriction) {
     const double solved = axial_error(end("trapezoidal-analytic"));
     for (const tasks::LinearPlan& plan : tasks::linear_plans()) {
         const tasks::TrialEnd trial = end(plan.name);
-        if (!trial.fault) { EXPECT_GT(axial_error(trial), 100.0 * solved) << plan.name; }
+        if (!trial.fault) {
+            EXPECT_GT(axial_error(trial), 100.0 * solved) << plan.name;
+        }
     }
 }
 

@@ -25,7 +25,10 @@ void expect_order(const Smooth& scene, const std::string& method, const std::vec
     double above = 0.0;
     for (const int steps : numbers) {
         const double error = distance(solution(method, steps), reference);
-        if (above > 0.0) { EXPECT_NEAR(std::log2(above / error), tasks::find_program(method)->order, 0.15) << method << ": " << steps << " steps, error " << error; }
+        if (above > 0.0) {
+            EXPECT_NEAR(std::log2(above / error), tasks::find_program(method)->order, 0.15)
+                << method << ": " << steps << " steps, error " << error;
+        }
         above = error;
     }
 }

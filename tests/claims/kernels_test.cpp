@@ -20,7 +20,8 @@ TEST(Losses, AreNeverNegativeOnAnyState) {
         model::Observer observer(variator);
         const auto random = oracle::random_state(one.parameters, ++seed);
         const model::Observation& now = observer.observe(0.0, random.state.data(), random.phases.data());
-        for (int kind = 0; kind < model::loss_kinds; ++kind) EXPECT_GE(now.account.loss[static_cast<std::size_t>(kind)], 0.0) << one.name << ", loss " << kind;
+        for (int kind = 0; kind < model::loss_kinds; ++kind)
+            EXPECT_GE(now.account.loss[static_cast<std::size_t>(kind)], 0.0) << one.name << ", loss " << kind;
     }
 }
 
@@ -36,7 +37,8 @@ TEST(Losses, AreNeverNegativeWithAnyFrictionLawAndDampingSoHeavyThatContactsLetG
                 model::Observer observer(variator);
                 for (std::uint64_t seed = 1; seed <= 5; ++seed) {
                     const auto random = oracle::random_state(p, seed);
-                    for (const double loss : observer.observe(0.0, random.state.data(), random.phases.data()).account.loss) EXPECT_GE(loss, 0.0);
+                    for (const double loss : observer.observe(0.0, random.state.data(), random.phases.data()).account.loss)
+                        EXPECT_GE(loss, 0.0);
                 }
             }
         }
@@ -52,7 +54,8 @@ std::vector<double> link_force(const model::Variator& variator, int link, const 
     const int lateral = 2 * at.lateral();
     const auto multiply = [&](const double* matrix, int size, int begin) {
         for (int row = 0; row < size; ++row) {
-            for (int column = 0; column < size; ++column) force[static_cast<std::size_t>(begin + row)] += matrix[row * size + column] * a[begin + column];
+            for (int column = 0; column < size; ++column)
+                force[static_cast<std::size_t>(begin + row)] += matrix[row * size + column] * a[begin + column];
         }
     };
     multiply(inertia.lateral_matrix.data(), lateral, 0);
@@ -63,7 +66,8 @@ std::vector<double> link_force(const model::Variator& variator, int link, const 
 
 class Gradient {
 public:
-    explicit Gradient(const model::Parameters& p) : variator_(p), observer_(variator_), random_(oracle::random_state(p, 21)), slope_(random_.state.size()) {
+    explicit Gradient(const model::Parameters& p)
+        : variator_(p), observer_(variator_), random_(oracle::random_state(p, 21)), slope_(random_.state.size()) {
         model::EvaluationScratch scratch(variator_.layout());
         model::right_hand_side(variator_, 0.0, random_.state.data(), random_.phases.data(), slope_.data(), scratch);
     }
@@ -73,9 +77,7 @@ public:
     [[nodiscard]] double slope(int index) const { return slope_[static_cast<std::size_t>(index)]; }
     [[nodiscard]] const std::vector<double>& state() const { return random_.state; }
     /// -∂V/∂q by a central difference of step h [m or rad].
-    [[nodiscard]] double minus_gradient(int index, double h) {
-        return -(potential(index, h) - potential(index, -h)) / (2.0 * h);
-    }
+    [[nodiscard]] double minus_gradient(int index, double h) { return -(potential(index, h) - potential(index, -h)) / (2.0 * h); }
 
 private:
     double potential(int index, double moved) {
@@ -91,8 +93,8 @@ private:
     std::vector<double> slope_;
 };
 
-/// Depths are rounded to 1e-17 m, of ~100 contacts of ~5 kN: 1e-12 J, so h = 2e-9 m leaves 3e-4 N; h² V'''/6 is about K h²/sqrt(δ) = 3e-5 N,
-/// and 1e-1 N where a contact or a clearance opens within h (stiffness 1e9 N/m · h/10).
+/// Depths are rounded to 1e-17 m, of ~100 contacts of ~5 kN: 1e-12 J, so h = 2e-9 m leaves 3e-4 N; h² V'''/6 is about K h²/sqrt(δ) = 3e-5
+/// N, and 1e-1 N where a contact or a clearance opens within h (stiffness 1e9 N/m · h/10).
 constexpr double h = 2e-9;
 
 model::Parameters conservative(int order) {
@@ -109,7 +111,8 @@ TEST(ElasticForces, OnLinksAreMinusTheGradientOfTheObservedEnergy) {
         const auto force = gradient.force(link);
         for (int k = 0; k < at.link_size(); ++k) {
             const double expected = gradient.minus_gradient(at.link_begin(link) + k, h);
-            EXPECT_NEAR(force[static_cast<std::size_t>(k)], expected, 5e-3 + 1e-6 * std::abs(expected)) << "link " << link << ", coordinate " << k;
+            EXPECT_NEAR(force[static_cast<std::size_t>(k)], expected, 5e-3 + 1e-6 * std::abs(expected))
+                << "link " << link << ", coordinate " << k;
         }
     }
 }
@@ -121,12 +124,13 @@ TEST(ElasticForces, OnPulleysAreMinusTheGradientPlusInputs) {
     const model::PulleyModel& pulleys = gradient.variator().pulleys();
     const double* block = gradient.state().data() + at.pulley_begin();
     const model::Inputs inputs = pulleys.inputs(0.0, block, 0.0);
-    std::vector<double> other(static_cast<std::size_t>(at.pulley_block()));   // what inputs and gyroscopic moments do alone, from rest
+    std::vector<double> other(static_cast<std::size_t>(at.pulley_block()));  // what inputs and gyroscopic moments do alone, from rest
     std::vector<double> straight(block, block + at.pulley_block());
     std::fill_n(straight.begin(), at.pulley_size, 0.0);
     pulleys.slope(straight.data(), inputs, {}, other.data(), nullptr);
     for (int k = 0; k < at.pulley_size; ++k) {
-        const double force = pulleys.inertia(k) * (gradient.slope(at.pulley_begin() + at.pulley_size + k) - other[static_cast<std::size_t>(at.pulley_size + k)]);
+        const double force = pulleys.inertia(k) *
+                             (gradient.slope(at.pulley_begin() + at.pulley_size + k) - other[static_cast<std::size_t>(at.pulley_size + k)]);
         const double expected = gradient.minus_gradient(at.pulley_begin() + k, h);
         EXPECT_NEAR(force, expected, 5e-3 + 1e-6 * std::abs(expected)) << "coordinate " << k;
     }

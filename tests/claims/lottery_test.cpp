@@ -10,22 +10,25 @@
 namespace cvtflow::tasks {
 namespace {
 
-/// Draws machines and prints the counts by status. Whoever is called finished agrees with a run of a quarter of its step; nine of ten finish.
+/// Draws machines and prints the counts by status. Whoever is called finished agrees with a run of a quarter of its step; nine of ten
+/// finish.
 void play_honestly(long first, long count) {
     const LotteryRules rules;
     std::map<std::string, long> statuses;
     double slip = 0.0, loss = 0.0;
     for (const LotteryTicket& ticket : play_all(1, first, count, 2, rules)) {
         ++statuses[ticket.status];
-        EXPECT_TRUE(ticket.honest(rules)) << "machine " << ticket.number << " (cvtflow lottery --first " << ticket.number << " --machines 1): slip off by " << ticket.slip_error(rules)
-                                          << ", losses by " << ticket.loss_error() << ", suspicion " << ticket.suspicion;
+        EXPECT_TRUE(ticket.honest(rules)) << "machine " << ticket.number << " (cvtflow lottery --first " << ticket.number
+                                          << " --machines 1): slip off by " << ticket.slip_error(rules) << ", losses by "
+                                          << ticket.loss_error() << ", suspicion " << ticket.suspicion;
         if (ticket.status != "finished") continue;
         slip = std::max(slip, ticket.slip_error(rules));
         loss = std::max(loss, ticket.loss_error());
     }
     std::string counts;
     for (const auto& [status, number] : statuses) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", number, status);
-    fmt::print("{} machines: {}; finished ones off by {:.2g} % in slip, {:.2g} % in losses at most\n", count, counts, 100.0 * slip, 100.0 * loss);
+    fmt::print("{} machines: {}; finished ones off by {:.2g} % in slip, {:.2g} % in losses at most\n", count, counts, 100.0 * slip,
+               100.0 * loss);
     testing::Test::RecordProperty("counts", counts);
     EXPECT_GE(10 * statuses["finished"], 9 * count) << counts;
 }

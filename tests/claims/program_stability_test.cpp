@@ -1,4 +1,5 @@
-/// Claims about the stability of methods that are programs and not tables, against theory. The same by hand: cvtflow stability leapfrog-rkc ark436 …
+/// Claims about the stability of methods that are programs and not tables, against theory. The same by hand: cvtflow stability leapfrog-rkc
+/// ark436 …
 
 #include "tasks/method/program_stability.hpp"
 
@@ -34,22 +35,29 @@ TEST(ProgramStability, IsKnownOfAllButThoseThatChooseAmongTables) {
     }
 }
 
-/// Leapfrog: 2. The explicit parts of ARK4(3)6L[2]SA and ARS(3,4,3) along the imaginary axis: 4.001 and 2.829, computed from their polynomials.
+/// Leapfrog: 2. The explicit parts of ARK4(3)6L[2]SA and ARS(3,4,3) along the imaginary axis: 4.001 and 2.829, computed from their
+/// polynomials.
 TEST(ProgramStability, OscillationIsLimitedAsByTheExplicitPart) {
-    const std::vector<std::pair<std::string, double>> known{{"leapfrog-rkc", 2.0}, {"leapfrog-chebyshev", 2.0}, {"leapfrog-be", 2.0},
-                                                            {"leapfrog-sdirk2", 2.0}, {"ark436", 4.001}, {"ars343", 2.829}};
+    const std::vector<std::pair<std::string, double>> known{{"leapfrog-rkc", 2.0},    {"leapfrog-chebyshev", 2.0}, {"leapfrog-be", 2.0},
+                                                            {"leapfrog-sdirk2", 2.0}, {"ark436", 4.001},           {"ars343", 2.829}};
     EXPECT_EQ(known.size(), programs_for(TestEquation::oscillator).size());
-    for (const auto& [name, oscillation] : known) EXPECT_NEAR(tasks::reach(stability(name), 0.0, 0.0, 1.0, 0.0), oscillation, 0.02 * oscillation) << name;
+    for (const auto& [name, oscillation] : known)
+        EXPECT_NEAR(tasks::reach(stability(name), 0.0, 0.0, 1.0, 0.0), oscillation, 0.02 * oscillation) << name;
 }
 
-/// What friction makes of that limit. A kick v⁺ = R v + B G + C ΔG of a leapfrog grows, with changing sign, from h² ω² = 2 (1 + R)/(B + 2 C) on.
-/// Two stages of RKC, G let go on within the step: R = 1 - y + y²/2, B = 1 - y/2, C = y/4 with y = h c, at least 3. Chebyshev's with R near 0: 2.
-/// Backward Euler holds G: 2 (2 + y). Additive methods are not stiffly accurate in their explicit part: what elasticity does in the last
-/// stages is left over, however large friction is.
+/// What friction makes of that limit. A kick v⁺ = R v + B G + C ΔG of a leapfrog grows, with changing sign, from h² ω² = 2 (1 + R)/(B + 2
+/// C) on. Two stages of RKC, G let go on within the step: R = 1 - y + y²/2, B = 1 - y/2, C = y/4 with y = h c, at least 3. Chebyshev's with
+/// R near 0: 2. Backward Euler holds G: 2 (2 + y). Additive methods are not stiffly accurate in their explicit part: what elasticity does
+/// in the last stages is left over, however large friction is.
 TEST(ProgramStability, FrictionLowersTheLimitOfSome) {
-    const std::vector<std::pair<std::string, double>> known{{"leapfrog-rkc", std::sqrt(3.0)}, {"leapfrog-chebyshev", std::sqrt(2.0)}, {"leapfrog-be", 2.0},
-                                                            {"leapfrog-sdirk2", 1.963}, {"ark436", 2.387}, {"ars343", 2.626}};
-    for (const auto& [name, oscillation] : known) EXPECT_NEAR(tasks::limit_with_any_friction(stability(name)).oscillation, oscillation, 0.01 * oscillation) << name;
+    const std::vector<std::pair<std::string, double>> known{{"leapfrog-rkc", std::sqrt(3.0)},
+                                                            {"leapfrog-chebyshev", std::sqrt(2.0)},
+                                                            {"leapfrog-be", 2.0},
+                                                            {"leapfrog-sdirk2", 1.963},
+                                                            {"ark436", 2.387},
+                                                            {"ars343", 2.626}};
+    for (const auto& [name, oscillation] : known)
+        EXPECT_NEAR(tasks::limit_with_any_friction(stability(name)).oscillation, oscillation, 0.01 * oscillation) << name;
 }
 
 /// Inside the step by stages: to the reach of the longest table. Solved for: however far.
@@ -61,7 +69,7 @@ TEST(ProgramStability, FrictionAloneIsStableAsFarAsTheStepHasTablesForIt) {
             EXPECT_TRUE(std::isinf(friction)) << program.name;
         } else {
             EXPECT_NEAR(friction, s.longest_decay, 1e-6 * friction) << program.name;
-            EXPECT_GT(friction, 4e4) << program.name;   // 0.35 s² with damping 10, some 390 stages, a margin of 1.1
+            EXPECT_GT(friction, 4e4) << program.name;  // 0.35 s² with damping 10, some 390 stages, a margin of 1.1
         }
     }
 }
@@ -73,7 +81,8 @@ TEST(ProgramStability, StepsMultiplyAsTheExactSolutionToTheirOrder) {
         const ProgramStability s = program.stability();
         const auto error = [&](double h) {
             const bool oscillator = s.equation == TestEquation::oscillator;
-            return std::abs(oscillator ? s.radius(0.8 * h, 0.5 * h) - std::exp(-0.25 * h) : s.radius(-0.5 * h, 0.6 * h) - std::exp(-0.5 * h));
+            return std::abs(oscillator ? s.radius(0.8 * h, 0.5 * h) - std::exp(-0.25 * h)
+                                       : s.radius(-0.5 * h, 0.6 * h) - std::exp(-0.5 * h));
         };
         EXPECT_GT(std::log2(error(0.125) / error(0.0625)), program.order + 0.7) << program.name << " " << error(0.125);
     }
@@ -83,9 +92,12 @@ TEST(ProgramStability, FrictionSolvedForIsDampedAsByTheTable) {
     const double gamma = 1.0 - std::sqrt(0.5);
     for (const double z : {0.3, 3.0, 300.0}) {
         EXPECT_NEAR(stability("leapfrog-be").stages(z).left, 1.0 / (1.0 + z), 1e-14) << z;
-        EXPECT_NEAR(stability("leapfrog-sdirk2").stages(z).left, std::abs((1.0 - (1.0 - 2.0 * gamma) * z) / std::pow(1.0 + gamma * z, 2)), 1e-14) << z;
+        EXPECT_NEAR(stability("leapfrog-sdirk2").stages(z).left, std::abs((1.0 - (1.0 - 2.0 * gamma) * z) / std::pow(1.0 + gamma * z, 2)),
+                    1e-14)
+            << z;
     }
-    for (const char* name : {"leapfrog-be", "leapfrog-sdirk2", "ark436", "ars343"}) EXPECT_LT(tasks::worst_stages(stability(name)).left, 1e-5) << name;
+    for (const char* name : {"leapfrog-be", "leapfrog-sdirk2", "ark436", "ars343"})
+        EXPECT_LT(tasks::worst_stages(stability(name)).left, 1e-5) << name;
 }
 
 /// Stages of friction neither exceed what they start from nor multiply errors by much, unlike those of long stabilised methods.
@@ -99,10 +111,11 @@ TEST(ProgramStability, LeapfrogsDoNotMultiplyErrorsOfStages) {
 
 TEST(ProgramStability, WhatSolvesForTheWholeStateIsStableInTheLeftHalfPlane) {
     for (const MethodProgram& program : programs_for(TestEquation::linear)) {
-        if (program.name == "w-x3" || program.name == "w-x4") continue;   // A(α)-stable: below
+        if (program.name == "w-x3" || program.name == "w-x4") continue;  // A(α)-stable: below
         const ProgramStability s = program.stability();
         for (double y = 0.01; y < 1e5; y *= 1.1) {
-            for (const double x : {0.0, -1e-3 * y, -y}) EXPECT_TRUE(s.stable(x, y)) << program.name << " " << x << " " << y << " " << s.radius(x, y);
+            for (const double x : {0.0, -1e-3 * y, -y})
+                EXPECT_TRUE(s.stable(x, y)) << program.name << " " << x << " " << y << " " << s.radius(x, y);
         }
     }
     for (const char* name : {"w-x3", "w-x4"}) {

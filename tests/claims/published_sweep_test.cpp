@@ -51,7 +51,9 @@ void compare(int shard, int of) {
     options.folder = out.string();
     options.threads = 2;
     options.shard = {shard, of};
-    const Sweep sweep = read_sweep(folder + "slip_efficiency.toml", [](const std::string& name) { return find_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"); });
+    const Sweep sweep = read_sweep(folder + "slip_efficiency.toml", [](const std::string& name) {
+        return find_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml");
+    });
     const BatchReport report = run_batch(sweep, options);
     std::istringstream text(csv_text(engine::read_cases(report.folder + "/cases.h5")));
     const Table computed = read_table(text);

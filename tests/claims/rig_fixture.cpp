@@ -24,15 +24,18 @@ private:
 
 }  // namespace
 
-Rig::Rig(const model::Parameters& parameters, const std::vector<double>& state, const std::vector<model::Phase>& phases, int segments, std::string_view method)
-    : workspace_(std::make_unique<tasks::Workspace>(parameters, *engine::find_method(method), tasks::Partition::equal(parameters.chain.pins, segments))),
+Rig::Rig(const model::Parameters& parameters, const std::vector<double>& state, const std::vector<model::Phase>& phases, int segments,
+         std::string_view method)
+    : workspace_(std::make_unique<tasks::Workspace>(parameters, *engine::find_method(method),
+                                                    tasks::Partition::equal(parameters.chain.pins, segments))),
       graph_(tasks::step_graph(*workspace_, {})) {
     std::copy(state.begin(), state.end(), workspace_->states[0]);
     workspace_->phases = phases;
 }
 
 Rig::Rig(const model::Parameters& parameters, int segments, std::string_view method)
-    : Rig(parameters, model::start_state(parameters).state, std::vector<model::Phase>(static_cast<std::size_t>(4 * parameters.chain.pins)), segments, method) {}
+    : Rig(parameters, model::start_state(parameters).state, std::vector<model::Phase>(static_cast<std::size_t>(4 * parameters.chain.pins)),
+          segments, method) {}
 
 tasks::Fault Rig::run(const tasks::StepSettings& settings, const Output& output) {
     const engine::Cancellation never;

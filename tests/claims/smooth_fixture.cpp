@@ -14,13 +14,14 @@ void soften(model::Parameters& p) {
     p.detail.friction = model::FrictionLaw::smoothed;
     p.detail.smoothing = 0.5;
     for (model::Friction* friction : {&p.plate.friction, &p.joint.friction, &p.tip.friction}) friction->saturation_speed = 1e3;
-    p.joint.clearance = 1e-3;   // the opening's spring begins beyond reach
+    p.joint.clearance = 1e-3;  // the opening's spring begins beyond reach
 }
 
 /// Every coordinate of the chain gets a speed of its own.
 void jolt(const model::ChainLayout& at, std::vector<double>& state) {
     for (int link = 0; link < at.links; ++link) {
-        for (int k = 0; k < at.link_size(); ++k) state[static_cast<std::size_t>(at.link_begin(link) + at.link_size() + k)] += 0.02 * std::sin(1.0 + link + 3.0 * k);
+        for (int k = 0; k < at.link_size(); ++k)
+            state[static_cast<std::size_t>(at.link_begin(link) + at.link_size() + k)] += 0.02 * std::sin(1.0 + link + 3.0 * k);
     }
 }
 

@@ -19,7 +19,7 @@ struct Smooth {
 /// A ring around shaft 1, clamped between its elastic sheaves and turning: every tip deep in contact, none about to leave.
 [[nodiscard]] Smooth clamped_ring();
 
-inline constexpr double smooth_span = 1.6e-6;   ///< s: a period of the fastest waves, too short for a tip to come or go
+inline constexpr double smooth_span = 1.6e-6;  ///< s: a period of the fastest waves, too short for a tip to come or go
 
 [[nodiscard]] double distance(const std::vector<double>& a, const std::vector<double>& b);
 

@@ -75,10 +75,11 @@ TEST(Spectrum, EachKindOfFrictionHasItsOwnBandInverselyProportionalToItsSaturati
 TEST(Spectrum, ItsImaginaryPartIsElasticAndDoesNotKnowTheFriction) {
     const Running tiny(ready_scene("tiny"));
     const Extent now = tiny.extent(tiny.parameters());
-    EXPECT_NEAR(now.fastest_oscillation, 1e6, 0.5e6);   // sqrt(k/m) of joints and plates
+    EXPECT_NEAR(now.fastest_oscillation, 1e6, 0.5e6);  // sqrt(k/m) of joints and plates
     EXPECT_GT(now.fastest_decay, 3e6);
     model::Parameters frictionless = tiny.parameters();
-    for (model::Friction* friction : {&frictionless.joint.friction, &frictionless.plate.friction, &frictionless.tip.friction}) friction->coefficient = 0.0;
+    for (model::Friction* friction : {&frictionless.joint.friction, &frictionless.plate.friction, &frictionless.tip.friction})
+        friction->coefficient = 0.0;
     EXPECT_NEAR(tiny.extent(frictionless).fastest_oscillation, now.fastest_oscillation, 0.1 * now.fastest_oscillation);
 }
 
@@ -90,8 +91,9 @@ const tasks::FrozenStart& baseline_start() {
 
 engine::Eigenvalues edge_of(const model::Parameters& parameters) {
     const tasks::FrozenStart& start = baseline_start();
-    return engine::extremal_eigenvalues(tasks::jacobian(model::Variator(parameters), start.time, start.state, start.phases), static_cast<int>(start.state.size()),
-                                       {.first_dimension = 800, .progress = {}}).values;
+    return engine::extremal_eigenvalues(tasks::jacobian(model::Variator(parameters), start.time, start.state, start.phases),
+                                        static_cast<int>(start.state.size()), {.first_dimension = 800, .progress = {}})
+        .values;
 }
 
 TEST(Spectrum, OfTheBaselinePredictsTheLongestStableStepOfRk4WithinFivePercent) {
@@ -101,11 +103,12 @@ TEST(Spectrum, OfTheBaselinePredictsTheLongestStableStepOfRk4WithinFivePercent) 
     EXPECT_GT(extent.decay, 0.5e8);
     EXPECT_LT(extent.decay, 1.0e8);
     EXPECT_NEAR(extent.oscillation, 0.9e6, 0.2e6);
-    EXPECT_NEAR(extent.below_1e6, 720, 72);   // the trial program's count
+    EXPECT_NEAR(extent.below_1e6, 720, 72);  // the trial program's count
     const engine::StagePlan& rk4 = *engine::find_method("rk4");
     const engine::StableStep predicted = engine::largest_stable_step(rk4, edge);
     EXPECT_NEAR(predicted.step * extent.decay, 2.785, 0.001);
-    const tasks::MeasuredStep measured = tasks::measured_stable_step(model::Variator(baseline.parameters), rk4, baseline_start(), predicted.step);
+    const tasks::MeasuredStep measured =
+        tasks::measured_stable_step(model::Variator(baseline.parameters), rk4, baseline_start(), predicted.step);
     RecordProperty("predicted_ns", std::to_string(1e9 * predicted.step));
     RecordProperty("measured_ns", std::to_string(1e9 * measured.limit()));
     EXPECT_NEAR(measured.limit() / predicted.step, 1.0, 0.05);
@@ -127,7 +130,7 @@ TEST(NightlySpectrum, OfTheBaselineIsThePublishedOneAndItsBandsBelongToJointsPla
     EXPECT_LT(one_after_the_other[2].below_1e6, one_after_the_other[1].below_1e6 - 20);
     EXPECT_LT(one_after_the_other[3].below_1e7, one_after_the_other[2].below_1e7 - 20);
     EXPECT_NEAR(one_after_the_other[0].decay / one_after_the_other[3].decay, 10.0, 3.0);
-    EXPECT_EQ(found.main_kind(0), 0);   // joints
+    EXPECT_EQ(found.main_kind(0), 0);  // joints
 }
 
 TEST(NightlySpectrum, ExtremalEigenvaluesOfTheBaselineAreThoseOfTheDenseMethod) {

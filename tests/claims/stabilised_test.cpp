@@ -17,7 +17,9 @@ namespace {
 
 const engine::Cancellation uncancelled;
 
-std::vector<std::string> stepped(const std::string& method, const std::string& step) { return {"run.method=" + method, "run.step=" + step}; }
+std::vector<std::string> stepped(const std::string& method, const std::string& step) {
+    return {"run.method=" + method, "run.step=" + step};
+}
 
 /// 120 us from the settled state, tips free to enter and leave, against RK4 at 12.5 ns.
 const tasks::ErrorMeasure& baseline_measure() {
@@ -44,8 +46,8 @@ TEST(NightlyStabilised, NoPolynomialOfDumka3IsGoodAtFourMicroseconds) {
         EXPECT_GT(axial_error("dumka3-p" + std::to_string(polynomial), "4us"), 1e-3) << polynomial;
 }
 
-/// What a kink of the law leaves in one of many stages reaches the end times 1e3 (9 stages) to 1e7 (24). With few stages and short steps, it is as
-/// accurate as its order promises, with fewer evaluations than RK4 at 50 ns, whose error is 2e-5.
+/// What a kink of the law leaves in one of many stages reaches the end times 1e3 (9 stages) to 1e7 (24). With few stages and short steps,
+/// it is as accurate as its order promises, with fewer evaluations than RK4 at 50 ns, whose error is 2e-5.
 TEST(NightlyStabilised, Rock4FailsAtLongStepsWhereFrictionSaturatesAndIsAccurateAtShortOnes) {
     EXPECT_GT(axial_error("rock4-s24", "2us"), 1e-2);
     EXPECT_GT(axial_error("rock4-s9", "250ns"), 1e-3);
@@ -66,7 +68,8 @@ TEST(NightlyStabilised, PolynomialFiveOfDumka3IsFiveTimesFasterThanRk4) {
 
 /// Twice as long: six transitions.
 const tasks::ErrorMeasure& longer() {
-    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), {240e-6, 12e-6, stepped("rk4", "12.5ns"), 1}, uncancelled);
+    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), {240e-6, 12e-6, stepped("rk4", "12.5ns"), 1},
+                                             uncancelled);
     return measure;
 }
 
@@ -91,9 +94,9 @@ Cheapest cheapest(const std::string& family, const std::vector<std::string>& met
     return fewest;
 }
 
-/// Each family with what suits it: the published polynomials, and stages by the spectrum for the others. At 1e-3 nothing is cheaper than fitted
-/// polynomials. At 1e-4 they are level with DUMKA3-P4 (measured 1.58e7 against 1.46e7), and plain RKC at a microsecond is cheaper than both
-/// (1.15e7): its stages do not look ahead of the step.
+/// Each family with what suits it: the published polynomials, and stages by the spectrum for the others. At 1e-3 nothing is cheaper than
+/// fitted polynomials. At 1e-4 they are level with DUMKA3-P4 (measured 1.58e7 against 1.46e7), and plain RKC at a microsecond is cheaper
+/// than both (1.15e7): its stages do not look ahead of the step.
 TEST(NightlyStabilised, FittedPolynomialsNeedTheFewestEvaluationsForAThousandth) {
     const Cheapest fitted = cheapest("fitted", {"fitted"});
     const Cheapest dumka3 = cheapest("dumka3", {"dumka3-p4", "dumka3-p5", "dumka3-p6", "dumka3-p7", "dumka3-p8"});

@@ -1,5 +1,5 @@
-/// Any bytes are a record, a state, a table of cases, or a RecordError. Mutants are made by hdf5_mutant_fixture.hpp, which keeps them HDF5 files;
-/// headers are not forged, since HDF5 itself does not survive that (hdf5_trial.hpp), and is not ours to mend.
+/// Any bytes are a record, a state, a table of cases, or a RecordError. Mutants are made by hdf5_mutant_fixture.hpp, which keeps them HDF5
+/// files; headers are not forged, since HDF5 itself does not survive that (hdf5_trial.hpp), and is not ours to mend.
 
 #include <filesystem>
 #include <fstream>
@@ -34,13 +34,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     for (const auto& read : {read_run, read_one_state, read_all_cases}) {
         try {
             read(file.path());
-        } catch (const RecordError&) {
-        }
+        } catch (const RecordError&) {}
     }
     return 0;
 }
 
-/// A true file, changed; or any of the inputs, with other bytes. Never a changed one through HDF5, which may not survive opening it for writing.
+/// A true file, changed; or any of the inputs, with other bytes. Never a changed one through HDF5, which may not survive opening it for
+/// writing.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t size, std::size_t most, unsigned seed) {
     if (seed % 4 == 0) return LLVMFuzzerMutate(bytes, size, most);
     constexpr const char* originals[] = {"run.h5", "killed.h5", "state.h5", "cases.h5"};

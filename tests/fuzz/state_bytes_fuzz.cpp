@@ -1,5 +1,5 @@
-/// Any bytes are a state or an Error, also if mark and checksum are right; what a state of this size says of an integration, the integration
-/// takes or refuses. The input is what lies between mark and checksum.
+/// Any bytes are a state or an Error, also if mark and checksum are right; what a state of this size says of an integration, the
+/// integration takes or refuses. The input is what lies between mark and checksum.
 
 #include <cvtflow/error.hpp>
 
@@ -27,7 +27,7 @@ void go_on(const tasks::IntegrationState& from) {
         simulation.restore(from);
         static_cast<void>(simulation.advance(from.time + 1e-6, 3, silent, never));
     } catch (const tasks::SimulationError&) {
-    } catch (const std::invalid_argument&) {   // what the method remembers is none
+    } catch (const std::invalid_argument&) {  // what the method remembers is none
     }
 }
 
@@ -43,7 +43,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     framed.insert(framed.end(), tail, tail + sizeof sum);
     try {
         go_on(api::read_state_bytes(framed).integration);
-    } catch (const Error&) {
-    }
+    } catch (const Error&) {}
     return 0;
 }

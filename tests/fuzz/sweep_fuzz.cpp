@@ -6,8 +6,8 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     const cvtflow::fuzz::MemoryFile file(bytes, size);
     try {
-        static_cast<void>(cvtflow::tasks::read_sweep(file.path(), [](const std::string&) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml"; }));
-    } catch (const cvtflow::tasks::SceneError&) {
-    }
+        static_cast<void>(cvtflow::tasks::read_sweep(
+            file.path(), [](const std::string&) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml"; }));
+    } catch (const cvtflow::tasks::SceneError&) {}
     return 0;
 }

@@ -38,7 +38,9 @@ std::vector<DetailCase> detail_cases() {
                     p.ledger = order != 3 || plates == model::PlateDetail::each;
                     if (order == 3) p.chain.pitch = {8.12e-3, 8.12e-3, 8.0e-3};
                     cases.push_back({"p" + std::to_string(order) + (plates == model::PlateDetail::each ? "_each_" : "_lumped_") +
-                                         (pulleys == model::PulleyDetail::elastic ? "elastic_" : pulleys == model::PulleyDetail::rigid ? "rigid_" : "absent_") +
+                                         (pulleys == model::PulleyDetail::elastic ? "elastic_"
+                                          : pulleys == model::PulleyDetail::rigid ? "rigid_"
+                                                                                  : "absent_") +
                                          std::to_string(points) + "points",
                                      p});
                 }
@@ -48,8 +50,9 @@ std::vector<DetailCase> detail_cases() {
     return cases;
 }
 
-/// Largest difference relative to the largest value of its kind anywhere (link velocities, link accelerations, pulley accelerations): forces of
-/// that size cancel at every link, so no single coordinate can be more exact than they are. Control and ledger are compared one by one.
+/// Largest difference relative to the largest value of its kind anywhere (link velocities, link accelerations, pulley accelerations):
+/// forces of that size cancel at every link, so no single coordinate can be more exact than they are. Control and ledger are compared one
+/// by one.
 double worst_difference(const model::ChainLayout& at, const std::vector<double>& a, const std::vector<double>& b) {
     struct Kind {
         double largest = 0.0, difference = 0.0;
@@ -88,7 +91,8 @@ TEST_P(EveryDetail, TheKernelsAgreeWithTheOracleOnRandomStates) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()), [](const auto& instance) { return instance.param.name; });
+INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()),
+                         [](const auto& instance) { return instance.param.name; });
 
 }  // namespace
 }  // namespace cvtflow

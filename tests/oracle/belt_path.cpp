@@ -67,8 +67,8 @@ Real pitch_of(const model::Parameters& parameters, int link) {
 struct Layer {
     const model::Parameters& parameters;
     const ChainTargets& targets;
-    std::vector<Vec2> normal;   ///< ν_i, from R's arc centre to L's
-    std::vector<Real> along;    ///< path coordinate of pin i's contact point, and of pin 0 once more at the end
+    std::vector<Vec2> normal;  ///< ν_i, from R's arc centre to L's
+    std::vector<Real> along;   ///< path coordinate of pin i's contact point, and of pin 0 once more at the end
 
     [[nodiscard]] int links() const { return parameters.chain.pins; }
     [[nodiscard]] int next(int i) const { return i + 1 == links() ? 0 : i + 1; }

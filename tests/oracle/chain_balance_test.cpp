@@ -43,7 +43,7 @@ TEST(ChainBalance, InternalForcesOfTheChainSumToZeroForceAndMoment) {
         const auto result = exact_right_hand_side(one.parameters, 0.0, at.state, at.phases, false);
         const Sum sum = sum_over_chain(layout, at.state, result.forces);
         ASSERT_GT(sum.magnitude, 1e3L);
-        const double tolerance = 1e-15 * static_cast<double>(sum.magnitude);   // rounding only
+        const double tolerance = 1e-15 * static_cast<double>(sum.magnitude);  // rounding only
         EXPECT_NEAR(static_cast<double>(sum.force.x), 0.0, tolerance);
         EXPECT_NEAR(static_cast<double>(sum.force.y), 0.0, tolerance);
         EXPECT_NEAR(static_cast<double>(sum.force.z), 0.0, tolerance);

@@ -71,7 +71,7 @@ void add_half_bending(const System& system, int number, model::End end, int m, V
 
 /// u = (rear σ_a + front σ_b)·direction + axial (z_b - z_a).
 struct PackDeflection {
-    Real rear, front;        ///< factors of the slopes
+    Real rear, front;  ///< factors of the slopes
     Vec2 direction, turned;
     Real axial;
     Real stiffness, mass;

@@ -24,15 +24,16 @@ std::vector<Real> input_forces(const model::Parameters& p, double t, const std::
 
     const Real inertia = Real{p.pulley.shaft_polar_inertia} + 2.0L * p.pulley.sheave_polar_inertia + p.drive.inertia;
     const Real omega = 2.0L * pi * p.drive.governor_frequency;
-    force[phi[0]] += inertia * omega * omega * (p.drive.speed.integral(t) - q(phi[0]))
-                   + 2.0L * inertia * omega * (p.drive.speed.at(t) - v(phi[0]));
+    force[phi[0]] +=
+        inertia * omega * omega * (p.drive.speed.integral(t) - q(phi[0])) + 2.0L * inertia * omega * (p.drive.speed.at(t) - v(phi[0]));
     force[phi[1]] -= p.load.torque.at(t);
     Real clamping[] = {p.clamping.driving.at(t), p.clamping.driven.at(t)};
     if (layout.control) {
         const Real error = (v(phi[0]) - p.control.ratio.at(t) * v(phi[1])) / p.drive.speed.largest_magnitude();
         const Real integral = state[layout.control_begin()];
         const Real authority = p.control.authority;
-        clamping[0] = std::max(0.0L, clamping[0] + std::clamp(p.control.proportional * error + p.control.integral * integral, -authority, authority));
+        clamping[0] =
+            std::max(0.0L, clamping[0] + std::clamp(p.control.proportional * error + p.control.integral * integral, -authority, authority));
     }
     force[movable[0]] -= clamping[0];
     force[movable[1]] += clamping[1];

@@ -65,7 +65,7 @@ TEST(GyroscopicForce, KeepsTheAngularMomentumOfAFreeRotor) {
     Vec2 tau;
     Vec2 rate{0.1L, 0.0L};
     const Real step = 2e-5L;
-    for (int k = 0; k < 300; ++k) {   // midpoint rule
+    for (int k = 0; k < 300; ++k) {  // midpoint rule
         const Vec2 middle = rate + (step / 2.0L) * tilt_acceleration(p, rest, body, rate, spin);
         tau += step * middle;
         rate += step * tilt_acceleration(p, rest, body, middle, spin);

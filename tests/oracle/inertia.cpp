@@ -15,7 +15,7 @@ using Matrix = std::vector<std::vector<Real>>;
 
 /// Basis functions of one direction of a half at ξ, with the offsets of their coordinates in a link's q.
 struct Basis {
-    std::vector<int> rear, front;   ///< offsets
+    std::vector<int> rear, front;  ///< offsets
     std::vector<Real> value;
 };
 
@@ -88,13 +88,13 @@ std::vector<Real> pulley_inertia(const model::Parameters& parameters) {
     std::vector<Real> diagonal;
     if (parameters.detail.pulleys == model::PulleyDetail::elastic) {
         for (const int shaft : {0, 1}) {
-            const Real values[] = {p.shaft_mass, p.shaft_mass, p.shaft_tilt_inertia, p.shaft_tilt_inertia, p.shaft_mass,
-                                   p.shaft_polar_inertia + added[shaft]};
+            const Real values[] = {p.shaft_mass,         p.shaft_mass, p.shaft_tilt_inertia,
+                                   p.shaft_tilt_inertia, p.shaft_mass, p.shaft_polar_inertia + added[shaft]};
             diagonal.insert(diagonal.end(), std::begin(values), std::end(values));
         }
         for (int sheave = 0; sheave < 4; ++sheave) {
-            const Real values[] = {p.sheave_mass, p.sheave_mass, p.sheave_tilt_inertia, p.sheave_tilt_inertia, p.sheave_mass,
-                                   p.sheave_polar_inertia};
+            const Real values[] = {p.sheave_mass,         p.sheave_mass, p.sheave_tilt_inertia,
+                                   p.sheave_tilt_inertia, p.sheave_mass, p.sheave_polar_inertia};
             diagonal.insert(diagonal.end(), std::begin(values), std::end(values));
         }
     }

@@ -12,20 +12,32 @@ namespace {
 
 /// Both halves of a pin at one integration point.
 struct JointPoint {
-    const Link& before;   ///< link i-1, whose front half is L
-    const Link& after;    ///< link i, whose rear half is R
+    const Link& before;  ///< link i-1, whose front half is L
+    const Link& after;   ///< link i, whose rear half is R
     LinkForce& on_before;
     LinkForce& on_after;
     Real xi, weight;
-    Vec2 left, right, left_rate, right_rate;     ///< X_L, X_R and rates
-    Vec2 left_centre, right_centre;              ///< C_L, C_R
-    Vec2 delta, delta_rate;                      ///< Δ, Δ'
+    Vec2 left, right, left_rate, right_rate;  ///< X_L, X_R and rates
+    Vec2 left_centre, right_centre;           ///< C_L, C_R
+    Vec2 delta, delta_rate;                   ///< Δ, Δ'
 };
 
 JointPoint joint_point(const System& system, Totals& totals, int pin, const QuadraturePoint& point) {
     const int previous = system.layout.previous(pin);
-    JointPoint j{system.links[previous], system.links[pin], totals.link[previous], totals.link[pin], point.at, point.weight,
-                 {}, {}, {}, {}, {}, {}, {}, {}};
+    JointPoint j{system.links[previous],
+                 system.links[pin],
+                 totals.link[previous],
+                 totals.link[pin],
+                 point.at,
+                 point.weight,
+                 {},
+                 {},
+                 {},
+                 {},
+                 {},
+                 {},
+                 {},
+                 {}};
     const Real arm = Real{system.parameters.joint.radius} - system.parameters.half.width / 2.0L;
     j.left = j.before.front.at(j.xi);
     j.right = j.after.rear.at(j.xi);

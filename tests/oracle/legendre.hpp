@@ -13,8 +13,8 @@ Real legendre(int m, Real x);
 Real legendre_slope(int m, Real x);
 
 struct QuadraturePoint {
-    Real at;       ///< ξ_g
-    Real weight;   ///< w_g; all weights sum to one
+    Real at;      ///< ξ_g
+    Real weight;  ///< w_g; all weights sum to one
 };
 
 /// Gauss-Legendre points in ascending order, any count ≥ 1; the weights sum to one (not two).

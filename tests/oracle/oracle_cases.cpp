@@ -28,9 +28,9 @@ std::vector<Case> all_details(const model::Parameters& base) {
                         one.parameters.detail.order = order;
                         one.parameters.detail.joint_points = points;
                         one.parameters.joint.law = law;
-                        one.name = std::string("pulleys ") + std::to_string(static_cast<int>(pulleys)) + ", joint law "
-                                 + std::to_string(static_cast<int>(law)) + ", plates " + std::to_string(static_cast<int>(plates))
-                                 + ", order " + std::to_string(order) + ", joint points " + std::to_string(points);
+                        one.name = std::string("pulleys ") + std::to_string(static_cast<int>(pulleys)) + ", joint law " +
+                                   std::to_string(static_cast<int>(law)) + ", plates " + std::to_string(static_cast<int>(plates)) +
+                                   ", order " + std::to_string(order) + ", joint points " + std::to_string(points);
                         cases.push_back(one);
                     }
                 }

@@ -14,19 +14,19 @@ namespace cvtflow::oracle {
 
 template <class Number>
 struct PowersOf {
-    std::array<Number, model::loss_kinds> losses{};   ///< dissipated, by model::Loss [W]
-    std::array<Number, model::work_kinds> works{};    ///< put in from outside, by model::Work [W]
+    std::array<Number, model::loss_kinds> losses{};  ///< dissipated, by model::Loss [W]
+    std::array<Number, model::work_kinds> works{};   ///< put in from outside, by model::Work [W]
 };
 
 template <class Number>
 struct EnergiesOf {
-    Number kinetic{};    ///< [J]
-    Number inner{};      ///< extension and bending of halves [J]
-    Number pack{};       ///< bending, shear and torsion of plate packs [J]
-    Number plates{};     ///< [J]
-    Number joints{};     ///< rolling contact and opening [J]
-    Number tips{};       ///< [J]
-    Number supports{};   ///< bearings and attachments [J]
+    Number kinetic{};   ///< [J]
+    Number inner{};     ///< extension and bending of halves [J]
+    Number pack{};      ///< bending, shear and torsion of plate packs [J]
+    Number plates{};    ///< [J]
+    Number joints{};    ///< rolling contact and opening [J]
+    Number tips{};      ///< [J]
+    Number supports{};  ///< bearings and attachments [J]
 
     [[nodiscard]] Number potential() const { return inner + pack + plates + joints + tips + supports; }
 };

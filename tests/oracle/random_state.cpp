@@ -84,8 +84,8 @@ struct Builder {
         for_all_halves([&](int link, End end) {
             const auto& place = laid(link, end).place;
             const Real share = place.part == BeltPath::Part::driven_arc          ? 1.0L
-                             : place.part == BeltPath::Part::strand_to_driven    ? place.fraction
-                             : place.part == BeltPath::Part::strand_to_driving   ? 1.0L - place.fraction
+                               : place.part == BeltPath::Part::strand_to_driven  ? place.fraction
+                               : place.part == BeltPath::Part::strand_to_driving ? 1.0L - place.fraction
                                                                                  : 0.0L;
             q(link, layout.z(end)) = at_driving + share * (at_driven - at_driving);
         });

@@ -11,7 +11,7 @@ namespace cvtflow::oracle {
 
 struct RandomState {
     std::vector<double> state;
-    std::vector<model::Phase> phases;   ///< one per tip
+    std::vector<model::Phase> phases;  ///< one per tip
 };
 
 /// A closed chain around both pulleys at start.ratio (a ring if pulleys are absent) that runs at the drive's (ring's) speed, with joint

@@ -9,9 +9,9 @@ namespace cvtflow::oracle {
 namespace {
 
 struct JointCounts {
-    int pressed = 0;    ///< joints with a positive depth at the middle
+    int pressed = 0;  ///< joints with a positive depth at the middle
     int apart = 0;
-    int beyond = 0;     ///< joints opened beyond the clearance
+    int beyond = 0;  ///< joints opened beyond the clearance
 };
 
 JointCounts count_joints(const System& system) {

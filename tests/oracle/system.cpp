@@ -84,8 +84,8 @@ std::array<Body, bodies> unpack_elastic(std::span<const Real> q, std::span<const
     std::array<Body, bodies> body;
     for (int b = 0; b < bodies; ++b) {
         const auto at = [b](std::span<const Real> values, int freedom) { return values[model::body_freedom(b, freedom)]; };
-        body[b] = {{at(q, 0), at(q, 1)}, {at(q, 2), at(q, 3)}, {at(v, 0), at(v, 1)}, {at(v, 2), at(v, 3)},
-                   at(q, 4), at(q, 5), at(v, 4), at(v, 5)};
+        body[b] = {
+            {at(q, 0), at(q, 1)}, {at(q, 2), at(q, 3)}, {at(v, 0), at(v, 1)}, {at(v, 2), at(v, 3)}, at(q, 4), at(q, 5), at(v, 4), at(v, 5)};
     }
     return body;
 }
@@ -154,8 +154,8 @@ std::vector<Real> pack_forces(const System& system, const Totals& totals) {
     }
     if (system.parameters.detail.pulleys == PulleyDetail::rigid) {
         for (int k = 0; k < 2; ++k) {
-            forces[begin + k] = totals.body[k].moment.z + totals.body[model::sheave_body(k, 0)].moment.z
-                              + totals.body[model::sheave_body(k, 1)].moment.z;
+            forces[begin + k] =
+                totals.body[k].moment.z + totals.body[model::sheave_body(k, 0)].moment.z + totals.body[model::sheave_body(k, 1)].moment.z;
         }
         forces[begin + 2] = totals.body[model::sheave_body(0, 1)].force.z;
         forces[begin + 3] = totals.body[model::sheave_body(1, 0)].force.z;

@@ -11,44 +11,44 @@ namespace cvtflow::oracle {
 
 /// One half of a pin: curve coordinates (x_m, y_m), axial z and e, and their rates.
 struct Half {
-    Real length = 0.0L;             ///< ℓ_p [m]
-    std::vector<Vec2> shape;        ///< (x_m, y_m), m = 0…p [m]
-    std::vector<Vec2> shape_rate;   ///< [m/s]
+    Real length = 0.0L;            ///< ℓ_p [m]
+    std::vector<Vec2> shape;       ///< (x_m, y_m), m = 0…p [m]
+    std::vector<Vec2> shape_rate;  ///< [m/s]
     Real z = 0.0L, e = 0.0L, z_rate = 0.0L, e_rate = 0.0L;
 
     [[nodiscard]] int order() const { return static_cast<int>(shape.size()) - 1; }
-    [[nodiscard]] Vec2 at(Real xi) const;              ///< (X, Y) at ξ [m]
-    [[nodiscard]] Vec2 rate_at(Real xi) const;         ///< [m/s]
-    [[nodiscard]] Vec2 slope_at(Real xi) const;        ///< d(X, Y)/dz at ξ [1]
-    [[nodiscard]] Vec2 slope_rate_at(Real xi) const;   ///< [1/s]
-    [[nodiscard]] Vec2 mean_slope() const;             ///< σ = (2/ℓ_p)(x_1, y_1), zero if p = 0
+    [[nodiscard]] Vec2 at(Real xi) const;             ///< (X, Y) at ξ [m]
+    [[nodiscard]] Vec2 rate_at(Real xi) const;        ///< [m/s]
+    [[nodiscard]] Vec2 slope_at(Real xi) const;       ///< d(X, Y)/dz at ξ [1]
+    [[nodiscard]] Vec2 slope_rate_at(Real xi) const;  ///< [1/s]
+    [[nodiscard]] Vec2 mean_slope() const;            ///< σ = (2/ℓ_p)(x_1, y_1), zero if p = 0
     [[nodiscard]] Vec2 mean_slope_rate() const;
 };
 
 /// Link i: rear half R_i and front half L_{i+1}, with the frame of the m = 0 coordinates.
 struct Link {
     Half rear, front;
-    Vec2 t, n, o;              ///< travel, left normal, outward normal
-    Real length = 0.0L;        ///< ℓ = |X_b0 - X_a0| [m]
-    Real turning = 0.0L;       ///< θ' [rad/s]
-    Real rest_length = 0.0L;   ///< ℓ_0 = P_i + w [m]
+    Vec2 t, n, o;             ///< travel, left normal, outward normal
+    Real length = 0.0L;       ///< ℓ = |X_b0 - X_a0| [m]
+    Real turning = 0.0L;      ///< θ' [rad/s]
+    Real rest_length = 0.0L;  ///< ℓ_0 = P_i + w [m]
 
     [[nodiscard]] const Half& half(model::End end) const { return end == model::End::rear ? rear : front; }
 };
 
 /// Generalized forces on one half.
 struct HalfForce {
-    std::vector<Vec2> shape;   ///< on (x_m, y_m) [N]
-    Real z = 0.0L, e = 0.0L;   ///< [N]
+    std::vector<Vec2> shape;  ///< on (x_m, y_m) [N]
+    Real z = 0.0L, e = 0.0L;  ///< [N]
 
-    void push(Real xi, Vec3 force);   ///< a force [N] at the point ξ of the axis
+    void push(Real xi, Vec3 force);  ///< a force [N] at the point ξ of the axis
 };
 
 struct LinkForce {
     HalfForce rear, front;
 
     [[nodiscard]] HalfForce& half(model::End end) { return end == model::End::rear ? rear : front; }
-    void turn(const Link& link, Real moment);   ///< a moment about z [N·m]
+    void turn(const Link& link, Real moment);  ///< a moment about z [N·m]
 };
 
 /// A shaft or sheave: small displacement (u_x, u_y, w), small tilt (τ_x, τ_y), turning φ; and rates.
@@ -58,8 +58,8 @@ struct Body {
 };
 
 struct BodyForce {
-    Vec3 force;    ///< on u_x, u_y, w [N]
-    Vec3 moment;   ///< on τ_x, τ_y, φ [N·m]
+    Vec3 force;   ///< on u_x, u_y, w [N]
+    Vec3 moment;  ///< on τ_x, τ_y, φ [N·m]
 };
 
 inline constexpr int bodies = 6;
@@ -67,10 +67,10 @@ inline constexpr int bodies = 6;
 struct System {
     const model::Parameters& parameters;
     model::ChainLayout layout;
-    double t;   ///< [s]
+    double t;  ///< [s]
     std::vector<Link> links;
-    std::array<Body, bodies> body;   ///< of rigid pulleys: sheaves (0, 0, 0, 0, w, φ_k), shafts (0, 0, 0, 0, 0, φ_k)
-    Real control_integral = 0.0L;    ///< I [s]
+    std::array<Body, bodies> body;  ///< of rigid pulleys: sheaves (0, 0, 0, 0, w, φ_k), shafts (0, 0, 0, 0, 0, φ_k)
+    Real control_integral = 0.0L;   ///< I [s]
     std::span<const model::Phase> phases;
 };
 
@@ -80,7 +80,7 @@ struct Totals {
     std::array<BodyForce, bodies> body;
     PowersOf<Real> powers;
     EnergiesOf<Real> energies;
-    Real control_rate = 0.0L;   ///< I' [1]
+    Real control_rate = 0.0L;  ///< I' [1]
 
     [[nodiscard]] Real& loss(model::Loss kind) { return powers.losses[static_cast<std::size_t>(kind)]; }
     [[nodiscard]] Real& work(model::Work kind) { return powers.works[static_cast<std::size_t>(kind)]; }
@@ -93,10 +93,10 @@ std::vector<Real> pack_forces(const System& system, const Totals& totals);
 
 /// One plate of a link, or one lumped plate.
 struct PlateSpring {
-    Real xi;          ///< position along the halves, ξ_j
-    Real mass;        ///< [kg]
-    Real stiffness;   ///< [N/m]
-    Real damping;     ///< [N·s/m]
+    Real xi;         ///< position along the halves, ξ_j
+    Real mass;       ///< [kg]
+    Real stiffness;  ///< [N/m]
+    Real damping;    ///< [N·s/m]
 };
 std::vector<PlateSpring> plate_springs(const model::Parameters& parameters);
 /// m_c, the mass seen by a spring of the chain [kg].
@@ -105,13 +105,13 @@ Real spring_mass(const model::Parameters& parameters);
 Real damping_of(Real ratio, Real stiffness, Real mass);
 
 // The force laws, section by section.
-void add_inner_elements(const System& system, Totals& totals);   // 3
-void add_plates(const System& system, Totals& totals);           // 4
-void add_joints(const System& system, Totals& totals);           // 5
-void add_tips(const System& system, Totals& totals);             // 6
-void add_supports(const System& system, Totals& totals);         // 8: bearings and attachments
-void add_gyroscopic(const System& system, Totals& totals);       // 8
-void add_inputs(const System& system, Totals& totals);           // 8: drive, load, clamping, cylinder, control
+void add_inner_elements(const System& system, Totals& totals);  // 3
+void add_plates(const System& system, Totals& totals);          // 4
+void add_joints(const System& system, Totals& totals);          // 5
+void add_tips(const System& system, Totals& totals);            // 6
+void add_supports(const System& system, Totals& totals);        // 8: bearings and attachments
+void add_gyroscopic(const System& system, Totals& totals);      // 8
+void add_inputs(const System& system, Totals& totals);          // 8: drive, load, clamping, cylinder, control
 
 /// Accelerations of all coordinates from the generalized forces (section 2).
 std::vector<Real> accelerations(const System& system, std::span<const Real> forces);
@@ -122,15 +122,15 @@ int shaft_of(const System& system, const Link& link);
 
 /// Where one tip is and how it meets its sheave.
 struct TipContact {
-    int shaft, side, sheave;   ///< numbers: 0/1, 0/1 (-z/+z), body
-    Real s;                    ///< side as a sign
-    Vec3 end;                  ///< E [m]
-    Vec3 centre;               ///< S [m]
-    Vec3 centre_turning;       ///< ∂S/∂θ [m]
-    Vec3 r;                    ///< S - O [m]
-    Vec3 local_normal;         ///< ν
-    Vec3 normal;               ///< G
-    Real depth;                ///< δ [m]
+    int shaft, side, sheave;  ///< numbers: 0/1, 0/1 (-z/+z), body
+    Real s;                   ///< side as a sign
+    Vec3 end;                 ///< E [m]
+    Vec3 centre;              ///< S [m]
+    Vec3 centre_turning;      ///< ∂S/∂θ [m]
+    Vec3 r;                   ///< S - O [m]
+    Vec3 local_normal;        ///< ν
+    Vec3 normal;              ///< G
+    Real depth;               ///< δ [m]
 };
 TipContact tip_contact(const System& system, const Link& link, model::End end, int side);
 /// Velocity of a tip against its sheave at the contact point: v and v_t [m/s].

@@ -137,14 +137,14 @@ void add_tip(const System& system, int number, End end, int side, Phase phase, T
     const Body& sheave = system.body[c.sheave];
     const Vec3 sheave_rate = in_space(sheave.u_rate, sheave.w_rate);
     const Vec3 tilt_rate = in_space(sheave.tau_rate, 0.0L);
-    const Real depth_rate = -dot(c.normal, centre_rate(system, link, half, c)) + dot(c.normal, sheave_rate)
-                          + dot(tilt_rate, cross(c.r, c.local_normal));
+    const Real depth_rate =
+        -dot(c.normal, centre_rate(system, link, half, c)) + dot(c.normal, sheave_rate) + dot(tilt_rate, cross(c.r, c.local_normal));
     const Real elastic = tip.hertz * c.depth * std::sqrt(c.depth);
     const Real reference = tip.reference_depth;
     const Real hertz = tip.hertz;
     const Real stiffness = 1.5L * hertz * std::sqrt(reference);
-    const Real chi = damping_of(system.parameters.chain.damping_ratio, stiffness, system.parameters.half.mass)
-                   / (hertz * reference * std::sqrt(reference));
+    const Real chi = damping_of(system.parameters.chain.damping_ratio, stiffness, system.parameters.half.mass) /
+                     (hertz * reference * std::sqrt(reference));
     const Real force = std::max(0.0L, elastic * (1.0L + chi * depth_rate));
     const TipTarget target{link, half, totals.link[number], totals.link[number].half(end), totals.body[c.sheave]};
     push_normal(system, target, c, force);

@@ -47,12 +47,18 @@ std::vector<std::string> with(const std::string& method, const std::string& step
 
 /// A transition costs the slope at the end of the step that it cuts, and the first slope after it.
 TEST(ReusedSlopes, SaveAnEvaluationInEveryStepThatIsNotCut) {
-    for (const auto& [method, stages, reused] : {std::tuple{"rk4", 4, 0}, {"dopri54", 7, 1}, {"dumka3-p1", 7, 1}, {"rkc-s5", 6, 1}, {"serk2-s10", 11, 1},
-                                                 {"fitted-l20-w1-s9", 10, 1}, {"rock2-s6", 6, 0}}) {
+    for (const auto& [method, stages, reused] : {std::tuple{"rk4", 4, 0},
+                                                 {"dopri54", 7, 1},
+                                                 {"dumka3-p1", 7, 1},
+                                                 {"rkc-s5", 6, 1},
+                                                 {"serk2-s10", 11, 1},
+                                                 {"fitted-l20-w1-s9", 10, 1},
+                                                 {"rock2-s6", 6, 0}}) {
         const ControlledOutcome run = controlled_outcome(settled_tiny(with(method, "50ns")));
         ASSERT_FALSE(run.fault) << method;
         EXPECT_EQ(evaluations_per_step(method), stages - reused) << method;
-        EXPECT_GE(run.counters.evaluations, (stages - reused) * run.counters.steps + reused + 2 * run.counters.truncated * reused) << method;
+        EXPECT_GE(run.counters.evaluations, (stages - reused) * run.counters.steps + reused + 2 * run.counters.truncated * reused)
+            << method;
         EXPECT_LE(run.counters.evaluations, (stages - reused) * run.counters.steps + reused + 2 * run.counters.truncated + 4) << method;
     }
 }
@@ -63,7 +69,7 @@ TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
     SilentObserver nobody;
     FrozenStart start = frozen_start(simulation);
     ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, not_cancelled));
-    for (int window = 0; simulation.counters().truncated > 0 && window < 40; ++window) {   // until one has no transition
+    for (int window = 0; simulation.counters().truncated > 0 && window < 40; ++window) {  // until one has no transition
         start = frozen_start(simulation);
         ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, not_cancelled));
     }
@@ -71,7 +77,8 @@ TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
     ASSERT_EQ(simulation.counters().steps, 20);
     FrozenStepper stepper(simulation.variator(), *engine::find_method("dumka3-p1"), start.phases);
     stepper.advance(start.time, 5e-8, 20, start.state);
-    for (std::size_t k = 0; k < start.state.size(); ++k) EXPECT_NEAR(simulation.state()[k], start.state[k], 1e-10 * std::abs(start.state[k]) + 1e-12) << k;
+    for (std::size_t k = 0; k < start.state.size(); ++k)
+        EXPECT_NEAR(simulation.state()[k], start.state[k], 1e-10 * std::abs(start.state[k]) + 1e-12) << k;
 }
 
 TEST(ErrorControl, TighterTolerancesAreMoreExact) {
@@ -92,9 +99,11 @@ TEST(ErrorControl, TighterTolerancesAreMoreExact) {
 }
 
 TEST(ErrorControl, EndsStepsAtOutputsAndStaysBelowTheTolerance) {
-    const ControlledOutcome run = controlled_outcome(settled_tiny(with("dopri54", "10us", {"run.step_control=error", "run.tolerance=1e-3"})));
+    const ControlledOutcome run =
+        controlled_outcome(settled_tiny(with("dopri54", "10us", {"run.step_control=error", "run.tolerance=1e-3"})));
     ASSERT_FALSE(run.fault) << run.fault.message();
-    EXPECT_GT(run.counters.rejected, 0) << "the first step is far too long; largest error " << run.errors.largest << " in " << run.counters.steps;
+    EXPECT_GT(run.counters.rejected, 0) << "the first step is far too long; largest error " << run.errors.largest << " in "
+                                        << run.counters.steps;
     EXPECT_LE(run.errors.largest, 1e-3);
     EXPECT_GT(run.errors.mean(), 0.0);
     EXPECT_EQ(run.errors.steps, run.counters.steps);
@@ -115,13 +124,15 @@ TEST(ErrorControl, IsRefusedToMethodsWithoutAnEstimate) {
         const Simulation simulation(settled_tiny(with("rk4", "50ns", {"run.step_control=error"})));
         FAIL() << "accepted";
     } catch (const SimulationError& error) {
-        EXPECT_STREQ(error.what(), "run.step_control: 'rk4' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)");
+        EXPECT_STREQ(error.what(),
+                     "run.step_control: 'rk4' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)");
     }
 }
 
 TEST(ErrorControl, EndsWhenNoStepIsShortEnough) {
     // RKC's estimate is a difference of states: rounding alone is more than that.
-    const ControlledOutcome run = controlled_outcome(settled_tiny(with("rkc-s10", "1us", {"run.step_control=error", "run.tolerance=1e-12"})));
+    const ControlledOutcome run =
+        controlled_outcome(settled_tiny(with("rkc-s10", "1us", {"run.step_control=error", "run.tolerance=1e-12"})));
     EXPECT_EQ(run.fault.kind, FaultKind::step_size);
     EXPECT_THAT(run.fault.message(), testing::HasSubstr("to meet run.tolerance"));
 }
@@ -160,7 +171,8 @@ TEST(SpectralMethods, StayStableAtStepsFarBeyondThoseOfRk4) {
 
 TEST(SpectralMethods, TakeStepsByError) {
     for (const char* method : {"dumka3", "rkc", "rock2", "fitted"}) {
-        const ControlledOutcome run = controlled_outcome(settled_tiny(with(method, "5us", {"run.step_control=error", "run.tolerance=0.1"})));
+        const ControlledOutcome run =
+            controlled_outcome(settled_tiny(with(method, "5us", {"run.step_control=error", "run.tolerance=0.1"})));
         EXPECT_FALSE(run.fault) << method << ": " << run.fault.message();
         EXPECT_LE(run.errors.largest, 0.1) << method;
     }
@@ -178,14 +190,16 @@ bool estimates_error(const std::string& method) {
 /// Every method, tables and programs, steps fixed or by error, on executors and segments: one hash.
 TEST(EveryMethod, GivesTheSameBitsOnEveryExecutor) {
     for (const std::string& method : method_names()) {
-        std::vector<std::string> settings = with(method, "20ns", {"run.until=100ns", "run.output_interval=100ns", "run.state_interval=100ns"});
+        std::vector<std::string> settings =
+            with(method, "20ns", {"run.until=100ns", "run.output_interval=100ns", "run.state_interval=100ns"});
         if (estimates_error(method)) settings.push_back("run.step_control=error");
         const Scene scene = settled_tiny(settings);
         const ControlledOutcome serial = controlled_outcome(scene);
         ASSERT_FALSE(serial.fault) << method << ": " << serial.fault.message();
         for (const engine::ExecutorRow& row : engine::executors()) {
-            if (row.name.starts_with("omp")) continue;   // a contended OpenMP team takes minutes
-            if (engine::test::thread_sanitizer && row.parallel && row.name != "barrier") continue;   // it sees into neither oneTBB nor OpenMP
+            if (row.name.starts_with("omp")) continue;  // a contended OpenMP team takes minutes
+            if (engine::test::thread_sanitizer && row.parallel && row.name != "barrier")
+                continue;  // it sees into neither oneTBB nor OpenMP
             for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
                 const Schedule schedule{std::string(row.name), {assembly}, 5, row.parallel ? 2 : 1};
                 EXPECT_EQ(controlled_outcome(scene, schedule).hash, serial.hash) << method << ' ' << schedule.text();

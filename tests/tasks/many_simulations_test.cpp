@@ -42,7 +42,8 @@ TEST(ManySimulations, AThousandLeaveNeitherThreadsNorMemoryBehind) {
     for (int number = 0; number < 1000; ++number) {
         const engine::ExecutorRow& row = executors[static_cast<std::size_t>(number) % executors.size()];
         const bool staged = static_cast<std::size_t>(number) / executors.size() % 2 == 1;
-        Simulation simulation(scene, Schedule{std::string(row.name), {staged ? Assembly::staged : Assembly::fused}, 4, row.parallel ? 2 : 1});
+        Simulation simulation(scene,
+                              Schedule{std::string(row.name), {staged ? Assembly::staged : Assembly::fused}, 4, row.parallel ? 2 : 1});
         EXPECT_EQ(simulation.run_steps(3, silent, never).kind, FaultKind::max_steps);
         if (number == 200) {
             memory = resident();
@@ -52,8 +53,8 @@ TEST(ManySimulations, AThousandLeaveNeitherThreadsNorMemoryBehind) {
     }
     // oneTBB and OpenMP keep their workers; what they and the allocator keep is there after the first 200.
     EXPECT_LE(threads(), started);
-    EXPECT_LT(mallinfo2().uordblks, in_use + 100'000);   // bytes handed out and not given back: 100 a simulation
-    EXPECT_LT(resident() - memory, 32e6);                // stacks of workers come and go; one simulation alone takes 0.2 MB
+    EXPECT_LT(mallinfo2().uordblks, in_use + 100'000);  // bytes handed out and not given back: 100 a simulation
+    EXPECT_LT(resident() - memory, 32e6);               // stacks of workers come and go; one simulation alone takes 0.2 MB
     std::filesystem::remove(state);
 }
 

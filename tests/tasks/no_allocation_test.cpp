@@ -48,7 +48,7 @@ TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
     Scene scene = read_scene(GetParam());
     scene.run.output_interval = 20.0 * scene.run.step.value_or(Simulation(scene).automatic_step());
     scene.run.segments = std::min(5, scene.parameters.chain.pins);
-    scene.run.max_steps = 150;   // ends a settling run early
+    scene.run.max_steps = 150;  // ends a settling run early
     scene.run.schedule = "serial";
     Simulation simulation(scene);
     AllocationCounter counter(0);
@@ -56,7 +56,9 @@ TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
     const Fault fault = simulation.needs_settling() ? simulation.settle(counter, never) : simulation.run(1.0, counter, never);
     EXPECT_EQ(fault.kind, FaultKind::max_steps) << fault.message();
     EXPECT_GE(counter.last_steps_ - counter.first_steps_, 60);
-    if (simulation.needs_settling()) { EXPECT_GT(counter.transitions_, 0) << "tips just touch at the start, so some come and go"; }
+    if (simulation.needs_settling()) {
+        EXPECT_GT(counter.transitions_, 0) << "tips just touch at the start, so some come and go";
+    }
     EXPECT_EQ(counter.between_, 0);
 }
 
@@ -90,7 +92,8 @@ TEST(NoAllocation, TheCounterCounts) {
 TEST(NoAllocation, HoldsForMethodsThatFollowTheSpectrumAndForStepsByError) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     for (const char* method : {"dumka3", "rkc", "rock2", "dopri54"}) {
-        Scene scene = test::settled_tiny({std::string("run.method=") + method, "run.step=5us", "run.step_control=error", "run.tolerance=1e-2", "run.until=400us"});
+        Scene scene = test::settled_tiny(
+            {std::string("run.method=") + method, "run.step=5us", "run.step_control=error", "run.tolerance=1e-2", "run.until=400us"});
         Simulation simulation(scene);
         AllocationCounter counter(0);
         const engine::Cancellation never;

@@ -15,7 +15,8 @@ using BatchDryRun = Sweeps;
 TEST_F(BatchDryRun, MeasuresNoStepBeyondACasesEnd) {
     write_sweep("\"12 N*m\"", "0.2 us", "");
     std::string sweep = read("sweep.toml");
-    sweep.replace(sweep.find("start.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\""), 0, "tip.deepest = \"12 um\"\nrun.output_interval = \"50 ns\"\nrun.state_interval = \"100 ns\"\n");
+    sweep.replace(sweep.find("start.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\""), 0,
+                  "tip.deepest = \"12 um\"\nrun.output_interval = \"50 ns\"\nrun.state_interval = \"100 ns\"\n");
     sweep.replace(sweep.find("\"ratio at 20 us\""), 16, "\"ratio at 0.2 us\"");
     write("sweep.toml", sweep);
     const Outcome dry = batch({"--dry-run"});
@@ -35,7 +36,8 @@ TEST_F(BatchDryRun, PrintsCasesAndAnEstimate) {
     write_sweep();
     const Outcome outcome = batch({"--dry-run"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.out, AllOf(StartsWith("sweep: 12 cases\n"), HasSubstr("load.torque [N*m]"), HasSubstr("  estimate            0:0")));
+    EXPECT_THAT(outcome.out,
+                AllOf(StartsWith("sweep: 12 cases\n"), HasSubstr("load.torque [N*m]"), HasSubstr("  estimate            0:0")));
     EXPECT_FALSE(exists("out"));
 }
 

@@ -8,9 +8,12 @@ namespace cvtflow::tools {
 
 void Sweeps::write_sweep(const std::string& torques, const std::string& until, const std::string& more) const {
     write("sweep.toml", "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"" + until +
-                            "\"\nrun.step = \"50 ns\"\nstart.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [" + torques +
+                            "\"\nrun.step = \"50 ns\"\nstart.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n[[axes]]\nkey = "
+                            "\"load.torque\"\nvalues = [" +
+                            torques +
                             "]\n[[axes]]\nkey = \"clamping.driven\"\nfrom = \"5 kN\"\nto = \"6 kN\"\ncount = 4\n[outputs]\n"
-                            "scalars = [\"slip mean\", \"tight_tension max\", \"ratio at 20 us\"]\n[start]\nmode = \"settle\"\n" + more);
+                            "scalars = [\"slip mean\", \"tight_tension max\", \"ratio at 20 us\"]\n[start]\nmode = \"settle\"\n" +
+                            more);
 }
 
 Outcome Sweeps::batch(const std::vector<std::string>& more) const {
@@ -31,13 +34,15 @@ std::map<long, std::string> Sweeps::column(const std::string& name, const std::s
     std::map<long, std::string> cells;
     for (std::size_t row = 0; row < all.size(); ++row) {
         const long number = all.layout.integer(all.row(row), all.layout.column("case"));
-        EXPECT_TRUE(cells.emplace(number, all.layout.cell(all.row(row), all.layout.column(name))).second) << "case " << number << " is there twice";
+        EXPECT_TRUE(cells.emplace(number, all.layout.cell(all.row(row), all.layout.column(name))).second)
+            << "case " << number << " is there twice";
     }
     return cells;
 }
 
 Outcome Sweeps::shell(const std::string& line) const {
-    const std::string command = "cd '" + folder_.string() + "' && export CVTFLOW='" CVTFLOW_PROGRAM "' && (" + line + ") > shell.out 2> shell.err";
+    const std::string command =
+        "cd '" + folder_.string() + "' && export CVTFLOW='" CVTFLOW_PROGRAM "' && (" + line + ") > shell.out 2> shell.err";
     const int status = std::system(("bash -c \"" + command + "\"").c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read("shell.out"), read("shell.err")};
 }

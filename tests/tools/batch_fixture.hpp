@@ -14,7 +14,8 @@ namespace cvtflow::tools {
 class Sweeps : public Program {
 protected:
     /// Writes sweep.toml: `torques` x 4 cases of tiny, which settle for 20 us and run for `until`.
-    void write_sweep(const std::string& torques = "\"6 N*m\", \"12 N*m\", \"18 N*m\"", const std::string& until = "40 us", const std::string& more = "") const;
+    void write_sweep(const std::string& torques = "\"6 N*m\", \"12 N*m\", \"18 N*m\"", const std::string& until = "40 us",
+                     const std::string& more = "") const;
     Outcome batch(const std::vector<std::string>& more = {}) const;
     [[nodiscard]] engine::CaseTable table(const std::string& folder = "out") const;
     /// After "results hash" in what a command printed.

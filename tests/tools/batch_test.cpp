@@ -23,7 +23,8 @@ TEST_F(Batch, GivesOneHashForEveryNumberOfThreadsAndEveryCut) {
     const Outcome one = batch({"--threads", "1"});
     ASSERT_EQ(one.status, 0) << one.err;
     EXPECT_THAT(one.out, HasSubstr("12 ok"));
-    for (const char* threads : {"2", "3"}) EXPECT_EQ(hash_in(run({"batch", "sweep.toml", "-o", std::string("t") + threads, "--threads", threads}).out), hash_in(one.out));
+    for (const char* threads : {"2", "3"})
+        EXPECT_EQ(hash_in(run({"batch", "sweep.toml", "-o", std::string("t") + threads, "--threads", threads}).out), hash_in(one.out));
     for (const char* shard : {"1/3", "2/3", "3/3"}) ASSERT_EQ(run({"batch", "sweep.toml", "-o", "cut", "--shard", shard}).status, 0);
     const Outcome merged = run({"merge", "cut"});
     EXPECT_EQ(merged.status, 0) << merged.err;
@@ -34,8 +35,9 @@ TEST_F(Batch, GivesOneHashForEveryNumberOfThreadsAndEveryCut) {
 TEST_F(Batch, CaseEqualsTheRunOfItsScene) {
     write_sweep();
     ASSERT_EQ(batch().status, 0);
-    const Outcome single = run({"run", "tiny", "-o", "none", "--settle", "--until", "40 us", "--step", "50 ns", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us", "--set",
-                                "load.torque=12 N*m", "--set", "clamping.driven=5 kN"});
+    const Outcome single =
+        run({"run", "tiny", "-o", "none", "--settle", "--until", "40 us", "--step", "50 ns", "--set", "start.settling_time=20us", "--set",
+             "start.ramp_time=10us", "--set", "load.torque=12 N*m", "--set", "clamping.driven=5 kN"});
     EXPECT_THAT(single.out, HasSubstr("state hash          " + column("hash").at(4)));
 }
 
@@ -109,8 +111,9 @@ TEST_F(Batch, CrashedCaseIsARowAndTheOthersHaveTheirResults) {
     ASSERT_EQ(kill(worker_of(child), SIGSEGV), 0);
     const Outcome outcome = child.wait();
     EXPECT_EQ(outcome.status, 5);
-    EXPECT_THAT(outcome.err, HasSubstr("cvtflow: the sweep's process was ended by SIGSEGV (Segmentation fault); what was running goes on alone: case 3\n"
-                                       "cvtflow: case 3 has crashed: SIGSEGV (Segmentation fault)\n"));
+    EXPECT_THAT(outcome.err,
+                HasSubstr("cvtflow: the sweep's process was ended by SIGSEGV (Segmentation fault); what was running goes on alone: case 3\n"
+                          "cvtflow: case 3 has crashed: SIGSEGV (Segmentation fault)\n"));
     EXPECT_THAT(outcome.out, HasSubstr("1 crashed, 7 ok"));
     EXPECT_EQ(column("error").at(3), "its process was ended by SIGSEGV (Segmentation fault), also when it ran alone");
     EXPECT_EQ(column("slip_mean").at(3), "nan");
@@ -124,7 +127,9 @@ TEST_F(Batch, CrashedCaseIsARowAndTheOthersHaveTheirResults) {
 }
 
 TEST_F(Batch, FailingCasesAreRowsWithAStatus) {
-    write_sweep("\"6 N*m\", \"12 N*m\"", "5 ms", "[budget]\nsteps = 600\n[[axes]]\nkey = \"start.ratio\"\nvalues = [1.0, 0.3]\n[[axes]]\nkey = \"run.step\"\nvalues = [\"50 ns\", \"10 us\"]\n");
+    write_sweep("\"6 N*m\", \"12 N*m\"", "5 ms",
+                "[budget]\nsteps = 600\n[[axes]]\nkey = \"start.ratio\"\nvalues = [1.0, 0.3]\n[[axes]]\nkey = \"run.step\"\nvalues = [\"50 "
+                "ns\", \"10 us\"]\n");
     const Outcome outcome = batch();
     EXPECT_EQ(outcome.status, 5) << outcome.err;
     const auto status = column("status");
@@ -147,7 +152,9 @@ TEST_F(Batch, OfAnotherSweepIsRefusedWithTheDifference) {
     write_sweep("\"6 N*m\", \"7 N*m\"", "50 us");
     const Outcome outcome = run({"resume", "out"});
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_EQ(outcome.err, "cvtflow: out/cases.h5: results of another sweep:\n  axes.load.torque = 6 there, 6, 7 here\n  run.until = 4e-5 there, 5e-5 here\n");
+    EXPECT_EQ(
+        outcome.err,
+        "cvtflow: out/cases.h5: results of another sweep:\n  axes.load.torque = 6 there, 6, 7 here\n  run.until = 4e-5 there, 5e-5 here\n");
     EXPECT_EQ(column("hash"), before);
 }
 
@@ -169,9 +176,11 @@ TEST_F(Batch, IntoAFolderThatCannotBeWrittenSaysSo) {
 }
 
 TEST_F(Batch, OnAFullDiskKeepsWhatItHasAndGoesOnLater) {
-    write_sweep("\"1 N*m\", \"2 N*m\", \"3 N*m\", \"4 N*m\", \"5 N*m\", \"6 N*m\", \"7 N*m\", \"8 N*m\", \"9 N*m\", \"10 N*m\", \"11 N*m\", \"12 N*m\", \"13 N*m\", \"14 N*m\", "
-                "\"15 N*m\", \"16 N*m\", \"17 N*m\", \"18 N*m\", \"19 N*m\", \"20 N*m\"",
-                "20 us");
+    write_sweep(
+        "\"1 N*m\", \"2 N*m\", \"3 N*m\", \"4 N*m\", \"5 N*m\", \"6 N*m\", \"7 N*m\", \"8 N*m\", \"9 N*m\", \"10 N*m\", \"11 N*m\", \"12 "
+        "N*m\", \"13 N*m\", \"14 N*m\", "
+        "\"15 N*m\", \"16 N*m\", \"17 N*m\", \"18 N*m\", \"19 N*m\", \"20 N*m\"",
+        "20 us");
     const Outcome full = shell("ulimit -f 120; \\$CVTFLOW batch sweep.toml -o out -q --threads 1");
     EXPECT_EQ(full.status, 1) << full.out << full.err;
     EXPECT_THAT(full.err, testing::MatchesRegex("cvtflow: out/cases.h5: cannot write: File too large; [0-9]+ cases are saved\n"));
@@ -194,12 +203,14 @@ TEST_F(Batch, WithADamagedTableStopsAndTouchesNothing) {
     bytes[hash] = bytes[hash] == 'f' ? '0' : 'f';
     write("out/cases.h5", bytes);
     for (const char* command : {"resume", "table"}) {
-        EXPECT_EQ(run({command, "out"}).err, "cvtflow: out/cases.h5: damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)\n");
+        EXPECT_EQ(run({command, "out"}).err,
+                  "cvtflow: out/cases.h5: damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)\n");
     }
-    bytes.resize(bytes.size() - engine::seal_size);   // as a kill leaves it: rows have checks of their own
+    bytes.resize(bytes.size() - engine::seal_size);  // as a kill leaves it: rows have checks of their own
     write("out/cases.h5", bytes);
     for (const char* command : {"resume", "table"}) {
-        EXPECT_EQ(run({command, "out"}).err, "cvtflow: out/cases.h5: row 5 is damaged: it does not have the check that it was written with\n");
+        EXPECT_EQ(run({command, "out"}).err,
+                  "cvtflow: out/cases.h5: row 5 is damaged: it does not have the check that it was written with\n");
     }
     EXPECT_EQ(read("out/cases.h5"), bytes);
     write("out/cases.h5", whole.substr(0, whole.size() / 2));
@@ -207,7 +218,11 @@ TEST_F(Batch, WithADamagedTableStopsAndTouchesNothing) {
 }
 
 TEST_F(Batch, TellsATableThatIsNoSweepsFromOneThatIs) {
-    engine::write_cases((folder_ / "other.h5").string(), {engine::RowLayout({{"case", "1", "", engine::CaseColumnType::integer}, {"status", "1", "", engine::CaseColumnType::real}}), {}, {}});
+    engine::write_cases(
+        (folder_ / "other.h5").string(),
+        {engine::RowLayout({{"case", "1", "", engine::CaseColumnType::integer}, {"status", "1", "", engine::CaseColumnType::real}}),
+         {},
+         {}});
     EXPECT_EQ(run({"table", "other.h5"}).err, "cvtflow: other.h5: a table, but not of a sweep: it has no column 'status' of texts\n");
     EXPECT_EQ(run({"table", "other.h5"}).status, 1);
 }
@@ -221,7 +236,8 @@ protected:
         ASSERT_EQ(run({"batch", "sweep.toml", "-o", "own"}).status, 0);
         const double own = std::stod(column("slip_mean", "own").at(7)), continued = std::stod(column("slip_mean").at(7));
         ASSERT_NE(own, continued);
-        EXPECT_THAT(told, StartsWith(fmt::format("1 case, at most: slip mean {:.2g} ({:.2g} %), tight_tension max ", std::abs(continued - own), 100.0 * std::abs((continued - own) / own))));
+        EXPECT_THAT(told, StartsWith(fmt::format("1 case, at most: slip mean {:.2g} ({:.2g} %), tight_tension max ",
+                                                 std::abs(continued - own), 100.0 * std::abs((continued - own) / own))));
     }
 };
 

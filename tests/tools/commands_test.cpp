@@ -15,7 +15,9 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::vector<std::string> names{"run", "resume", "batch", "table", "merge", "settle", "check", "info", "list", "explain", "schema", "local-error", "method", "fit", "compare", "spectrum", "stability", "pin-entry", "profile", "newton", "detail", "tradeoff", "extremes", "dot"};
+const std::vector<std::string> names{"run",       "resume",    "batch",   "table",       "merge",  "settle",   "check",    "info",
+                                     "list",      "explain",   "schema",  "local-error", "method", "fit",      "compare",  "spectrum",
+                                     "stability", "pin-entry", "profile", "newton",      "detail", "tradeoff", "extremes", "dot"};
 
 class Commands : public Program {};
 
@@ -107,9 +109,13 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
 TEST_F(Commands, CheckSaysUpToWhereASettledSceneIsStable) {
     const Outcome beyond = run({"check", "control", "--step", "2 us"});
     EXPECT_EQ(beyond.status, 0) << beyond.err;
-    EXPECT_THAT(beyond.out, testing::ContainsRegex("\n  stable to +1\\.9[0-9]* us \\(oscillation of .* kHz under friction of .* 1/s\\); run.step is beyond\n"));
-    for (const char* step : {"1.8 us", "auto"}) EXPECT_THAT(run({"check", "control", "--step", step}).out, testing::Not(HasSubstr("run.step is beyond")));
-    EXPECT_THAT(run({"check", "control", "--method", "trapezoidal-once"}).out, testing::ContainsRegex("\n  stable to +linear stability sets no limit\n"));
+    EXPECT_THAT(
+        beyond.out,
+        testing::ContainsRegex("\n  stable to +1\\.9[0-9]* us \\(oscillation of .* kHz under friction of .* 1/s\\); run.step is beyond\n"));
+    for (const char* step : {"1.8 us", "auto"})
+        EXPECT_THAT(run({"check", "control", "--step", step}).out, testing::Not(HasSubstr("run.step is beyond")));
+    EXPECT_THAT(run({"check", "control", "--method", "trapezoidal-once"}).out,
+                testing::ContainsRegex("\n  stable to +linear stability sets no limit\n"));
     EXPECT_THAT(run({"check", "tiny"}).out, testing::Not(HasSubstr("stable to"))) << "there is no state yet";
 }
 
@@ -141,41 +147,23 @@ TEST_F(Commands, LocalErrorShowsTheOrder) {
                                    HasSubstr("\n   80 ns ")));
 }
 
-const std::vector<std::string> brief_settling{"--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.step=50 ns"};
+const std::vector<std::string> brief_settling{"--settle", "--set",         "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms",
+                                              "--set",    "run.step=50 ns"};
 
 TEST_F(Commands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
-    const Outcome outcome = run(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns", "-o", "errors"} + brief_settling);
+    const Outcome outcome = run(
+        std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns", "-o", "errors"} + brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, AllOf(HasSubstr("tiny: error of one step of rk4 (order 4"), HasSubstr("\ntiny: error of one step of heun (order 2")));
-    EXPECT_THAT(outcome.out, HasSubstr("\n  written             errors/local-error.csv, errors/local-error.json, errors/local-error-axial-force-piecewise.svg, "
-                                       "errors/local-error-velocities-piecewise.svg\n"));
-    EXPECT_THAT(read("errors/local-error.csv"), AllOf(StartsWith("method,friction,step,positions,velocities,axial_force,tension\nrk4,piecewise,1.6"),
-                                                      HasSubstr("\nheun,piecewise,8")));
+    EXPECT_THAT(outcome.out,
+                AllOf(HasSubstr("tiny: error of one step of rk4 (order 4"), HasSubstr("\ntiny: error of one step of heun (order 2")));
+    EXPECT_THAT(
+        outcome.out,
+        HasSubstr("\n  written             errors/local-error.csv, errors/local-error.json, errors/local-error-axial-force-piecewise.svg, "
+                  "errors/local-error-velocities-piecewise.svg\n"));
+    EXPECT_THAT(read("errors/local-error.csv"),
+                AllOf(StartsWith("method,friction,step,positions,velocities,axial_force,tension\nrk4,piecewise,1.6"),
+                      HasSubstr("\nheun,piecewise,8")));
     EXPECT_THAT(read("errors/local-error-velocities-piecewise.svg"), AllOf(HasSubstr(">rk4</text>"), HasSubstr(">heun</text>")));
-}
-
-TEST_F(Commands, SpectrumTellsExtentBandsAndTheLongestStep) {
-    const Outcome outcome = run(std::vector<std::string>{"spectrum", "tiny", "--extremal", "-q", "-o", "s"} + brief_settling);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, StartsWith("tiny: eigenvalues of the Jacobian at t = 0 s, piecewise friction, "));
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  fastest decay       max -Re = [0-9.]+e\\+06 1/s\n"));
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ ns predicted \\(by .* 1/s\\), [0-9.]+ ns measured"));
-    EXPECT_THAT(outcome.out, HasSubstr("\n  growth              not looked at: eigenvalues at the edge only\n"));
-    const auto json = nlohmann::json::parse(read("s/spectrum.json"));
-    EXPECT_EQ(json["unknowns"], 648);
-    EXPECT_EQ(json["eigenvalues"].size(), std::size_t(json["extent"]["below_1e6"]) + 2);   // and the pair that oscillates fastest
-    EXPECT_NEAR(double(json["stable_step"]["measured"]) / double(json["stable_step"]["predicted"]), 1.0, 0.15);   // barely settled, it moves
-    EXPECT_THAT(read("s/spectrum.csv"), StartsWith("real,imaginary,share_joints,share_plates,share_tips\n-"));
-    EXPECT_FALSE(exists("s/spectrum-linear.svg")) << "a line and two points in an empty plane";
-    EXPECT_THAT(read("s/spectrum-edge.svg"), AllOf(HasSubstr(">-Re λ [1/s]</text>"), HasSubstr("; the outermost "), HasSubstr("; fastest oscillation 7")));
-}
-
-TEST_F(Commands, SpectrumOfAllEigenvaluesIsDrawnInThePlane) {
-    const Outcome outcome = run(std::vector<std::string>{"spectrum", "tiny", "--detail", "coarse", "-q", "-o", "s", "--svg"} + brief_settling);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_TRUE(exists("s/spectrum-linear.svg"));
-    EXPECT_THAT(read("s/spectrum-symlog.svg"), HasSubstr(">Re λ [1/s]</text>"));
-    EXPECT_FALSE(exists("s/spectrum-edge.svg"));
 }
 
 TEST_F(Commands, WriteAsJsonWhatTheyMeasure) {
@@ -187,25 +175,33 @@ TEST_F(Commands, WriteAsJsonWhatTheyMeasure) {
         EXPECT_TRUE(json["provenance"].contains("commit")) << file;
         return json;
     };
-    const auto errors = json_of(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns"} + brief_settling, "local-error.json");
+    const auto errors =
+        json_of(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns"} + brief_settling,
+                "local-error.json");
     ASSERT_EQ(errors["curves"].size(), 2u);
-    EXPECT_GT(double(errors["curves"][1]["errors"][0]["velocities"]), double(errors["curves"][0]["errors"][0]["velocities"])) << "heun has half the order";
+    EXPECT_GT(double(errors["curves"][1]["errors"][0]["velocities"]), double(errors["curves"][0]["errors"][0]["velocities"]))
+        << "heun has half the order";
     const auto maps = json_of({"stability", "rk4", "leapfrog-rkc", "sw2", "-q"}, "stability.json");
     EXPECT_NEAR(double(maps["tables"][0]["imaginary"]), 2.0 * std::sqrt(2.0), 1e-3);
-    EXPECT_NEAR(double(maps["programs"][0]["oscillator"]["h_omega"]), 2.0, 1e-3);   // of every leapfrog
+    EXPECT_NEAR(double(maps["programs"][0]["oscillator"]["h_omega"]), 2.0, 1e-3);  // of every leapfrog
     EXPECT_TRUE(maps["programs"][1].contains("linear"));
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
-    const auto trade = json_of({"tradeoff", "tiny", "rk4@50ns", "--reference", "rk4@25ns", "--duration", "24us", "--rounds", "2", "--confirm", "24us", "--confirm-against", "rk4@25ns", "--set", "start.state=s.h5"}, "tradeoff_tiny.json");
+    const auto trade = json_of({"tradeoff", "tiny", "rk4@50ns", "--reference", "rk4@25ns", "--duration", "24us", "--rounds", "2",
+                                "--confirm", "24us", "--confirm-against", "rk4@25ns", "--set", "start.state=s.h5"},
+                               "tradeoff_tiny.json");
     EXPECT_EQ(trade["choices"][0]["wall_seconds_per_second"].size(), 2u);
-    const auto detail = json_of({"detail", "baseline", "--settle", "20us", "--average", "20us", "--control", "0 s"}, "detail_baseline.json");
+    const auto detail =
+        json_of({"detail", "baseline", "--settle", "20us", "--average", "20us", "--control", "0 s"}, "detail_baseline.json");
     EXPECT_EQ(detail["variants"].size(), 11u);
     EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not looked for";
 }
 
 TEST_F(Commands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {
-    const Outcome other = run({"detail", "baseline", "--set", std::string("start.state=") + CVTFLOW_SOURCE_DIR + "/scenes/states/baseline-medium.h5"});
+    const Outcome other =
+        run({"detail", "baseline", "--set", std::string("start.state=") + CVTFLOW_SOURCE_DIR + "/scenes/states/baseline-medium.h5"});
     EXPECT_EQ(other.status, 1);
-    EXPECT_THAT(other.err, AllOf(StartsWith("cvtflow: baseline: variants start from a settled state of full detail: start.state: "), HasSubstr("\n  detail.order = 3, settled with 1\n")));
+    EXPECT_THAT(other.err, AllOf(StartsWith("cvtflow: baseline: variants start from a settled state of full detail: start.state: "),
+                                 HasSubstr("\n  detail.order = 3, settled with 1\n")));
     const Outcome held = run({"detail", "baseline", "--set", "detail.order=1"});
     EXPECT_EQ(held.status, 2);
     EXPECT_EQ(held.err, "cvtflow: --set detail.order=1: detail.order is one of the dials that are compared\n");
@@ -217,55 +213,18 @@ TEST_F(Commands, DetailKeepsFaultsOutOfItsTable) {
     EXPECT_EQ(all.status, 1);
     EXPECT_THAT(all.err, StartsWith("cvtflow: baseline: full detail, with which all is compared, ended: a tip of pin "));
     EXPECT_EQ(all.out, "");
-    const Outcome some = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=20um"} + brief);   // rigid pulleys take the jolt with deeper tips
+    const Outcome some = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=20um"} +
+                             brief);  // rigid pulleys take the jolt with deeper tips
     EXPECT_EQ(some.status, 5);
     EXPECT_THAT(some.err, HasSubstr("cvtflow: baseline: p=3 each   8 pt rigid: a tip of pin "));
     EXPECT_THAT(some.out, testing::ContainsRegex("\n  p=3 each   8 pt rigid +1684 +- +- +- "));
     EXPECT_THAT(some.out, testing::Not(HasSubstr("a tip of")));
 }
 
-TEST_F(Commands, StabilityNeedsNoScene) {
-    const Outcome outcome = run({"stability", "rk4", "dumka3-p2", "-q", "-o", "maps", "--svg"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +4 +2\\.785 +2\\.828 "));
-    EXPECT_THAT(outcome.out, HasSubstr("\n  written             maps/stability-rk4.svg, maps/stability-dumka3-p2.svg\n"));
-    EXPECT_THAT(read("maps/stability-rk4.svg"), HasSubstr("class=\"region\" d=\"M"));
-    EXPECT_FALSE(exists("maps/stability.csv"));
-}
-
-TEST_F(Commands, StabilityOfMethodsThatAreNoTablesIsThatOnTheirOwnTestEquations) {
-    const Outcome outcome = run({"stability", "rk4", "leapfrog-rkc", "ark436", "sw2", "-q", "-o", "maps"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +4 +2\\.785 +2\\.828 "));
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  leapfrog-rkc +2 +1\\.732 "));
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  ark436 +4\\.001 .* any "));
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  sw2 +any +any +any +any "));
-    EXPECT_THAT(read("maps/stability-programs.csv"), HasSubstr("\nsw2,linear,,,,,inf,inf,inf,inf,1,"));
-    EXPECT_THAT(read("maps/stability-leapfrog-rkc.svg"), AllOf(HasSubstr("class=\"region\" d=\"M"), HasSubstr(">h ω</text>"), HasSubstr(">h c</text>")));
-    EXPECT_THAT(read("maps/stability-sw2.svg"), HasSubstr(">Im hλ</text>"));
-}
-
-TEST_F(Commands, StabilityOnASceneIsPredictedAndMeasuredForMethodsThatAreNoTablesToo) {
-    const Outcome outcome = run({"stability", "leapfrog-rkc", "leapfrog-be", "--scene", "control", "-q", "-o", "maps"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\nLargest stable step\n  leapfrog-rkc +2\\.[0-9]+ us \\(oscillation of .*\\) predicted, 2\\.[0-9]+ us measured \\([-+][0-4]\\."));
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  leapfrog-be +2\\.[0-9]+ us \\(oscillation of .*\\) predicted, 2\\.[0-9]+ us measured \\([-+][0-4]\\."));
-    EXPECT_THAT(read("maps/stability-leapfrog-rkc.svg"), HasSubstr(">the scene at 2."));
-    EXPECT_THAT(read("maps/stability-programs.csv"), testing::ContainsRegex("\nleapfrog-rkc,.*,2\\.[0-9]+e-06,2\\.[0-9]+e-06\n"));
-}
-
-TEST_F(Commands, SpectrumKnowsTheLongestStepOfMethodsThatAreNoTables) {
-    const Outcome outcome = run(std::vector<std::string>{"spectrum", "tiny", "--method", "leapfrog-rkc", "--extremal", "-q", "-o", "s", "--json"} + brief_settling);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ us \\(oscillation of .*\\) predicted, [0-9.]+ us measured"));
-    const auto json = nlohmann::json::parse(read("s/spectrum.json"));
-    EXPECT_NEAR(double(json["stable_step"]["measured"]) / double(json["stable_step"]["predicted"]), 1.0, 0.15);   // barely settled, it moves
-    EXPECT_GT(double(json["stable_step"]["oscillation"]), 1e5);
-}
-
 TEST_F(Commands, PinEntryCountsAndMeasuresErrors) {
-    const Outcome outcome = run(std::vector<std::string>{"pin-entry", "tiny", "rk4@50ns", "dumka3-p2@1us", "--time", "24us", "--reference", "rk4@25ns", "--rounds", "1",
-                                                         "--pin", "0", "-q", "-o", "c"} + brief_settling);
+    const Outcome outcome = run(std::vector<std::string>{"pin-entry", "tiny", "rk4@50ns", "dumka3-p2@1us", "--time", "24us", "--reference",
+                                                         "rk4@25ns", "--rounds", "1", "--pin", "0", "-q", "-o", "c"} +
+                                brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, StartsWith("tiny: 24 us from t = 0 s, against rk4@25ns; one thread, medians of 1 round, in turns\n"));
     EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +50 ns +[0-9]+ +[0-9 ]+ +[0-9.e+]+ +1\\.00 +[0-9.e+]+ +1\\.00 "));

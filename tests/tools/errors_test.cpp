@@ -74,7 +74,8 @@ TEST_F(Errors, OnTheCommandLineExitWithTwo) {
 }
 
 TEST_F(Errors, InValuesOfOptionsExitWithTwo) {
-    write("sweep.toml", "[sweep]\nscene = \"tiny\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n[outputs]\nscalars = [\"slip mean\"]\n");
+    write("sweep.toml",
+          "[sweep]\nscene = \"tiny\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [1, 2]\n[outputs]\nscalars = [\"slip mean\"]\n");
     const std::vector<Mistake> mistakes{
         {{"run", "tiny", "--checkpoint-every", ""}, 2, "--checkpoint-every : expected a time such as \"30 s\" or \"10 min\""},
         {{"run", "tiny", "--checkpoint-every", "7"}, 2, "--checkpoint-every 7: expected a time such as \"30 s\" or \"10 min\""},
@@ -83,7 +84,9 @@ TEST_F(Errors, InValuesOfOptionsExitWithTwo) {
         {{"batch", "sweep.toml", "--shard", ""}, 2, "--shard : expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
         {{"batch", "sweep.toml", "--shard", "0/3"}, 2, "--shard 0/3: expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
         {{"batch", "sweep.toml", "--shard", "1/100000000"}, 2, "--shard 1/100000000: expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
-        {{"batch", "sweep.toml", "--shard", "1/99999999999999999999"}, 2, "--shard 1/99999999999999999999: expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
+        {{"batch", "sweep.toml", "--shard", "1/99999999999999999999"},
+         2,
+         "--shard 1/99999999999999999999: expected I/N with 1 <= I <= N <= 100000, e.g. 3/8"},
         {{"batch", "sweep.toml", "--threads", "-1"}, 2, "--threads: Value -1 not in range 1 to 1024 (cvtflow batch --help)"},
         {{"batch", "sweep.toml", "--bench", "0"}, 2, "--bench: Value 0 not in range 1 to 10000 (cvtflow batch --help)"},
     };
@@ -91,47 +94,57 @@ TEST_F(Errors, InValuesOfOptionsExitWithTwo) {
     for (const Words& words : {Words{"batch", "sweep.toml", "--retry", "nonsense"}, Words{"batch", "sweep.toml", "--retry", ""}}) {
         const Outcome outcome = run(words);
         EXPECT_EQ(outcome.status, 2);
-        EXPECT_THAT(outcome.err, testing::StartsWith("cvtflow: --retry " + words.back() + ": not one of ok, unreliable, diverged, budget, "));
+        EXPECT_THAT(outcome.err,
+                    testing::StartsWith("cvtflow: --retry " + words.back() + ": not one of ok, unreliable, diverged, budget, "));
     }
     EXPECT_FALSE(exists("results/sweep"));
 }
 
+const std::vector<Mistake> mistakes_in_scenes{
+    {{"run", "basline"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
+    {{"run", "zzzzzzz"}, 1, "no scene 'zzzzzzz' (cvtflow list scenes)"},
+    {{"run", "missing.toml"}, 1, "missing.toml: cannot be read: No such file or directory"},
+    {{"run", "./folder"}, 1, "./folder: cannot be read: a folder, not a file"},
+    {{"run", "broken.toml"},
+     1,
+     "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
+     "integer"},
+    {{"check", "broken.toml"},
+     1,
+     "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
+     "integer"},
+    {{"check", "method.toml"},
+     1,
+     "method.toml:2:10: run.method: no method 'rk45' (did you mean 'rk4'?)\ncvtflow: method.toml:3:1: run.stepp: unknown key (did you "
+     "mean \"run.step\"?)"},
+    {{"run", "no_method.toml"}, 1, "no_method.toml:2:10: run.method: no method 'rk5' (did you mean 'rk4'?)"},
+    {{"check", "no_member.toml"},
+     1,
+     "no_member.toml: run.method: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if "
+     "absent)"},
+    {{"check", "no_executor.toml"},
+     1,
+     "no_executor.toml:3:12: run.schedule: there is no executor 'flwo' (did you mean \"flow\"?) (cvtflow list executors; or auto)"},
+    {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: there is no file \"gone.h5\""},
+    {{"settle", "free_ring"}, 1, "free_ring: nothing to settle, start.layout and start.settling_time say so"},
+    {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
+    {{"local-error", "tiny"},
+     1,
+     "tiny: the start is not settled, its errors would mean nothing: give --settle, or a state file with --set start.state=FILE "
+     "(cvtflow settle)"},
+    {{"spectrum", "tiny", "-q"},
+     1,
+     "tiny: the start is not settled, its eigenvalues would mean nothing: give --settle, or a state file with --set start.state=FILE "
+     "(cvtflow settle)"},
+    {{"pin-entry", "tiny", "rk4@50ns", "-q"},
+     1,
+     "tiny: the start is not settled, a comparison would mean nothing: give --settle, or a state file with --set start.state=FILE "
+     "(cvtflow settle)"},
+    {{"stability", "rk4", "--scene", "basline", "-q"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
+};
+
 TEST_F(Errors, InScenesSayWhereAndWhat) {
-    const std::vector<Mistake> mistakes{
-        {{"run", "basline"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
-        {{"run", "zzzzzzz"}, 1, "no scene 'zzzzzzz' (cvtflow list scenes)"},
-        {{"run", "missing.toml"}, 1, "missing.toml: cannot be read: No such file or directory"},
-        {{"run", "./folder"}, 1, "./folder: cannot be read: a folder, not a file"},
-        {{"run", "broken.toml"},
-         1,
-         "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
-         "integer"},
-        {{"check", "broken.toml"},
-         1,
-         "broken.toml:2:1: chain.pich: unknown key (did you mean \"chain.pitch\"?)\ncvtflow: broken.toml:3:8: chain.pins: \"x\" is not an "
-         "integer"},
-        {{"check", "method.toml"}, 1, "method.toml:2:10: run.method: no method 'rk45' (did you mean 'rk4'?)\ncvtflow: method.toml:3:1: run.stepp: unknown key (did you mean \"run.step\"?)"},
-        {{"run", "no_method.toml"}, 1, "no_method.toml:2:10: run.method: no method 'rk5' (did you mean 'rk4'?)"},
-        {{"check", "no_member.toml"}, 1, "no_member.toml: run.method: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
-        {{"check", "no_executor.toml"}, 1, "no_executor.toml:3:12: run.schedule: there is no executor 'flwo' (did you mean \"flow\"?) (cvtflow list executors; or auto)"},
-        {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: there is no file \"gone.h5\""},
-        {{"settle", "free_ring"}, 1, "free_ring: nothing to settle, start.layout and start.settling_time say so"},
-        {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
-        {{"local-error", "tiny"},
-         1,
-         "tiny: the start is not settled, its errors would mean nothing: give --settle, or a state file with --set start.state=FILE "
-         "(cvtflow settle)"},
-        {{"spectrum", "tiny", "-q"},
-         1,
-         "tiny: the start is not settled, its eigenvalues would mean nothing: give --settle, or a state file with --set start.state=FILE "
-         "(cvtflow settle)"},
-        {{"pin-entry", "tiny", "rk4@50ns", "-q"},
-         1,
-         "tiny: the start is not settled, a comparison would mean nothing: give --settle, or a state file with --set start.state=FILE "
-         "(cvtflow settle)"},
-        {{"stability", "rk4", "--scene", "basline", "-q"}, 1, "no scene 'basline' (did you mean 'baseline'?)"},
-    };
-    for (const Mistake& mistake : mistakes) expect(mistake);
+    for (const Mistake& mistake : mistakes_in_scenes) expect(mistake);
     EXPECT_THAT(run({"check", "syntax.toml"}).err, testing::StartsWith("cvtflow: syntax.toml:1:"));
 }
 
@@ -139,7 +152,9 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
     const std::vector<Mistake> mistakes{
         {{"run", "tiny", "--method", "rk5"}, 2, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
         {{"run", "tiny", "--method", "zzzzzz"}, 2, "--method zzzzzz: no method 'zzzzzz' (cvtflow list methods)"},
-        {{"run", "tiny", "--method", "rkc-s1"}, 2, "--method rkc-s1: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
+        {{"run", "tiny", "--method", "rkc-s1"},
+         2,
+         "--method rkc-s1: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)"},
         {{"run", "tiny", "--detail", "fein"}, 2, "--detail fein: not one of coarse, medium, fine, full (did you mean \"fine\"?)"},
         {{"run", "tiny", "--set", "chain.pich=3"}, 2, "--set chain.pich=3: chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
         {{"run", "tiny", "--set", "chain.pins=abc"}, 2, "--set chain.pins=abc: chain.pins: \"abc\" is not an integer"},
@@ -157,7 +172,9 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"spectrum", "tiny", "--state", "gone.h5"}, 2, "--state gone.h5: there is no file \"gone.h5\""},
         {{"spectrum", "tiny", "--method", "rk5"}, 2, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
         {{"dot", "tiny", "--cycle", "x"}, 2, "--cycle x: a step of rk4 has evaluate, detect, locate, truncate"},
-        {{"dot", "tiny", "--method", "leapfrog-rkc", "--cycle", "x"}, 2, "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, push, friction, finish"},
+        {{"dot", "tiny", "--method", "leapfrog-rkc", "--cycle", "x"},
+         2,
+         "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, push, friction, finish"},
         {{"stability", "dumka3"}, 2, "dumka3 chooses among tables of stages: ask for one of them (cvtflow list methods)"},
         {{"stability", "rk5"}, 2, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 2, "no method 'heum' (did you mean 'heun'?)"},
@@ -173,7 +190,8 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
 
 TEST_F(Errors, InFilesSayWhatTheFileIs) {
     make_records();
-    const std::string record = std::to_string(read("record.h5").size() - engine::seal_size), state = std::to_string(read("state.h5").size() - engine::seal_size);
+    const std::string record = std::to_string(read("record.h5").size() - engine::seal_size),
+                      state = std::to_string(read("state.h5").size() - engine::seal_size);
     const std::vector<Mistake> mistakes{
         {{"info", "missing.h5"}, 1, "missing.h5: No such file or directory"},
         {{"info", "folder"}, 1, "folder: a folder, not a file"},

@@ -1,4 +1,5 @@
-/// Calls of the system that fail, one at a time: every command ends by itself, with a status that it has and a message, and what was there stays.
+/// Calls of the system that fail, one at a time: every command ends by itself, with a status that it has and a message, and what was there
+/// stays.
 
 #include <gmock/gmock.h>
 
@@ -20,7 +21,8 @@ struct Order {
     std::vector<std::string> arguments;
 };
 
-const std::vector<std::string> briefly{"--until", "20 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us", "--set", "run.schedule=serial"};
+const std::vector<std::string> briefly{
+    "--until", "20 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us", "--set", "run.schedule=serial"};
 
 std::vector<std::string> with_brief(std::vector<std::string> words) {
     words.insert(words.end(), briefly.begin(), briefly.end());
@@ -51,7 +53,8 @@ class Faults : public Sweeps {
 protected:
     void SetUp() override {
         ASSERT_EQ(run(with_brief({"run", "tiny", "-q", "-o", "record.h5"})).status, 0);
-        ASSERT_EQ(run(with_brief({"run", "tiny", "-q", "-o", "old.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=50"})).status, 4);
+        ASSERT_EQ(run(with_brief({"run", "tiny", "-q", "-o", "old.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=50"})).status,
+                  4);
         write_sweep("\"6 N*m\"", "20 us");
         ASSERT_EQ(run({"batch", "sweep.toml", "-q", "-o", "old"}).status, 0);
         for (const char* shard : {"1/2", "2/2"}) ASSERT_EQ(run({"batch", "sweep.toml", "-q", "-o", "shards", "--shard", shard}).status, 0);
@@ -62,7 +65,8 @@ protected:
     }
 
     [[nodiscard]] static std::vector<std::string> environment(const std::string& family, long n, bool lasting) {
-        return {"LD_PRELOAD=" CVTFLOW_FAULTS, "CVTFLOW_FAULT=" + family + ":" + std::to_string(n) + (lasting ? "+" : ""), "CVTFLOW_FAULT_COUNTS=counts"};
+        return {"LD_PRELOAD=" CVTFLOW_FAULTS, "CVTFLOW_FAULT=" + family + ":" + std::to_string(n) + (lasting ? "+" : ""),
+                "CVTFLOW_FAULT_COUNTS=counts"};
     }
 
     /// Calls of each family in an undisturbed run.
@@ -78,7 +82,8 @@ protected:
 
     /// Back to where every order begins.
     void clean() const {
-        for (const char* name : {"new.h5", "new.h5.part", "new.checkpoint.h5", "new", "state.h5", "state.h5.part", "shards/cases.h5", "counts", "old.h5.part", "old.h5.before"}) {
+        for (const char* name : {"new.h5", "new.h5.part", "new.checkpoint.h5", "new", "state.h5", "state.h5.part", "shards/cases.h5",
+                                 "counts", "old.h5.part", "old.h5.before"}) {
             std::error_code absent;
             std::filesystem::remove_all(folder_ / name, absent);
         }
@@ -90,7 +95,7 @@ protected:
         clean();
         const Outcome outcome = run(order.arguments, environment(family, n, lasting));
         const std::string where = order.name + ", " + family + ":" + std::to_string(n) + (lasting ? "+" : "") + "\n" + outcome.err;
-        if (family == "malloc") return expect_untouched(where);   // libhdf5 and the loader may end the process there: docs/security.md
+        if (family == "malloc") return expect_untouched(where);  // libhdf5 and the loader may end the process there: docs/security.md
         EXPECT_TRUE(std::set<int>({0, 1, 2, 3, 4, 5, 130}).contains(outcome.status)) << outcome.status << ": " << where;
         // Where not even stderr can be written, the status has to tell.
         const bool silent = lasting && family == "write";
@@ -102,13 +107,15 @@ protected:
     /// What was there, and what has its final name.
     void expect_untouched(const std::string& where) {
         for (const std::string& name : kept_) EXPECT_TRUE(read(name) == contents_[name]) << name << " is not what it was: " << where;
-        for (const char* name : {"new.h5", "state.h5"}) EXPECT_TRUE(!exists(name) || run({"info", name}).status == 0) << name << " has its name and is none: " << where;
+        for (const char* name : {"new.h5", "state.h5"})
+            EXPECT_TRUE(!exists(name) || run({"info", name}).status == 0) << name << " has its name and is none: " << where;
     }
 
     void expect_still_resumable(const std::string& where) const {
         const Outcome again = run({"resume", "old.checkpoint.h5", "-q", "--set", "run.max_steps=0"});
         // The same bits (Resume.*) or a clear refusal: HDF5 does not open what was lost in the moment in which a record is completed.
-        EXPECT_TRUE(again.status == 0 || (again.status == 1 && again.err.starts_with("cvtflow: "))) << "after: " << where << "\nthen: " << again.err;
+        EXPECT_TRUE(again.status == 0 || (again.status == 1 && again.err.starts_with("cvtflow: ")))
+            << "after: " << where << "\nthen: " << again.err;
     }
 
     std::vector<std::string> kept_;
@@ -116,7 +123,7 @@ protected:
     std::string checkpoint_, part_;
 };
 
-class NightlyFaults : public Faults {};   // every call of every command
+class NightlyFaults : public Faults {};  // every call of every command
 
 TEST_F(Faults, SampledCallsOfEveryCommandEndInAStatedOutcome) {
     std::mt19937 chance(11);

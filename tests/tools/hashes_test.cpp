@@ -32,7 +32,12 @@ TEST_F(Hashes, AreTheSameForEveryVariantOfTheCLibrary) {
         {"--set", "clamping.driven=5.7 N^0.5*kN^0.5"},
     };
     for (const std::vector<std::string>& more : variants) {
-        std::vector<std::string> arguments{"run", "tiny", "-o", "none", "--until", "20 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us", "--set", "run.schedule=serial"};
+        std::vector<std::string> arguments{"run",     "tiny",
+                                           "-o",      "none",
+                                           "--until", "20 us",
+                                           "--set",   "start.settling_time=20us",
+                                           "--set",   "start.ramp_time=10us",
+                                           "--set",   "run.schedule=serial"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         const Outcome one = run(arguments), other = run(arguments, plain);
         EXPECT_NE(hash_in(one.out), "none") << one.err;

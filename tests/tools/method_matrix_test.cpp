@@ -29,7 +29,7 @@ struct Expected {
 /// One command line for any method.
 struct Row {
     std::string command;
-    std::string variant;   ///< of the same command
+    std::string variant;  ///< of the same command
     Words (*words)(const std::string& method);
     Expected (*expected)(const std::string& method);
 
@@ -38,18 +38,22 @@ struct Row {
 
 const Words state{"--set", "start.state=state.h5"};
 const Words outputs{"--set", "run.output_interval=1us", "--set", "run.state_interval=1us"};
-constexpr int incomplete = 5;      // exit status: the table is there, and each variant without figures has its line
+constexpr int incomplete = 5;  // exit status: the table is there, and each variant without figures has its line
 constexpr int unreliable = 6;
-constexpr unsigned limit = 60;   // [s] of a cell; the longest takes 3
+constexpr unsigned limit = 60;  // [s] of a cell; the longest takes 3
 
 /// Twenty steps from the state; stops after seven with a checkpoint.
-Words run_words(const std::string& method) { return Words{"run", "tiny", "--method", method, "--step", "100ns", "--until", "2us"} + state + outputs; }
+Words run_words(const std::string& method) {
+    return Words{"run", "tiny", "--method", method, "--step", "100ns", "--until", "2us"} + state + outputs;
+}
 
 Expected done(const std::string& says) { return {0, says}; }
 
 /// Euler's rule makes energy of every oscillation, with any step: its runs come to their end and are called what they are.
 Expected done_or_unreliable(const std::string& method, const std::string& says) { return {method == "euler" ? unreliable : 0, says}; }
-std::string ended(const std::string& method) { return method == "euler" ? "tiny: unreliable at t = 2e-06 s\n" : "tiny: finished at t = 2e-06 s\n"; }
+std::string ended(const std::string& method) {
+    return method == "euler" ? "tiny: unreliable at t = 2e-06 s\n" : "tiny: finished at t = 2e-06 s\n";
+}
 
 /// A program that is no table of stages.
 bool is_program(const std::string& method) { return tasks::find_program(method) != nullptr; }
@@ -57,47 +61,123 @@ bool chooses_tables(const std::string& method) { return is_program(method) && ta
 
 /// In the order in which they can follow one another: resume needs what checkpoint left, table what batch did.
 const std::vector<Row> rows{
-    {"run", "", [](const std::string& m) { return run_words(m) + Words{"-o", "run.h5", "--force"}; }, [](const std::string& m) { return done_or_unreliable(m, ended(m)); }},
-    {"info", "", [](const std::string&) { return Words{"info", "run.h5"}; }, [](const std::string& m) { return done("  method              " + m); }},
-    {"run", "with a budget", [](const std::string& m) { return run_words(m) + Words{"-q", "-o", "cut.h5", "--force", "--checkpoint-every", "1 h", "--set", "run.max_steps=7"}; },
-     [](const std::string&) { return Expected{4, "the budget of 7 steps"}; }},
-    {"resume", "", [](const std::string&) { return Words{"resume", "cut.checkpoint.h5", "--set", "run.max_steps=0"}; }, [](const std::string& m) { return done_or_unreliable(m, ended(m)); }},
-    {"settle", "", [](const std::string& m) { return Words{"settle", "tiny", "--method", m, "--step", "100ns", "--time", "2us", "--set", "start.ramp_time=1us", "-o", "own.h5", "--force"} + outputs; },
+    {"run", "",
+     [](const std::string& m) {
+         return run_words(m) + Words{"-o", "run.h5", "--force"};
+     },
+     [](const std::string& m) { return done_or_unreliable(m, ended(m)); }},
+    {"info", "",
+     [](const std::string&) {
+         return Words{"info", "run.h5"};
+     },
+     [](const std::string& m) { return done("  method              " + m); }},
+    {"run", "with a budget",
+     [](const std::string& m) {
+         return run_words(m) + Words{"-q", "-o", "cut.h5", "--force", "--checkpoint-every", "1 h", "--set", "run.max_steps=7"};
+     },
+     [](const std::string&) {
+         return Expected{4, "the budget of 7 steps"};
+     }},
+    {"resume", "",
+     [](const std::string&) {
+         return Words{"resume", "cut.checkpoint.h5", "--set", "run.max_steps=0"};
+     },
+     [](const std::string& m) { return done_or_unreliable(m, ended(m)); }},
+    {"settle", "",
+     [](const std::string& m) {
+         return Words{"settle", "tiny",   "--method", m, "--step", "100ns", "--time", "2us", "--set", "start.ramp_time=1us",
+                      "-o",     "own.h5", "--force"} +
+                outputs;
+     },
      [](const std::string& m) { return done_or_unreliable(m, "tiny: settled for 2 us\n"); }},
-    {"check", "", [](const std::string& m) { return Words{"check", "tiny", "--method", m, "--step", "50 ns"}; }, [](const std::string& m) { return done(m + " with step 50 ns\n"); }},
-    {"compare", "", [](const std::string& m) { return Words{"compare", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us"} + state; },
+    {"check", "", [](const std::string& m) { return Words{"check", "tiny", "--method", m, "--step", "50 ns"}; },
+     [](const std::string& m) { return done(m + " with step 50 ns\n"); }},
+    {"compare", "",
+     [](const std::string& m) {
+         return Words{"compare", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us"} + state;
+     },
      [](const std::string& m) { return done("\n  " + m + "@100ns "); }},
-    {"tradeoff", "", [](const std::string& m) { return Words{"tradeoff", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us", "--rounds", "1", "--confirm", "4us",
-                                                 "--confirm-against", "rk4@50ns", "-q"} + state; },
+    {"tradeoff", "",
+     [](const std::string& m) {
+         return Words{"tradeoff", "tiny",     m + "@100ns", "--reference", "rk4@50ns", "--duration",        "2us",      "--interval",
+                      "1us",      "--rounds", "1",          "--confirm",   "4us",      "--confirm-against", "rk4@50ns", "-q"} +
+                state;
+     },
      [](const std::string& m) { return done("\n  " + m + "@100ns "); }},
-    {"pin-entry", "", [](const std::string& m) { return Words{"pin-entry", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--time", "2us", "--interval", "1us", "--rounds", "1", "--pin", "0", "-q"} + state; },
+    {"pin-entry", "",
+     [](const std::string& m) {
+         return Words{"pin-entry",  "tiny", m + "@100ns", "--reference", "rk4@50ns", "--time", "2us",
+                      "--interval", "1us",  "--rounds",   "1",           "--pin",    "0",      "-q"} +
+                state;
+     },
      [](const std::string& m) { return done("\n  " + m + " "); }},
     {"local-error", "", [](const std::string& m) { return Words{"local-error", "tiny", "--methods", m, "--steps", "200ns,100ns"} + state; },
      [](const std::string& m) { return done("tiny: error of one step of " + m + " (order "); }},
     {"spectrum", "", [](const std::string& m) { return Words{"spectrum", "tiny", "--extremal", "-q", "--method", m} + state; },
      [](const std::string& m) { return done(is_program(m) ? "\n  largest stable step " : " predicted (by "); }},
-    {"stability", "", [](const std::string& m) { return Words{"stability", m, "-q"}; },
-     [](const std::string& m) { return chooses_tables(m) ? Expected{2, m + " chooses among tables of stages: ask for one of them"} : done("  " + m + " "); }},
-    {"stability", "over a scene", [](const std::string& m) { return Words{"stability", m, "--scene", "tiny", "-q"} + state; },
+    {"stability", "",
+     [](const std::string& m) {
+         return Words{"stability", m, "-q"};
+     },
+     [](const std::string& m) {
+         return chooses_tables(m) ? Expected{2, m + " chooses among tables of stages: ask for one of them"} : done("  " + m + " ");
+     }},
+    {"stability", "over a scene",
+     [](const std::string& m) {
+         return Words{"stability", m, "--scene", "tiny", "-q"} + state;
+     },
      [](const std::string& m) {
          if (chooses_tables(m)) return Expected{2, m + " chooses among tables of stages: ask for one of them"};
          return done(is_program(m) ? "\nLargest stable step\n  " + m + " " : " predicted (by ");
      }},
-    {"method", "", [](const std::string& m) { return Words{"method", m}; }, [](const std::string& m) { return done(m); }},
-    {"newton", "", [](const std::string& m) { return Words{"newton", "tiny", "--methods", m, "--steps", "100ns", "--duration", "2us", "--reference", "50ns"} + state; },
+    {"method", "",
+     [](const std::string& m) {
+         return Words{"method", m};
+     },
+     [](const std::string& m) { return done(m); }},
+    {"newton", "",
+     [](const std::string& m) {
+         return Words{"newton", "tiny", "--methods", m, "--steps", "100ns", "--duration", "2us", "--reference", "50ns"} + state;
+     },
      [](const std::string& m) { return done("\n  " + m + " "); }},
-    {"profile", "", [](const std::string& m) {
-         return Words{"profile", "tiny", "--method", m, "--step", "100ns", "--schedules", "serial:staged", "--steps", "2", "--rounds", "1", "--neighbours", "0", "--round-ms", "1",
-                      "-q"} + state; },
+    {"profile", "",
+     [](const std::string& m) {
+         return Words{"profile",  "tiny", "--method",     m,   "--step",     "100ns", "--schedules", "serial:staged", "--steps", "2",
+                      "--rounds", "1",    "--neighbours", "0", "--round-ms", "1",     "-q"} +
+                state;
+     },
      [](const std::string&) { return done("\nWhere sequential time goes (serial:staged):\n"); }},
-    {"dot", "", [](const std::string& m) { return Words{"dot", "tiny", "--method", m}; }, [](const std::string&) { return done("label=\"force"); }},
-    {"fit", "", [](const std::string& m) { return Words{"fit", "tiny", "--step", "1us", "--set", "run.method=" + m} + state; }, [](const std::string&) { return done("fitted-l"); }},
-    {"detail", "", [](const std::string& m) { return Words{"detail", "baseline", "--method", m, "--step", "20ns", "--settle", "1us", "--average", "1us", "--control", "0 s"}; },
-     [](const std::string& m) { return m == "euler" ? Expected{incomplete, " rigid: unreliable: "} : done("\n  p=0 lumped 1 pt rigid "); }},   // it makes energy in the jolt of other dials
-    {"batch", "--dry-run", [](const std::string&) { return Words{"batch", "sweep.toml", "--dry-run"}; }, [](const std::string&) { return done("(measured on "); }},
-    {"batch", "", [](const std::string&) { return Words{"batch", "sweep.toml", "-o", "out"}; },
-     [](const std::string& m) { return m == "euler" ? Expected{incomplete, ", 1 failed"} : done("  statuses            1 ok\n"); }},
-    {"table", "", [](const std::string&) { return Words{"table", "out"}; }, [](const std::string& m) { return done(m == "euler" ? " unreliable " : " ok "); }},
+    {"dot", "",
+     [](const std::string& m) {
+         return Words{"dot", "tiny", "--method", m};
+     },
+     [](const std::string&) { return done("label=\"force"); }},
+    {"fit", "", [](const std::string& m) { return Words{"fit", "tiny", "--step", "1us", "--set", "run.method=" + m} + state; },
+     [](const std::string&) { return done("fitted-l"); }},
+    {"detail", "",
+     [](const std::string& m) {
+         return Words{"detail", "baseline", "--method", m, "--step", "20ns", "--settle", "1us", "--average", "1us", "--control", "0 s"};
+     },
+     [](const std::string& m) {
+         return m == "euler" ? Expected{incomplete, " rigid: unreliable: "} : done("\n  p=0 lumped 1 pt rigid ");
+     }},  // it makes energy in the jolt of other dials
+    {"batch", "--dry-run",
+     [](const std::string&) {
+         return Words{"batch", "sweep.toml", "--dry-run"};
+     },
+     [](const std::string&) { return done("(measured on "); }},
+    {"batch", "",
+     [](const std::string&) {
+         return Words{"batch", "sweep.toml", "-o", "out"};
+     },
+     [](const std::string& m) {
+         return m == "euler" ? Expected{incomplete, ", 1 failed"} : done("  statuses            1 ok\n");
+     }},
+    {"table", "",
+     [](const std::string&) {
+         return Words{"table", "out"};
+     },
+     [](const std::string& m) { return done(m == "euler" ? " unreliable " : " ok "); }},
 };
 
 /// Scenes and methods on the command line, as the commands' own help has it.
@@ -124,21 +204,27 @@ protected:
             EXPECT_EQ(outcome.out, "") << row.name() << " with " << method;
         }
         const bool right = outcome.status == expected.status && where.find(expected.says) != std::string::npos;
-        return !right ? "WRONG" : expected.status == unreliable ? "unreliable" : ran ? "ok" : "refused: " + outcome.err.substr(0, outcome.err.find('\n'));
+        return !right                          ? "WRONG"
+               : expected.status == unreliable ? "unreliable"
+               : ran                           ? "ok"
+                                               : "refused: " + outcome.err.substr(0, outcome.err.find('\n'));
     }
 
     /// All commands with one method.
     void try_all(const std::string& method, std::map<std::string, int>& endings) const {
-        write("sweep.toml", "[sweep]\nscene = \"tiny\"\n[set]\nrun.method = \"" + method + "\"\nrun.step = \"100 ns\"\nrun.until = \"2 us\"\nrun.output_interval = \"1 us\"\n"
-                            "run.state_interval = \"1 us\"\nstart.settling_time = \"2 us\"\nstart.ramp_time = \"1 us\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"12 N*m\"]\n"
-                            "[outputs]\nscalars = [\"slip mean\"]\n[start]\nmode = \"settle\"\n");
+        write("sweep.toml", "[sweep]\nscene = \"tiny\"\n[set]\nrun.method = \"" + method +
+                                "\"\nrun.step = \"100 ns\"\nrun.until = \"2 us\"\nrun.output_interval = \"1 us\"\n"
+                                "run.state_interval = \"1 us\"\nstart.settling_time = \"2 us\"\nstart.ramp_time = \"1 us\"\n[[axes]]\nkey "
+                                "= \"load.torque\"\nvalues = [\"12 N*m\"]\n"
+                                "[outputs]\nscalars = [\"slip mean\"]\n[start]\nmode = \"settle\"\n");
         std::filesystem::remove_all(folder_ / "out");
         for (const Row& row : rows) ++endings[row.name() + " | " + cell(row, method)];
     }
 };
 class NightlyMatrixOfMethods : public MatrixOfMethods {};
 
-/// One method of each family, tables or programs: all letters up to the first that is none. Those that differ most in how they are made and run.
+/// One method of each family, tables or programs: all letters up to the first that is none. Those that differ most in how they are made and
+/// run.
 std::vector<std::string> sample(bool programs) {
     std::set<std::string> families;
     std::vector<std::string> methods;
@@ -160,7 +246,7 @@ TEST_F(MatrixOfMethods, HoldsEveryCommandThatTakesAMethod) {
         if (!subcommands || !line.starts_with("  ") || line.starts_with("   ")) continue;
         const std::string command = line.substr(2, line.find(' ', 2) - 2);
         const std::string own = run({command, "--help"}).out;
-        if (own.find("Usage: cvtflow " + command) == std::string::npos) continue;   // the footer's examples
+        if (own.find("Usage: cvtflow " + command) == std::string::npos) continue;  // the footer's examples
         ++found;
         EXPECT_TRUE(in_matrix.contains(command) || !takes_a_method(own)) << command;
     }
@@ -182,7 +268,8 @@ TEST_F(MatrixOfMethods, IsDoneOrRefusedWithAReasonForOneProgramOfEachFamily) {
 TEST_F(NightlyMatrixOfMethods, IsDoneOrRefusedWithAReasonForAll) {
     std::map<std::string, int> endings;
     for (const std::string& method : tasks::method_names()) try_all(method, endings);
-    for (const auto& [ending, count] : endings) std::cout << count << " of " << tasks::method_names().size() << " methods: " << ending << "\n";
+    for (const auto& [ending, count] : endings)
+        std::cout << count << " of " << tasks::method_names().size() << " methods: " << ending << "\n";
 }
 
 }  // namespace

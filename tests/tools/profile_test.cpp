@@ -11,23 +11,27 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 class ProfileCommand : public Program {};
-class NightlyProfileCommand : public Program {};   // nine children
+class NightlyProfileCommand : public Program {};  // nine children
 
 TEST_F(ProfileCommand, MeasuresAndWritesItsFiles) {
-    const Outcome outcome = run({"profile", "tiny", "--schedules", "serial:staged,flow:fused,flow:staged", "--threads", "2", "--steps", "4", "--rounds", "1",
-                                 "--neighbours", "0,1", "--csv", "p.csv", "--json", "p.json", "--trace", "t.json", "-q"});
+    const Outcome outcome = run({"profile", "tiny", "--schedules", "serial:staged,flow:fused,flow:staged", "--threads", "2", "--steps", "4",
+                                 "--rounds", "1", "--neighbours", "0,1", "--csv", "p.csv", "--json", "p.json", "--trace", "t.json", "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");
-    EXPECT_THAT(outcome.out, AllOf(HasSubstr("tiny: 4 schedules"), HasSubstr("\nflow:staged "), HasSubstr("\nStages by thread:"), HasSubstr("\nBeside busy neighbours"),
-                                   HasSubstr("\nWhere sequential time goes (serial:staged)"), HasSubstr("\nCritical path")));
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("tiny: 4 schedules"), HasSubstr("\nflow:staged "), HasSubstr("\nStages by thread:"),
+                                   HasSubstr("\nBeside busy neighbours"), HasSubstr("\nWhere sequential time goes (serial:staged)"),
+                                   HasSubstr("\nCritical path")));
     EXPECT_THAT(read("p.csv"), testing::StartsWith("scene,schedule,"));
     EXPECT_EQ(nlohmann::json::parse(read("p.json"))["schedules"].size(), 4u);
     EXPECT_GT(nlohmann::json::parse(read("t.json"))["traceEvents"].size(), 20u);
 }
 
 TEST_F(ProfileCommand, WritesThePublishedChartsAndCurvesAsTables) {
-    const Outcome outcome = run({"profile", "tiny", "--schedules", "serial:staged,barrier:fused", "--threads", "2", "--steps", "4", "--rounds", "1", "--neighbours", "0",
-                                 "--stages", "s.csv", "--curves", "c.csv", "--wait", "passive", "--pin", "-q"});
+    const Outcome outcome = run({"profile",   "tiny",    "--schedules",  "serial:staged,barrier:fused",
+                                 "--threads", "2",       "--steps",      "4",
+                                 "--rounds",  "1",       "--neighbours", "0",
+                                 "--stages",  "s.csv",   "--curves",     "c.csv",
+                                 "--wait",    "passive", "--pin",        "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, HasSubstr("\nPredicted and measured speed-ups"));
     EXPECT_THAT(read("s.csv"), AllOf(testing::StartsWith("scene,schedule,threads,"), HasSubstr("serial:staged,1,1,0,\"Cholesky\"")));
@@ -35,8 +39,9 @@ TEST_F(ProfileCommand, WritesThePublishedChartsAndCurvesAsTables) {
 }
 
 TEST_F(ProfileCommand, NamesTheStagesOfAMethodWithCyclesOfItsOwn) {
-    const Outcome outcome = run({"profile", "tiny", "--method", "leapfrog-chebyshev", "--schedules", "serial:staged,flow:fused", "--threads", "2", "--steps", "4", "--rounds", "1",
-                                 "--neighbours", "0", "--stages", "s.csv", "--json", "p.json", "-q"});
+    const Outcome outcome =
+        run({"profile", "tiny", "--method", "leapfrog-chebyshev", "--schedules", "serial:staged,flow:fused", "--threads", "2", "--steps",
+             "4", "--rounds", "1", "--neighbours", "0", "--stages", "s.csv", "--json", "p.json", "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, AllOf(HasSubstr(" push, F friction, I finish,"), HasSubstr("\n  own cycles ")));
     EXPECT_THAT(read("s.csv"), HasSubstr("flow:fused,2,2,0,\"friction\""));
@@ -44,14 +49,14 @@ TEST_F(ProfileCommand, NamesTheStagesOfAMethodWithCyclesOfItsOwn) {
 }
 
 TEST_F(NightlyProfileCommand, StartsItselfAgainForEveryWaitPolicy) {
-    const Outcome outcome = run({"profile", "tiny", "--policies", "--schedules", "omp_region,barrier", "--threads", "2", "--steps", "2", "--rounds", "1", "--neighbours", "0",
-                                 "--csv", "p.csv", "--json", "p.json", "-q"});
+    const Outcome outcome = run({"profile", "tiny", "--policies", "--schedules", "omp_region,barrier", "--threads", "2", "--steps", "2",
+                                 "--rounds", "1", "--neighbours", "0", "--csv", "p.csv", "--json", "p.json", "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const auto policies = nlohmann::json::parse(read("p.json"))["policies"];
-    ASSERT_EQ(policies.size(), 9u);   // two for both, five for OpenMP, two for our own
+    ASSERT_EQ(policies.size(), 9u);  // two for both, five for OpenMP, two for our own
     EXPECT_EQ(policies[2]["policy"], "OMP_WAIT_POLICY=active");
     EXPECT_EQ(policies[2]["profile"]["environment"]["OMP_WAIT_POLICY"], "active");
-    EXPECT_EQ(policies[2]["profile"]["schedules"].size(), 2u);   // serial and what the policy concerns
+    EXPECT_EQ(policies[2]["profile"]["schedules"].size(), 2u);  // serial and what the policy concerns
     EXPECT_THAT(outcome.out, AllOf(HasSubstr("\nWait policies: "), HasSubstr("OMP_WAIT_POLICY=passive"), HasSubstr("--wait passive")));
     EXPECT_THAT(read("p.csv"), HasSubstr(",\"passive\","));
 }

@@ -49,7 +49,7 @@ Child::Child(std::vector<std::string> arguments, const fs::path& folder, const s
     if (process_ < 0) throw std::runtime_error("fork");
     if (process_ > 0) return;
     for (std::string& setting : settings) putenv(setting.data());
-    alarm(seconds);   // outlives exec
+    alarm(seconds);  // outlives exec
     redirect(out_, STDOUT_FILENO);
     redirect(err_, STDERR_FILENO);
     if (chdir(folder.c_str()) == 0) execv(words[0], words.data());

@@ -28,7 +28,8 @@ struct Outcome {
 class Child {
 public:
     /// @param environment "NAME=value", added to this process's   @param seconds after which a signal ends it; 0: never
-    Child(std::vector<std::string> arguments, const std::filesystem::path& folder, const std::vector<std::string>& environment = {}, unsigned seconds = 0);
+    Child(std::vector<std::string> arguments, const std::filesystem::path& folder, const std::vector<std::string>& environment = {},
+          unsigned seconds = 0);
     ~Child();
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;

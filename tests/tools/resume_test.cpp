@@ -16,7 +16,21 @@ using testing::StartsWith;
 class Resume : public Program {
 protected:
     [[nodiscard]] std::vector<std::string> arguments(const std::string& record, const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> all{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--step", "50 ns", "--set", "start.settling_time=100us", "--set", "start.ramp_time=50us", "--set", "run.schedule=serial"};
+        std::vector<std::string> all{"run",
+                                     "tiny",
+                                     "-o",
+                                     record,
+                                     "-q",
+                                     "--until",
+                                     "0.2 ms",
+                                     "--step",
+                                     "50 ns",
+                                     "--set",
+                                     "start.settling_time=100us",
+                                     "--set",
+                                     "start.ramp_time=50us",
+                                     "--set",
+                                     "run.schedule=serial"};
         all.insert(all.end(), more.begin(), more.end());
         return all;
     }
@@ -58,7 +72,7 @@ TEST_F(Resume, AfterKillsAtTwentyRandomMomentsGivesTheUndisturbedRecord) {
             ASSERT_EQ(outcome.status, 0) << outcome.err;
             ++resumed;
         } else if (!exists("cut.h5")) {
-            ASSERT_EQ(run(arguments("cut.h5")).status, 0);   // killed before there was anything to go on from
+            ASSERT_EQ(run(arguments("cut.h5")).status, 0);  // killed before there was anything to go on from
         }
         expect_same("whole.h5", "cut.h5");
         EXPECT_FALSE(exists("cut.checkpoint.h5"));
@@ -100,7 +114,7 @@ TEST_F(Resume, RefusesACheckpointOfWhichAnyByteHasChanged) {
     const std::string good = read("cut.checkpoint.h5");
     for (std::size_t k = 0; k < 40; ++k) {
         std::string bad = good;
-        const std::size_t at = k * (good.size() - 1) / 39;   // from the first to the last
+        const std::size_t at = k * (good.size() - 1) / 39;  // from the first to the last
         bad[at] = static_cast<char>(bad[at] ^ 4);
         write("bad.h5", bad);
         const Outcome outcome = run({"resume", "bad.h5", "-q", "-o", "none"});
@@ -113,12 +127,12 @@ TEST_F(Resume, RefusesACheckpointOfWhichAnyByteHasChanged) {
 TEST_F(Resume, RefusesARecordWhoseRowsHaveChanged) {
     Child child(arguments("cut.h5", {"--until", "1 ms", "--checkpoint-every", "5 ms"}), folder_);
     ASSERT_TRUE(eventually([&] { return exists("cut.checkpoint.h5") && rows_in("cut.h5.part") > 5; }));
-    child.send(SIGINT);   // leaves checkpoint and record at the same place
+    child.send(SIGINT);  // leaves checkpoint and record at the same place
     ASSERT_EQ(child.wait().status, 130);
     const std::string record = exists("cut.h5.part") ? "cut.h5.part" : "cut.h5";
     const double time = engine::RunReader((folder_ / record).string()).times().back();
     std::string bytes = read(record);
-    bytes.resize(bytes.size() - engine::seal_size);   // as if it had been killed
+    bytes.resize(bytes.size() - engine::seal_size);  // as if it had been killed
     const auto at = bytes.find(std::string_view(reinterpret_cast<const char*>(&time), sizeof time));
     ASSERT_NE(at, std::string::npos);
     bytes[at] = static_cast<char>(bytes[at] ^ 1);
@@ -126,8 +140,9 @@ TEST_F(Resume, RefusesARecordWhoseRowsHaveChanged) {
     write(record, bytes);
     const Outcome outcome = run({"resume", "cut.checkpoint.h5", "-q"});
     EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, HasSubstr("cut.h5.before: cannot go on with it: damaged: its rows are not those that were written before the checkpoint"));
-    EXPECT_EQ(read("cut.h5.before"), bytes);   // nothing is lost
+    EXPECT_THAT(outcome.err,
+                HasSubstr("cut.h5.before: cannot go on with it: damaged: its rows are not those that were written before the checkpoint"));
+    EXPECT_EQ(read("cut.h5.before"), bytes);  // nothing is lost
 }
 
 TEST_F(Resume, LeavesNoHalfWrittenCheckpointBehind) {

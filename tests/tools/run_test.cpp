@@ -133,8 +133,10 @@ TEST_F(Run, LosesNoCheckpointOfAnUnfinishedRun) {
     ASSERT_TRUE(exists("results/tiny.checkpoint.h5"));
     const Outcome refused = run_briefly(ending);
     EXPECT_EQ(refused.status, 1);
-    EXPECT_EQ(refused.err, "cvtflow: results/tiny.checkpoint.h5: the checkpoint of a run that did not finish; cvtflow resume results/tiny.checkpoint.h5 goes on with it, "
-                           "--force begins anew\n");
+    EXPECT_EQ(refused.err,
+              "cvtflow: results/tiny.checkpoint.h5: the checkpoint of a run that did not finish; cvtflow resume results/tiny.checkpoint.h5 "
+              "goes on with it, "
+              "--force begins anew\n");
     EXPECT_EQ(run_briefly({"-q", "--checkpoint-every", "1 h", "--force"}).status, 0);
     EXPECT_FALSE(exists("results/tiny.checkpoint.h5"));
 }
@@ -183,11 +185,9 @@ TEST_F(Run, OfAnotherDetailDropsTheStateFileAndSaysSo) {
     write_settled_scene();
     const Outcome outcome = run({"run", "settled.toml", "--detail", "coarse"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(
-        outcome.err,
-        StartsWith("cvtflow: detail.order = 0 (was 1), detail.pulleys = \"rigid\" (was \"elastic\"): "
-                   "the state in " +
-                   folder_.string() + "/state.h5 does not fit any more, the run settles anew\nsettling: "));
+    EXPECT_THAT(outcome.err, StartsWith("cvtflow: detail.order = 0 (was 1), detail.pulleys = \"rigid\" (was \"elastic\"): "
+                                        "the state in " +
+                                        folder_.string() + "/state.h5 does not fit any more, the run settles anew\nsettling: "));
 }
 
 TEST_F(Run, ThatSettlesNeedsNoStateFile) {

@@ -15,8 +15,11 @@ using testing::HasSubstr;
 
 class Streams : public Sweeps {
 protected:
-    static constexpr const char* brief = "'" CVTFLOW_PROGRAM "' run tiny --until 20us --set start.settling_time=20us --set start.ramp_time=10us";
-    [[nodiscard]] std::string hash_of(const std::string& record) const { return std::get<std::string>(engine::RunReader((folder_ / record).string()).attribute("state_hash")->value); }
+    static constexpr const char* brief =
+        "'" CVTFLOW_PROGRAM "' run tiny --until 20us --set start.settling_time=20us --set start.ramp_time=10us";
+    [[nodiscard]] std::string hash_of(const std::string& record) const {
+        return std::get<std::string>(engine::RunReader((folder_ / record).string()).attribute("state_hash")->value);
+    }
 };
 
 TEST_F(Streams, ClosedOnesAreNotTheRecordsAndEndNoRun) {
@@ -29,7 +32,7 @@ TEST_F(Streams, ClosedOnesAreNotTheRecordsAndEndNoRun) {
         EXPECT_EQ(hash_of("r.h5"), expected) << closed;
     }
     for (const char* closed : {">&-", "0<&- >&- 2>&-"}) {
-        EXPECT_EQ(shell(std::string(brief) + " --force -o r.h5 " + closed).status, 1) << closed;   // the summary went nowhere
+        EXPECT_EQ(shell(std::string(brief) + " --force -o r.h5 " + closed).status, 1) << closed;  // the summary went nowhere
         EXPECT_EQ(hash_of("r.h5"), expected) << closed;
     }
 }
@@ -58,11 +61,13 @@ TEST_F(Streams, WhatIsReadWithoutEndOrNeverComesIsRefused) {
 
 TEST_F(Streams, SignalsThatEndARunLeaveACheckpointAndAWholeRecord) {
     for (const int signal : {SIGHUP, SIGXCPU, SIGPIPE, SIGTERM}) {
-        Child child({"run", "tiny", "-o", "r.h5", "--force", "-q", "--until", "5 ms", "--set", "start.settling_time=100us", "--set", "start.ramp_time=50us", "--checkpoint-every", "1 h"}, folder_);
+        Child child({"run", "tiny", "-o", "r.h5", "--force", "-q", "--until", "5 ms", "--set", "start.settling_time=100us", "--set",
+                     "start.ramp_time=50us", "--checkpoint-every", "1 h"},
+                    folder_);
         ASSERT_TRUE(eventually([&] { return exists("r.h5.part"); }));
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
         child.send(signal);
-        if (signal == SIGXCPU || signal == SIGPIPE) child.send(signal);   // they come again, which is no insisting
+        if (signal == SIGXCPU || signal == SIGPIPE) child.send(signal);  // they come again, which is no insisting
         EXPECT_EQ(child.wait().status, 130) << strsignal(signal);
         EXPECT_TRUE(exists("r.checkpoint.h5")) << strsignal(signal);
         EXPECT_THAT(engine::RunReader((folder_ / "r.h5").string()).status(), testing::StartsWith("cancelled at t = ")) << strsignal(signal);
@@ -71,7 +76,8 @@ TEST_F(Streams, SignalsThatEndARunLeaveACheckpointAndAWholeRecord) {
 }
 
 TEST_F(Streams, ALimitOfProcessorTimeLeavesACheckpoint) {
-    const Outcome outcome = shell("ulimit -S -t 1; '" CVTFLOW_PROGRAM "' run tiny -o r.h5 -q --until 1s --set run.schedule=serial --checkpoint-every 1h");
+    const Outcome outcome =
+        shell("ulimit -S -t 1; '" CVTFLOW_PROGRAM "' run tiny -o r.h5 -q --until 1s --set run.schedule=serial --checkpoint-every 1h");
     EXPECT_EQ(outcome.status, 130);
     EXPECT_TRUE(exists("r.checkpoint.h5"));
 }
@@ -104,7 +110,7 @@ TEST_F(Streams, AReadThatFailsIsAnErrorAndNotTheEndOfTheFile) {
     };
     for (const auto& [arguments, message] : readers) {
         bool told = false;
-        for (int n = 1; n <= 100 && !told; ++n) {   // what is mapped where is read first
+        for (int n = 1; n <= 100 && !told; ++n) {  // what is mapped where is read first
             const Outcome outcome = run(arguments, {"LD_PRELOAD=" CVTFLOW_FAULTS, "CVTFLOW_FAULT=read:" + std::to_string(n)});
             const bool here = outcome.err.find(message) != std::string::npos;
             told |= here;

@@ -27,9 +27,10 @@ protected:
     }
     /// A fraction of a second on an executor.
     [[nodiscard]] Outcome run_on(std::string_view executor, int threads, const std::vector<std::string>& environment = {}) const {
-        return run({"run", "tiny", "-o", "none", "--until", "20 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us", "--threads", std::to_string(threads),
-                    "--segments", std::to_string(threads), "--set", "run.schedule=" + std::string(executor)},
-                   environment);
+        return run(
+            {"run", "tiny", "-o", "none", "--until", "20 us", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us",
+             "--threads", std::to_string(threads), "--segments", std::to_string(threads), "--set", "run.schedule=" + std::string(executor)},
+            environment);
     }
     [[nodiscard]] static std::string hash_in(const std::string& text) {
         const auto at = text.find("state hash");
@@ -46,7 +47,8 @@ TEST_F(FewThreads, EveryExecutorRunsOnWhatThereIsAndSaysSo) {
         EXPECT_EQ(alone.status, 0) << row.name << ": " << alone.err;
         EXPECT_EQ(hash_in(alone.out), expected) << row.name;
         EXPECT_THAT(alone.err, HasSubstr("cvtflow: the system gave 1 of 2 threads")) << row.name;
-        EXPECT_EQ(with_one.status, 0) << row.name << ": " << with_one.err;   // oneTBB itself wants no more than there are processors: no notice then
+        EXPECT_EQ(with_one.status, 0) << row.name << ": "
+                                      << with_one.err;  // oneTBB itself wants no more than there are processors: no notice then
         EXPECT_EQ(hash_in(with_one.out), expected) << row.name;
     }
 }
@@ -54,7 +56,7 @@ TEST_F(FewThreads, EveryExecutorRunsOnWhatThereIsAndSaysSo) {
 TEST_F(FewThreads, AFailureBetweenTrialAndStartIsSurvivedOnTheCallerAlone) {
     for (const char* name : {"flow", "flow_messages", "flow_per_cycle", "tbb_loop"}) {
         std::vector<std::string> environment = at_most(0);
-        environment[1] = "CVTFLOW_FAULT=pthread_create:2";   // the first is the trial
+        environment[1] = "CVTFLOW_FAULT=pthread_create:2";  // the first is the trial
         const Outcome outcome = run_on(name, 2, environment);
         EXPECT_EQ(outcome.status, 0) << name << ": " << outcome.err;
         EXPECT_THAT(outcome.err, HasSubstr("cvtflow: the system gave 1 of 2 threads")) << name;
@@ -72,7 +74,9 @@ TEST_F(FewThreads, ASweepRunsItsCasesAndWritesItsRowsOnOneThread) {
 }
 
 TEST_F(FewThreads, ProfileSaysThatItCannotMeasure) {
-    const Outcome outcome = run({"profile", "tiny", "--schedules", "barrier:fused", "--threads", "2", "--steps", "2", "--rounds", "1", "--neighbours", "0,1", "-q"}, at_most(0));
+    const Outcome outcome = run(
+        {"profile", "tiny", "--schedules", "barrier:fused", "--threads", "2", "--steps", "2", "--rounds", "1", "--neighbours", "0,1", "-q"},
+        at_most(0));
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, HasSubstr("threads, and the system does not give them"));
 }

@@ -28,7 +28,8 @@ protected:
         for (const auto& best : json["recommended"]) {
             if (!best["method"].is_null()) expect_confirmed(row(json, best["method"]));
         }
-        for (const auto& choice : json["choices"]) EXPECT_TRUE(choice["front"] == false || choice["standing"] == "confirmed") << choice["method"];
+        for (const auto& choice : json["choices"])
+            EXPECT_TRUE(choice["front"] == false || choice["standing"] == "confirmed") << choice["method"];
         return json;
     }
     static const nlohmann::json& row(const nlohmann::json& json, const std::string& method) {
@@ -47,7 +48,8 @@ protected:
 };
 class NightlyTradeoff : public Tradeoff {};
 
-const std::vector<std::string> few{"leapfrog-chebyshev@auto", "leapfrog-chebyshev@2us", "leapfrog-chebyshev@1us", "--reference", "rk4@25ns", "--rounds", "1"};
+const std::vector<std::string> few{
+    "leapfrog-chebyshev@auto", "leapfrog-chebyshev@2us", "leapfrog-chebyshev@1us", "--reference", "rk4@25ns", "--rounds", "1"};
 
 TEST_F(Tradeoff, NeverRecommendsAStepBeyondStabilityHoweverExactItIsOverAShortTime) {
     const auto json = judged("control", few);
@@ -62,11 +64,13 @@ TEST_F(Tradeoff, NeverRecommendsAStepBeyondStabilityHoweverExactItIsOverAShortTi
 
 TEST_F(Tradeoff, LeavesOutWhatTheWatchRejects) {
     // dopri54 looks at the error of its steps and not at stability, so a loose tolerance is not seen beforehand.
-    const Outcome outcome = run({"tradeoff", "control", "leapfrog-chebyshev@auto", "dopri54@auto~1", "-q", "--reference", "rk4@25ns", "--rounds", "1", "--confirm", "2ms"});
+    const Outcome outcome = run({"tradeoff", "control", "leapfrog-chebyshev@auto", "dopri54@auto~1", "-q", "--reference", "rk4@25ns",
+                                 "--rounds", "1", "--confirm", "2ms"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.out, ContainsRegex("\n  dopri54@auto~1 .* unreliable\n"));
     EXPECT_THAT(outcome.out, Not(HasSubstr("use dopri54")));
-    EXPECT_THAT(outcome.out, ContainsRegex("\nConfirmed over too short a time: 2 ms are 2\\.[0-9] pin periods: means of slip and efficiency need 16 "));
+    EXPECT_THAT(outcome.out,
+                ContainsRegex("\nConfirmed over too short a time: 2 ms are 2\\.[0-9] pin periods: means of slip and efficiency need 16 "));
 }
 
 TEST_F(Tradeoff, NamesAReferenceThatIsWrongItself) {
@@ -76,7 +80,8 @@ TEST_F(Tradeoff, NamesAReferenceThatIsWrongItself) {
     EXPECT_THAT(coarse.err, testing::StartsWith("cvtflow: control: the reference rk4@200ns is unreliable: "));
     const Outcome confirmed = run(brief + std::vector<std::string>{"--reference", "rk4@25ns", "--confirm-against", "rk4@200ns"});
     EXPECT_EQ(confirmed.status, 1);
-    EXPECT_THAT(confirmed.err, HasSubstr("cvtflow: control: the reference of the confirmation is unreliable: its energy balance does not close\n"));
+    EXPECT_THAT(confirmed.err,
+                HasSubstr("cvtflow: control: the reference of the confirmation is unreliable: its energy balance does not close\n"));
     EXPECT_EQ(run({"tradeoff", "control", "--confirm", "0 s"}).err, "cvtflow: --confirm: '0 s' is not a time above 0, such as 40ns\n");
 }
 

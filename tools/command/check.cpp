@@ -46,10 +46,12 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, step) : 0;
     const std::string length = run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step);
     std::string text = field("run", fmt::format("until {}, {} with step {}", time_text(run.until), run.method, length));
-    text += field("schedule", fmt::format("{}, {}", run.schedule, run.segments == 0 ? "which chooses the segments" : plural(run.segments, "segment")));
+    text += field("schedule",
+                  fmt::format("{}, {}", run.schedule, run.segments == 0 ? "which chooses the segments" : plural(run.segments, "segment")));
     text += field("steps",
                   settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
-    text += field("evaluations", stages == 0 ? "as many as the method's iterations ask for" : fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));
+    text += field("evaluations", stages == 0 ? "as many as the method's iterations ask for"
+                                             : fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));
     const long outputs = std::lround(std::floor(run.until / run.output_interval * (1.0 + 1e-12))) + 1;
     const long states = std::lround(std::floor(run.until / run.state_interval * (1.0 + 1e-12))) + 1;
     text += field("record", fmt::format("{} every {}, {} every {}", plural(outputs, "row"), time_text(run.output_interval),
@@ -60,7 +62,8 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
 /// Of the state that the run begins with; empty where that has yet to settle.
 std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& simulation) {
     if (simulation.needs_settling()) return "";
-    const tasks::StepLimit limit = tasks::predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, tasks::frozen_start(simulation));
+    const tasks::StepLimit limit =
+        tasks::predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, tasks::frozen_start(simulation));
     return field("stable to", tasks::text_of(limit) + (scene.run.step > limit.step ? "; run.step is beyond" : ""));
 }
 

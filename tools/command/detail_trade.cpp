@@ -17,14 +17,21 @@ Action declare_detail(CLI::App& app) {
     app.add_option("--set", arguments->settings, "Change a key of the scenes")->type_name("KEY=VALUE");
     app.add_option("--method", arguments->method, "Method of integration")->type_name("NAME")->capture_default_str();
     app.add_option("--step", arguments->step, "Its step, or \"auto\"")->type_name("TIME")->capture_default_str();
-    app.add_option("--settle", arguments->settle, "How long each variant settles: strands and shafts swing into the new detail")->type_name("TIME")->capture_default_str();
-    app.add_option("--average", arguments->average, "How long it is averaged; slip and efficiency need 16 pin periods")->type_name("TIME")->capture_default_str();
-    app.add_option("--control", arguments->control, "How long ratio control looks for the thrust ratio (\"0 s\": not)")->type_name("TIME")->capture_default_str();
+    app.add_option("--settle", arguments->settle, "How long each variant settles: strands and shafts swing into the new detail")
+        ->type_name("TIME")
+        ->capture_default_str();
+    app.add_option("--average", arguments->average, "How long it is averaged; slip and efficiency need 16 pin periods")
+        ->type_name("TIME")
+        ->capture_default_str();
+    app.add_option("--control", arguments->control, "How long ratio control looks for the thrust ratio (\"0 s\": not)")
+        ->type_name("TIME")
+        ->capture_default_str();
     app.add_flag("--all", arguments->all, "Every combination of the dials (48) instead of one dial at a time");
     declare_output(app, arguments->output);
-    app.footer("Each variant starts from the scene's settled state at full detail, brought over to its own coordinates.\n"
-               "What the energy balance calls unreliable has a status and no figures.\n"
-               "Exit status 1: full detail breaks down or is unreliable; 5: other variants are (stderr says why).");
+    app.footer(
+        "Each variant starts from the scene's settled state at full detail, brought over to its own coordinates.\n"
+        "What the energy balance calls unreliable has a status and no figures.\n"
+        "Exit status 1: full detail breaks down or is unreliable; 5: other variants are (stderr says why).");
     return [arguments] { return report_details(*arguments, arguments->output); };
 }
 

@@ -64,7 +64,8 @@ Action declare_dot(CLI::App& app) {
     declare_scene(app, arguments->scene);
     declare_shortcut(app, arguments->scene, "--segments", "run.segments", "N");
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
-    app.add_option("--cycle", arguments->cycle, "Cycle to draw: evaluate, detect, locate, truncate, or one of the method's own by a task in it")
+    app.add_option("--cycle", arguments->cycle,
+                   "Cycle to draw: evaluate, detect, locate, truncate, or one of the method's own by a task in it")
         ->type_name("NAME")
         ->capture_default_str();
     app.footer("Example: cvtflow dot tiny --segments 3 | dot -Tsvg > step.svg");

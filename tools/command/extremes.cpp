@@ -19,8 +19,9 @@ struct ExtremesArguments {
 
 void print_cases(const tasks::ExtremeVerdict& verdict) {
     for (const tasks::ExtremeCase& one : verdict.cases) {
-        fmt::print("    {:<6} {:<18} {:<9} step {:.2g} s (stable {:.2g} s), {} steps, balance {:.1g}, half step {:.1g}, {:.2f} s  {}\n", one.detail, one.method,
-                   tasks::ending_name(one.ending), one.step, one.stable_step, one.steps, one.balance, one.refinement, one.wall, one.message);
+        fmt::print("    {:<6} {:<18} {:<9} step {:.2g} s (stable {:.2g} s), {} steps, balance {:.1g}, half step {:.1g}, {:.2f} s  {}\n",
+                   one.detail, one.method, tasks::ending_name(one.ending), one.step, one.stable_step, one.steps, one.balance,
+                   one.refinement, one.wall, one.message);
     }
 }
 
@@ -46,11 +47,16 @@ ExitStatus extremes(const ExtremesArguments& arguments) {
 
 Action declare_extremes(CLI::App& app) {
     const auto arguments = std::make_shared<ExtremesArguments>();
-    app.add_option("--group", arguments->group, "Only this group: friction, damping, stiffness, masses, pins, pitch, plates, joints, operation, contact, steps, numbers, limits");
+    app.add_option(
+        "--group", arguments->group,
+        "Only this group: friction, damping, stiffness, masses, pins, pitch, plates, joints, operation, contact, steps, numbers, limits");
     app.add_flag("--nightly", arguments->nightly, "Also rows that take minutes");
     app.add_flag("--cases", arguments->cases, "Every case of every row");
-    app.footer("Every row runs the scene tiny at the edge of something, by four methods at three levels of detail. It is right (energy balance, agreement\n"
-               "with half the step), refused with a message, ended by a named fault, or announced as beyond stability. Exit status 3: a row is not as stated.");
+    app.footer(
+        "Every row runs the scene tiny at the edge of something, by four methods at three levels of detail. It is right (energy balance, "
+        "agreement\n"
+        "with half the step), refused with a message, ended by a named fault, or announced as beyond stability. Exit status 3: a row is "
+        "not as stated.");
     return [arguments] { return extremes(*arguments); };
 }
 

@@ -35,14 +35,15 @@ std::string methods() {
                    fmt::format("{:.3f}", engine::imaginary_stability(plan)), plan.description});
     }
     for (const tasks::MethodProgram& program : tasks::method_programs()) {
-        table.add({program.name, program.evaluations > 0 ? fmt::format("{}", program.evaluations) : "", fmt::format("{}", program.order), "", "",
-                   program.description});
+        table.add({program.name, program.evaluations > 0 ? fmt::format("{}", program.evaluations) : "", fmt::format("{}", program.order),
+                   "", "", program.description});
     }
     std::string families;
     for (const engine::MethodFamily& family : engine::method_families())
         families += fmt::format("\n  {}\n    {}: {}", family.form, family.description, family.limits);
     return table.text() + "\nAny member of these families by its name:" + families +
-           "\n\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution. More: cvtflow method NAME.\n";
+           "\n\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution. More: "
+           "cvtflow method NAME.\n";
 }
 
 std::string detail() {

@@ -46,7 +46,8 @@ std::vector<double> read_steps(const std::string& list) {
 /// Friction laws to measure with, by their names.
 std::vector<std::pair<model::FrictionLaw, std::string>> laws_of(const std::string& wanted, model::FrictionLaw own) {
     std::vector<std::pair<model::FrictionLaw, std::string>> chosen;
-    for (const auto& [law, name] : {std::pair{model::FrictionLaw::piecewise, "piecewise"}, std::pair{model::FrictionLaw::smoothed, "smoothed"}}) {
+    for (const auto& [law, name] :
+         {std::pair{model::FrictionLaw::piecewise, "piecewise"}, std::pair{model::FrictionLaw::smoothed, "smoothed"}}) {
         if (wanted.empty() ? law == own : wanted == name || wanted == "both") chosen.emplace_back(law, name);
     }
     return chosen;
@@ -54,12 +55,12 @@ std::vector<std::pair<model::FrictionLaw, std::string>> laws_of(const std::strin
 
 std::string heading(const std::string& scene, const std::string& method, long touching) {
     if (const tasks::MethodProgram* program = tasks::find_program(method)) {
-        return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), {} touching at its start\n", scene, method, program->order,
-                           program->order + 1, plural(touching, "tip"));
+        return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), {} touching at its start\n",
+                           scene, method, program->order, program->order + 1, plural(touching, "tip"));
     }
     const int order = engine::order_of(*tasks::plan_for(method));
-    return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene, method, order, order + 1,
-                       plural(touching, "tip"));
+    return fmt::format("{}: error of one step of {} (order {}: slope {} where the solution is smooth), phases held, {} touching\n", scene,
+                       method, order, order + 1, plural(touching, "tip"));
 }
 
 void write_files(OutputFolder& folder, const std::vector<ErrorCurve>& curves, const std::string& scene) {
@@ -68,8 +69,10 @@ void write_files(OutputFolder& folder, const std::vector<ErrorCurve>& curves, co
     folder.write("local-error.json", error_json(curves, scene));
     for (const char* friction : {"piecewise", "smoothed"}) {
         if (std::none_of(curves.begin(), curves.end(), [&](const ErrorCurve& curve) { return curve.friction == friction; })) continue;
-        folder.write(fmt::format("local-error-axial-force-{}.svg", friction), svg(error_plot(curves, friction, &LocalError::axial_force, "axial force of all tips", scene)));
-        folder.write(fmt::format("local-error-velocities-{}.svg", friction), svg(error_plot(curves, friction, &LocalError::velocities, "velocities of all links", scene)));
+        folder.write(fmt::format("local-error-axial-force-{}.svg", friction),
+                     svg(error_plot(curves, friction, &LocalError::axial_force, "axial force of all tips", scene)));
+        folder.write(fmt::format("local-error-velocities-{}.svg", friction),
+                     svg(error_plot(curves, friction, &LocalError::velocities, "velocities of all links", scene)));
     }
 }
 
@@ -112,7 +115,8 @@ Action declare_local_error(CLI::App& app) {
     declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);
     app.footer(
-        "Relative errors in the Euclidean norm against rk4 over the same time, in 32 steps of at most 12.5 ns, from the scene's settled start.\n"
+        "Relative errors in the Euclidean norm against rk4 over the same time, in 32 steps of at most 12.5 ns, from the scene's settled "
+        "start.\n"
         "slope: of the error over the step length, between a row and the one above; where rounding is reached, it falls to 0.\n"
         "cut: a transition came in between, which only methods that are no tables of stages meet here.");
     return [arguments] { return local_error(*arguments); };

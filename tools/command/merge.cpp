@@ -17,12 +17,16 @@ constexpr std::size_t named_cases = 20, named_shards = 5;
 std::string missing_text(const tasks::MergeReport& report) {
     std::string text;
     const auto shards = report.missing_shards.size();
-    const std::vector<std::string> named(report.missing_shards.begin(), report.missing_shards.begin() + static_cast<std::ptrdiff_t>(std::min(named_shards, shards)));
+    const std::vector<std::string> named(report.missing_shards.begin(),
+                                         report.missing_shards.begin() + static_cast<std::ptrdiff_t>(std::min(named_shards, shards)));
     for (const std::string& shard : named) text += fmt::format("cvtflow: {}: this shard has no results\n", shard);
     if (shards > named_shards) text += fmt::format("cvtflow: … and {} more; {} shards have no results\n", shards - named_shards, shards);
     if (report.missing_cases.empty()) return text;
-    const std::vector<long> first(report.missing_cases.begin(), report.missing_cases.begin() + static_cast<std::ptrdiff_t>(std::min(named_cases, report.missing_cases.size())));
-    return text + fmt::format("cvtflow: {} of {} cases are missing: {}{}\n", report.missing_cases.size(), report.cases, fmt::join(first, ", "), report.missing_cases.size() > named_cases ? ", …" : "");
+    const std::vector<long> first(
+        report.missing_cases.begin(),
+        report.missing_cases.begin() + static_cast<std::ptrdiff_t>(std::min(named_cases, report.missing_cases.size())));
+    return text + fmt::format("cvtflow: {} of {} cases are missing: {}{}\n", report.missing_cases.size(), report.cases,
+                              fmt::join(first, ", "), report.missing_cases.size() > named_cases ? ", …" : "");
 }
 
 ExitStatus merge(const std::string& folder, bool partial) {
@@ -33,7 +37,8 @@ ExitStatus merge(const std::string& folder, bool partial) {
         print_error("nothing was written; run the missing shards, or --partial joins what is there");
         return ExitStatus::incomplete;
     }
-    fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, field("statuses", statuses_text(report.statuses)), field("results hash", report.results_hash));
+    fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, field("statuses", statuses_text(report.statuses)),
+               field("results hash", report.results_hash));
     return whole ? ExitStatus::finished : ExitStatus::incomplete;
 }
 

@@ -26,9 +26,10 @@ struct MethodArguments {
 };
 
 std::string program_text(const tasks::MethodProgram& program) {
-    const std::string text = field("source", program.source) + field("order", fmt::format("{}", program.order)) +
-                             field("evaluations", program.evaluations > 0 ? fmt::format("{} a step", program.evaluations) : "as many as the step needs") +
-                             field("systems solved", program.solves);
+    const std::string text =
+        field("source", program.source) + field("order", fmt::format("{}", program.order)) +
+        field("evaluations", program.evaluations > 0 ? fmt::format("{} a step", program.evaluations) : "as many as the step needs") +
+        field("systems solved", program.solves);
     if (program.stability == nullptr) return text + field("stability", "of the tables of stages that it chooses among");
     return text + program_figures(program_result(program));
 }
@@ -53,7 +54,9 @@ ExitStatus method(const MethodArguments& arguments) {
 
 Action declare_method(CLI::App& app) {
     const auto arguments = std::make_shared<MethodArguments>();
-    app.add_option("NAME", arguments->name, "Method (cvtflow list methods), e.g. dopri54, rkc-s37-e10, fitted-l200-w2")->required()->type_name("");
+    app.add_option("NAME", arguments->name, "Method (cvtflow list methods), e.g. dopri54, rkc-s37-e10, fitted-l200-w2")
+        ->required()
+        ->type_name("");
     app.add_option("--real", arguments->length, "Measure growth and gain on [-LENGTH, 0] (default: the whole real interval of stability)")
         ->type_name("LENGTH")
         ->check(CLI::PositiveNumber);

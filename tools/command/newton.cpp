@@ -52,13 +52,16 @@ tasks::FrozenStart start_of(const tasks::Scene& scene) {
     return tasks::frozen_start(simulation);
 }
 
-std::vector<std::string> cells_of(const std::string& method, const tasks::TrialEnd& end, const tasks::TrialEnd& reference, double duration) {
+std::vector<std::string> cells_of(const std::string& method, const tasks::TrialEnd& end, const tasks::TrialEnd& reference,
+                                  double duration) {
     std::vector<std::string> cells{method, time_text(end.step)};
     if (end.newton) {
         const tasks::NewtonStatistics& n = *end.newton;
         const double steps = static_cast<double>(std::max(1L, n.steps));
-        cells.insert(cells.end(), {fmt::format("{:.2f}", static_cast<double>(n.iterations) / steps), std::to_string(n.most), fmt::format("{:.2f}", static_cast<double>(n.jacobians) / steps),
-                                   fmt::format("{:.2f}", static_cast<double>(n.backtracks) / steps), fmt::format("{} / {}", n.refreshed, n.steps), fmt::format("{} / {}", n.unconverged, n.steps)});
+        cells.insert(cells.end(), {fmt::format("{:.2f}", static_cast<double>(n.iterations) / steps), std::to_string(n.most),
+                                   fmt::format("{:.2f}", static_cast<double>(n.jacobians) / steps),
+                                   fmt::format("{:.2f}", static_cast<double>(n.backtracks) / steps),
+                                   fmt::format("{} / {}", n.refreshed, n.steps), fmt::format("{} / {}", n.unconverged, n.steps)});
     } else {
         cells.insert(cells.end(), {"", "", "", "", "", ""});
     }
@@ -84,11 +87,20 @@ ExitStatus newton(const NewtonArguments& arguments) {
     const tasks::FrozenStart start = start_of(loaded.scene);
     const tasks::TrialEnd reference = tasks::try_method(parameters, start, "rk4", tight, duration);
     if (reference.fault) throw tasks::SceneError(fmt::format("--reference {}: {}", arguments.reference, reference.fault.message()));
-    fmt::print("{}: {} against rk4 with {}, with transitions ({}), one thread\n\n", loaded.scene.name, time_text(duration), time_text(reference.step),
-               plural(reference.counters.detected, "transition"));
+    fmt::print("{}: {} against rk4 with {}, with transitions ({}), one thread\n\n", loaded.scene.name, time_text(duration),
+               time_text(reference.step), plural(reference.counters.detected, "transition"));
     const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
-    Table table({{"method", Align::left}, right("step"), right("iterations"), right("most"), right("Jacobians"), right("halvings"), right("fell back"),
-                 right("unconverged"), right("s per s"), right("axial force"), right("tension")});
+    Table table({{"method", Align::left},
+                 right("step"),
+                 right("iterations"),
+                 right("most"),
+                 right("Jacobians"),
+                 right("halvings"),
+                 right("fell back"),
+                 right("unconverged"),
+                 right("s per s"),
+                 right("axial force"),
+                 right("tension")});
     for (const std::string& method : methods) {
         for (const double step : steps) {
             const tasks::TrialEnd end = tasks::try_method(parameters, start, method, step, duration);
@@ -107,12 +119,16 @@ Action declare_newton(CLI::App& app) {
     declare_scene(app, arguments->scene);
     app.add_option("--steps", arguments->steps, "Step lengths, separated by commas")->type_name("LIST")->capture_default_str();
     app.add_option("--duration", arguments->duration, "Simulated time of each trial")->type_name("TIME")->capture_default_str();
-    app.add_option("--reference", arguments->reference, "Step of rk4 that errors are measured against")->type_name("TIME")->capture_default_str();
+    app.add_option("--reference", arguments->reference, "Step of rk4 that errors are measured against")
+        ->type_name("TIME")
+        ->capture_default_str();
     app.add_option("--methods", arguments->methods, "Methods to try (default: all of both kinds)")->type_name("LIST")->delimiter(',');
     declare_fresh_start(app, arguments->scene);
     app.footer(
-        "Iterations, Jacobians and halvings: per step of the trapezoidal rule. fell back: steps in which a variant needed a Jacobian beyond its\n"
-        "rule; unconverged: steps that went on with the best iterate. s per s: wall seconds per simulated second. Errors: relative, of all\n"
+        "Iterations, Jacobians and halvings: per step of the trapezoidal rule. fell back: steps in which a variant needed a Jacobian "
+        "beyond its\n"
+        "rule; unconverged: steps that went on with the best iterate. s per s: wall seconds per simulated second. Errors: relative, of "
+        "all\n"
         "tips' axial forces and all links' tensions at the end.");
     return [arguments] { return newton(*arguments); };
 }

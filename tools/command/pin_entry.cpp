@@ -27,7 +27,8 @@ struct PinEntryArguments {
     bool quiet = false;
 };
 
-void write_files(OutputFolder& folder, const std::string& scene, const tasks::Comparison& comparison, const tasks::ComparisonOptions& options) {
+void write_files(OutputFolder& folder, const std::string& scene, const tasks::Comparison& comparison,
+                 const tasks::ComparisonOptions& options) {
     folder.write("comparison.csv", comparison_csv(comparison, options));
     folder.write("comparison.json", comparison_json(scene, comparison, options));
     if (comparison.pin < 0) return;
@@ -47,7 +48,8 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
     options.pin = arguments.pin;
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
-    if (options.pin >= scene.parameters.chain.pins) throw UsageError(fmt::format("--pin {}: the chain has pins 0 to {}", options.pin, scene.parameters.chain.pins - 1));
+    if (options.pin >= scene.parameters.chain.pins)
+        throw UsageError(fmt::format("--pin {}: the chain has pins 0 to {}", options.pin, scene.parameters.chain.pins - 1));
     if (!arguments.quiet) {
         options.progress = [](const std::string& what) { print_error(what); };
         if (!loaded.notice.empty()) options.progress(loaded.notice);
@@ -58,10 +60,12 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
     if (cancel.requested()) return ExitStatus::cancelled;
     OutputFolder folder(arguments.output);
     write_files(folder, scene.name, comparison, options);
-    fmt::print("{}: {} from t = {}, against {}; one thread, medians of {}, in turns\n", scene.name, time_text(options.duration), time_text(start.time),
-               candidate_name(options.reference), plural(options.rounds, "round"));
-    fmt::print("{}\n{}", comparison.pin < 0 ? std::string("  no pin enters the driving sheaves\n")
-                                            : field("pin", fmt::format("{}, enters the driving sheaves at {}", comparison.pin, time_text(comparison.entry))),
+    fmt::print("{}: {} from t = {}, against {}; one thread, medians of {}, in turns\n", scene.name, time_text(options.duration),
+               time_text(start.time), candidate_name(options.reference), plural(options.rounds, "round"));
+    fmt::print("{}\n{}",
+               comparison.pin < 0
+                   ? std::string("  no pin enters the driving sheaves\n")
+                   : field("pin", fmt::format("{}, enters the driving sheaves at {}", comparison.pin, time_text(comparison.entry))),
                comparison_table(comparison, options));
     const std::string brief = too_short(comparison.reference_watch);
     if (!brief.empty()) fmt::print("{}", field("too short", brief));
@@ -71,10 +75,14 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
 }
 
 constexpr const char* pin_entry_explanation =
-    "Every candidate runs from the same start, with transitions. fewer by, faster by: evaluations and time of the first candidate over those of\n"
-    "this one. err: ‖value - reference‖/‖reference‖ over all outputs, of the axial force of all tips, the tension of all links, and the axial\n"
-    "force of the pin that enters the driving sheaves first (or --pin). Steps are shortened so that they divide the interval. METHOD@auto: automatic steps;\n"
-    "step is then the last one, and within the first milliseconds choosing them costs more time than later. residual: of the energy balance over the losses;\n"
+    "Every candidate runs from the same start, with transitions. fewer by, faster by: evaluations and time of the first candidate over "
+    "those of\n"
+    "this one. err: ‖value - reference‖/‖reference‖ over all outputs, of the axial force of all tips, the tension of all links, and the "
+    "axial\n"
+    "force of the pin that enters the driving sheaves first (or --pin). Steps are shortened so that they divide the interval. METHOD@auto: "
+    "automatic steps;\n"
+    "step is then the last one, and within the first milliseconds choosing them costs more time than later. residual: of the energy "
+    "balance over the losses;\n"
     "unreliable is what it says to be wrong, whatever the errors are.\n"
     "Example: cvtflow pin-entry baseline rk4@50ns dumka3-p5@2us dumka3-p7@3us -o results/speed";
 
@@ -83,11 +91,16 @@ constexpr const char* pin_entry_explanation =
 Action declare_pin_entry(CLI::App& app) {
     const auto arguments = std::make_shared<PinEntryArguments>();
     declare_scene(app, arguments->scene);
-    app.add_option("METHOD@STEP", arguments->candidates, "Methods with their steps; speed-ups refer to the first")->required()->type_name("");
+    app.add_option("METHOD@STEP", arguments->candidates, "Methods with their steps; speed-ups refer to the first")
+        ->required()
+        ->type_name("");
     app.add_option("--time", arguments->duration, "Simulated time")->type_name("TIME")->capture_default_str();
     app.add_option("--interval", arguments->interval, "Time between outputs")->type_name("TIME")->capture_default_str();
     app.add_option("--reference", arguments->reference, "What errors refer to")->type_name("METHOD@STEP")->capture_default_str();
-    app.add_option("--rounds", arguments->rounds, "Rounds of timing; 0: none")->type_name("N")->check(CLI::Range(0, 1000))->capture_default_str();
+    app.add_option("--rounds", arguments->rounds, "Rounds of timing; 0: none")
+        ->type_name("N")
+        ->check(CLI::Range(0, 1000))
+        ->capture_default_str();
     app.add_option("--pin", arguments->pin, "Pin to look at")->type_name("N")->check(CLI::NonNegativeNumber);
     declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);

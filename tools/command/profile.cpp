@@ -34,7 +34,8 @@ struct ProfileArguments {
     bool quiet = false;
 };
 
-const std::map<std::string, engine::Wait> waits{{"spin", engine::Wait::spin}, {"balanced", engine::Wait::balanced}, {"passive", engine::Wait::passive}};
+const std::map<std::string, engine::Wait> waits{
+    {"spin", engine::Wait::spin}, {"balanced", engine::Wait::balanced}, {"passive", engine::Wait::passive}};
 
 void write_file(const std::string& path, const std::string& text) {
     if (path.empty()) return;
@@ -46,12 +47,14 @@ void write_file(const std::string& path, const std::string& text) {
 
 std::string machine_text(const tasks::Profile& result) {
     const engine::Provenance here = engine::current_provenance();
-    return field("machine", fmt::format("{}, {}, {} usable", here.cpu, plural(here.cores, "core"), plural(tasks::usable_threads(), "thread"))) +
+    return field("machine",
+                 fmt::format("{}, {}, {} usable", here.cpu, plural(here.cores, "core"), plural(tasks::usable_threads(), "thread"))) +
            field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
-           field("flags", tasks::compiler_flags()) + field("libraries", fmt::format("oneTBB {}; OpenMP {}", engine::tbb_version(), engine::openmp_version())) +
+           field("flags", tasks::compiler_flags()) +
+           field("libraries", fmt::format("oneTBB {}; OpenMP {}", engine::tbb_version(), engine::openmp_version())) +
            field("load average", fmt::format("{:.2f} before, {:.2f} after", result.load_before, result.load_after)) +
-           (result.crowded() ? field("crowded", fmt::format("got {:.2f} of {} at most: others are busy, compare with care", result.processors_got(),
-                                                            plural(result.processors_wanted(), "processor")))
+           (result.crowded() ? field("crowded", fmt::format("got {:.2f} of {} at most: others are busy, compare with care",
+                                                            result.processors_got(), plural(result.processors_wanted(), "processor")))
                              : "");
 }
 
@@ -67,8 +70,11 @@ tasks::MeasureOptions options_of(const ProfileArguments& arguments) {
 
 /// This command's words again, but for what the sweep says itself.
 std::vector<std::string> repeated(const ProfileArguments& arguments, const tasks::MeasureOptions& options) {
-    std::vector<std::string> words{"profile", arguments.scene.scene, "--steps", fmt::format("{}", options.steps), "--rounds", fmt::format("{}", options.rounds),
-                                   "--round-ms", fmt::format("{}", arguments.round_milliseconds), "--neighbours", fmt::format("{}", fmt::join(options.neighbours, ","))};
+    std::vector<std::string> words{"profile",      arguments.scene.scene,
+                                   "--steps",      fmt::format("{}", options.steps),
+                                   "--rounds",     fmt::format("{}", options.rounds),
+                                   "--round-ms",   fmt::format("{}", arguments.round_milliseconds),
+                                   "--neighbours", fmt::format("{}", fmt::join(options.neighbours, ","))};
     const auto add = [&](const std::string& option, const std::string& value) {
         if (!value.empty()) words.insert(words.end(), {option, value});
     };
@@ -81,8 +87,8 @@ std::vector<std::string> repeated(const ProfileArguments& arguments, const tasks
     return words;
 }
 
-void write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const tasks::MeasureOptions& options, const tasks::Profile& result,
-                 const std::vector<PolicyResult>& policies) {
+void write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const tasks::MeasureOptions& options,
+                 const tasks::Profile& result, const std::vector<PolicyResult>& policies) {
     std::string rows;
     auto list = nlohmann::ordered_json::array();
     for (const PolicyResult& each : policies) {
@@ -104,7 +110,8 @@ ExitStatus profile(const ProfileArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     const tasks::Scene& scene = loaded.scene;
-    for (const std::string& file : {arguments.csv, arguments.json, arguments.trace, arguments.stages, arguments.curves}) require_no_input(file, {scene.path, scene.state_file});
+    for (const std::string& file : {arguments.csv, arguments.json, arguments.trace, arguments.stages, arguments.curves})
+        require_no_input(file, {scene.path, scene.state_file});
     const tasks::MeasureOptions options = options_of(arguments);
     tasks::ScheduleChoice choice = arguments.choice;
     choice.wait = waits.at(arguments.wait);
@@ -113,8 +120,10 @@ ExitStatus profile(const ProfileArguments& arguments) {
         if (!arguments.quiet) print_error(line);
     };
     const tasks::Profile result = tasks::profile_schedules(scene, schedules, options, progress);
-    fmt::print("{}: {}, alternating, medians of {}\n{}", scene.name, plural(static_cast<long>(schedules.size()), "schedule"), plural(options.rounds, "round"), machine_text(result));
-    for (const std::string& part : {timing_text(result), neighbours_text(result), stages_text(result), serial_text(result), model_text(result), predictions_text(result)}) {
+    fmt::print("{}: {}, alternating, medians of {}\n{}", scene.name, plural(static_cast<long>(schedules.size()), "schedule"),
+               plural(options.rounds, "round"), machine_text(result));
+    for (const std::string& part : {timing_text(result), neighbours_text(result), stages_text(result), serial_text(result),
+                                    model_text(result), predictions_text(result)}) {
         if (!part.empty()) fmt::print("\n{}", part);
     }
     std::vector<PolicyResult> policies;
@@ -145,8 +154,24 @@ constexpr const char* profile_explanation =
     "  imbalance    longest over mean task time of the threads\n"
     "  recording    what recording added to the step time in its own pass\n"
     "The critical path takes of every cycle the slowest segment, the controller and the synchronisation a + b M.\n"
-    "--policies starts this program again for each way of waiting, because OpenMP's runtimes read OMP_WAIT_POLICY, GOMP_SPINCOUNT and KMP_BLOCKTIME when they\n"
-    "are loaded; oneTBB has no such switch. Each child compares with serial in its own process. Their rows follow in the CSV file, their profiles in the JSON file.";
+    "--policies starts this program again for each way of waiting, because OpenMP's runtimes read OMP_WAIT_POLICY, GOMP_SPINCOUNT and "
+    "KMP_BLOCKTIME when they\n"
+    "are loaded; oneTBB has no such switch. Each child compares with serial in its own process. Their rows follow in the CSV file, their "
+    "profiles in the JSON file.";
+
+void declare_waits_and_files(CLI::App& app, ProfileArguments& arguments) {
+    app.add_option("--wait", arguments.wait, "How flow and barrier wait: spin, balanced or passive")
+        ->type_name("POLICY")
+        ->check(CLI::IsMember({"spin", "balanced", "passive"}))
+        ->capture_default_str();
+    app.add_flag("--pin", arguments.choice.pin, "Each thread on one processor");
+    app.add_flag("--policies", arguments.policies, "Measure again under every wait policy, pinned and not");
+    app.add_option("--csv", arguments.csv, "Table to write, one row per schedule and load")->type_name("FILE");
+    app.add_option("--json", arguments.json, "Everything, with provenance")->type_name("FILE");
+    app.add_option("--trace", arguments.trace, "Recorded passes for chrome://tracing or ui.perfetto.dev")->type_name("FILE");
+    app.add_option("--stages", arguments.stages, "Table of stages by thread: the published charts")->type_name("FILE");
+    app.add_option("--curves", arguments.curves, "Table of the speed-up curves")->type_name("FILE");
+}
 
 }  // namespace
 
@@ -156,15 +181,22 @@ Action declare_profile(CLI::App& app) {
     declare_scene(app, arguments->scene);
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
-    app.add_option("--schedules", arguments->choice.names, "EXECUTOR[:ASSEMBLY], separated by commas (default: all, fused and staged; staged-serial-cholesky, -transition, -both leave parts in one task)")
+    app.add_option("--schedules", arguments->choice.names,
+                   "EXECUTOR[:ASSEMBLY], separated by commas (default: all, fused and staged; staged-serial-cholesky, -transition, -both "
+                   "leave parts in one task)")
         ->type_name("LIST")
         ->delimiter(',');
-    app.add_option("--threads", arguments->choice.threads, "Numbers of threads (default: all usable)")->type_name("LIST")->delimiter(',')->check(CLI::Range(1, 1024));
+    app.add_option("--threads", arguments->choice.threads, "Numbers of threads (default: all usable)")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->check(CLI::Range(1, 1024));
     app.add_option("--segments", arguments->choice.segments, "Numbers of segments; 0: as many as threads (default)")
         ->type_name("LIST")
         ->delimiter(',')
         ->check(CLI::NonNegativeNumber);
-    app.add_option("--steps", measure.steps, "Steps of a round (default: as many as fit)")->type_name("N")->check(CLI::Range(1L, 10000000L));
+    app.add_option("--steps", measure.steps, "Steps of a round (default: as many as fit)")
+        ->type_name("N")
+        ->check(CLI::Range(1L, 10000000L));
     app.add_option("--rounds", measure.rounds, "Rounds that count")->type_name("N")->check(CLI::Range(1, 10000))->capture_default_str();
     app.add_option("--round-ms", arguments->round_milliseconds, "Time of a round; a schedule with one over 2 s is dropped")
         ->type_name("MS")
@@ -175,14 +207,7 @@ Action declare_profile(CLI::App& app) {
         ->delimiter(',')
         ->check(CLI::Range(0, 1024))
         ->default_str("0,1,2");
-    app.add_option("--wait", arguments->wait, "How flow and barrier wait: spin, balanced or passive")->type_name("POLICY")->check(CLI::IsMember({"spin", "balanced", "passive"}))->capture_default_str();
-    app.add_flag("--pin", arguments->choice.pin, "Each thread on one processor");
-    app.add_flag("--policies", arguments->policies, "Measure again under every wait policy, pinned and not");
-    app.add_option("--csv", arguments->csv, "Table to write, one row per schedule and load")->type_name("FILE");
-    app.add_option("--json", arguments->json, "Everything, with provenance")->type_name("FILE");
-    app.add_option("--trace", arguments->trace, "Recorded passes for chrome://tracing or ui.perfetto.dev")->type_name("FILE");
-    app.add_option("--stages", arguments->stages, "Table of stages by thread: the published charts")->type_name("FILE");
-    app.add_option("--curves", arguments->curves, "Table of the speed-up curves")->type_name("FILE");
+    declare_waits_and_files(app, *arguments);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress");
     app.footer(profile_explanation);
     return [arguments] { return profile(*arguments); };

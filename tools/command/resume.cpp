@@ -32,7 +32,8 @@ struct ResumeArguments {
 };
 
 tasks::Scene scene_to_go_on(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
-    tasks::Scene scene = arguments.scene.empty() ? tasks::scene_of(checkpoint) : tasks::read_scene(find_scene(arguments.scene), tasks::StartState::ignored);
+    tasks::Scene scene =
+        arguments.scene.empty() ? tasks::scene_of(checkpoint) : tasks::read_scene(find_scene(arguments.scene), tasks::StartState::ignored);
     std::vector<std::string> settings = arguments.settings;
     if (!arguments.until.empty()) settings.push_back("run.until=" + arguments.until);
     tasks::set_values(scene, settings);
@@ -82,14 +83,19 @@ ExitStatus go_on(const ResumeArguments& arguments) {
 Action declare_resume(CLI::App& app) {
     const auto arguments = std::make_shared<ResumeArguments>();
     app.add_option("FILE", arguments->what, "Checkpoint of a run, or folder of a sweep")->required()->type_name("");
-    app.add_option("SCENE", arguments->scene, "Scene that the checkpoint is expected to belong to (default: the one that it holds)")->type_name("");
+    app.add_option("SCENE", arguments->scene, "Scene that the checkpoint is expected to belong to (default: the one that it holds)")
+        ->type_name("");
     app.add_option("--until", arguments->until, "End of the run, if it is to be another one")->type_name("TIME");
     app.add_option("--set", arguments->settings, "Change a key that no result depends on: run.threads, run.max_wall, …")
-        ->type_name("KEY=VALUE")->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("-o,--output", arguments->output, "Record to go on with (default: the run's); none: no record")->type_name("FILE");
     app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints (default: 60 s)")->type_name("TIME");
     app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
-    app.footer("The run goes on bit for bit as if it had not stopped. A checkpoint of another scene, method or model is refused.\n\n" + std::string(exit_status_help));
+    app.footer("The run goes on bit for bit as if it had not stopped. A checkpoint of another scene, method or model is refused.\n\n" +
+               std::string(exit_status_help));
     return [arguments] { return go_on(*arguments); };
 }
 

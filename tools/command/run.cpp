@@ -107,10 +107,15 @@ Action declare_run(CLI::App& app) {
     const auto arguments = std::make_shared<RunArguments>();
     SceneArguments& scene = arguments->scene;
     declare_scene(app, scene);
-    app.add_option("-o,--output", arguments->output, "Record to write, which must not be there yet (default: results/SCENE.h5, replaced with a notice); none: no record")->type_name("FILE");
+    app.add_option("-o,--output", arguments->output,
+                   "Record to write, which must not be there yet (default: results/SCENE.h5, replaced with a notice); none: no record")
+        ->type_name("FILE");
     app.add_flag("--force", arguments->force, force_meaning);
-    app.add_option("--checkpoint-every", arguments->checkpoint_every, "Wall time between checkpoints, e.g. \"10 min\" (default: no checkpoints)")->type_name("TIME");
-    app.add_option("--checkpoint", arguments->checkpoint, "Where checkpoints go (default: beside the record, NAME.checkpoint.h5)")->type_name("FILE");
+    app.add_option("--checkpoint-every", arguments->checkpoint_every,
+                   "Wall time between checkpoints, e.g. \"10 min\" (default: no checkpoints)")
+        ->type_name("TIME");
+    app.add_option("--checkpoint", arguments->checkpoint, "Where checkpoints go (default: beside the record, NAME.checkpoint.h5)")
+        ->type_name("FILE");
     declare_shortcut(app, scene, "--method", "run.method", "NAME");
     declare_shortcut(app, scene, "--step", "run.step", "TIME");
     declare_shortcut(app, scene, "--tolerance", "run.tolerance", "NUMBER");

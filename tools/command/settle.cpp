@@ -40,14 +40,16 @@ ExitStatus settle(SettleArguments& arguments) {
     if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) {
         throw tasks::SceneError(fmt::format("{}: nothing to settle, start.layout and start.settling_time say so", scene.name));
     }
-    require_output(file, {scene.path});   // before the settling what would fail after it
+    require_output(file, {scene.path});  // before the settling what would fail after it
     const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
     if (!replaced.empty() && !arguments.quiet) print_error(replaced);
     const double suspicion = simulate(arguments, scene, file);
     const ExitStatus status = suspicion <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
     if (status == ExitStatus::unreliable) {
-        print_error(fmt::format("{}: unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; runs from this state are called unreliable",
-                                scene.name, suspicion));
+        print_error(
+            fmt::format("{}: unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; runs from this state "
+                        "are called unreliable",
+                        scene.name, suspicion));
     }
     if (arguments.quiet) return status;
     fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
@@ -61,7 +63,9 @@ ExitStatus settle(SettleArguments& arguments) {
 Action declare_settle(CLI::App& app) {
     const auto arguments = std::make_shared<SettleArguments>();
     declare_scene(app, arguments->scene);
-    app.add_option("-o,--output", arguments->output, "State file to write, which must not be there yet (default: SCENE_state.h5, replaced with a notice)")->type_name("STATE.h5");
+    app.add_option("-o,--output", arguments->output,
+                   "State file to write, which must not be there yet (default: SCENE_state.h5, replaced with a notice)")
+        ->type_name("STATE.h5");
     app.add_flag("--force", arguments->force, force_meaning);
     declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");

@@ -38,24 +38,30 @@ private:
     bool quiet_;
 };
 
-void find_values(SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start, bool extremal, const Teller& tell) {
+void find_values(SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start, bool extremal,
+                 const Teller& tell) {
     std::vector<double> matrix = tasks::jacobian(variator, start.time, start.state, start.phases);
     result.unknowns = static_cast<int>(start.state.size());
     result.complete = !extremal;
     if (!extremal) {
-        if (result.unknowns > 1500) tell(fmt::format("all {} eigenvalues: a minute or two (--extremal: seconds)", count_text(result.unknowns)));
+        if (result.unknowns > 1500)
+            tell(fmt::format("all {} eigenvalues: a minute or two (--extremal: seconds)", count_text(result.unknowns)));
         result.values = engine::eigenvalues(std::move(matrix), result.unknowns);
         return;
     }
-    const auto progress = [&](int dimension, int settled, int wanted) { tell(fmt::format("Krylov space of {}: {} of {} eigenvalues settled", dimension, settled, wanted)); };
-    engine::ExtremalEigenvalues edge = engine::extremal_eigenvalues(std::move(matrix), result.unknowns, {.left_of = result.border, .progress = progress});
+    const auto progress = [&](int dimension, int settled, int wanted) {
+        tell(fmt::format("Krylov space of {}: {} of {} eigenvalues settled", dimension, settled, wanted));
+    };
+    engine::ExtremalEigenvalues edge =
+        engine::extremal_eigenvalues(std::move(matrix), result.unknowns, {.left_of = result.border, .progress = progress});
     result.values = std::move(edge.values);
     result.dimension = edge.dimension;
     result.residual = edge.residual;
 }
 
 /// Absent for methods that are programs.
-std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start, const Teller& tell) {
+std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start,
+                                  const Teller& tell) {
     if (tasks::find_program(result.method) != nullptr) return {};
     const engine::StagePlan plan = *engine::make_method(result.method);
     tell(fmt::format("largest stable step of {}", result.method));
@@ -65,7 +71,8 @@ std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Var
 }
 
 /// Absent for tables of stages.
-std::optional<ProgramLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator, const tasks::FrozenStart& start, const Teller& tell) {
+std::optional<ProgramLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator, const tasks::FrozenStart& start,
+                                             const Teller& tell) {
     const std::string& method = scene.run.method;
     if (tasks::find_program(method) == nullptr) return {};
     tell(fmt::format("largest stable step of {}", method));
@@ -99,7 +106,7 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
         folder.write("spectrum-linear.svg", svg(spectrum_plot(result, Scale::linear)));
         folder.write("spectrum-symlog.svg", svg(spectrum_plot(result, Scale::symlog)));
     } else {
-        folder.write("spectrum-edge.svg", svg(edge_plot(result)));   // the plane would be empty but for a line
+        folder.write("spectrum-edge.svg", svg(edge_plot(result)));  // the plane would be empty but for a line
     }
     if (result.attribution) folder.write("spectrum-slowed.svg", svg(slowed_plot(result)));
     fmt::print("{}{}", spectrum_text(result), folder.written());
@@ -108,7 +115,8 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
 
 constexpr const char* spectrum_explanation =
     "Phases are held; the Jacobian is taken by central differences. --extremal finds the eigenvalues with Re < -1e6 1/s and the pair that\n"
-    "oscillates fastest, by Arnoldi's method, the others only the dense method. Their picture counts those that decay faster; all are drawn in the complex plane.\n"
+    "oscillates fastest, by Arnoldi's method, the others only the dense method. Their picture counts those that decay faster; all are "
+    "drawn in the complex plane.\n"
     "The largest stable step is the longest with which no eigenvalue leaves the method's region of stability. It is confirmed by steps of\n"
     "the full equations about the state: velocities are disturbed by 1e-9 m/s, and the disturbance grows or dies out.\n"
     "--attribute: eigenvalues are proportional to 1/v0 of the contact that makes them, so each is told by a small change of v0.";
@@ -123,7 +131,8 @@ Action declare_spectrum(CLI::App& app) {
     declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
     declare_fresh_start(app, arguments->scene);
     app.add_flag("--extremal", arguments->extremal, "Only eigenvalues at the edge: seconds instead of minutes");
-    app.add_flag("--attribute", arguments->attribute, "Tell which contacts make which eigenvalues, and what ten times their saturation speeds do");
+    app.add_flag("--attribute", arguments->attribute,
+                 "Tell which contacts make which eigenvalues, and what ten times their saturation speeds do");
     declare_output(app, arguments->output);
     app.add_flag("-q,--quiet", arguments->quiet, "No progress");
     app.footer(spectrum_explanation);

@@ -57,7 +57,7 @@ struct Ground {
     tasks::Scene whole;
     tasks::FrozenStart start;
     std::optional<model::Variator> variator;
-    engine::Eigenvalues values;   ///< only for tables
+    engine::Eigenvalues values;  ///< only for tables
 };
 
 Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
@@ -69,7 +69,8 @@ Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
     const int size = static_cast<int>(ground.start.state.size());
     if (!arguments.quiet) print_error(fmt::format("eigenvalues of {}", ground.scene));
     std::vector<double> matrix = tasks::jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
-    ground.values = arguments.all ? engine::eigenvalues(std::move(matrix), size) : engine::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
+    ground.values = arguments.all ? engine::eigenvalues(std::move(matrix), size)
+                                  : engine::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
     return ground;
 }
 
@@ -90,7 +91,8 @@ void try_on(ProgramResult& result, const Ground& ground) {
     result.limit = limit;
 }
 
-std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments, const std::optional<Ground>& ground, OutputFolder& folder) {
+std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments,
+                                     const std::optional<Ground>& ground, OutputFolder& folder) {
     std::vector<StabilityResult> results;
     for (const engine::StagePlan& plan : plans) {
         if (!arguments.quiet) print_error(plan.name);
@@ -98,14 +100,16 @@ std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans
         if (ground) try_on(results.back(), *ground);
         const double step = arguments.step > 0.0 ? arguments.step : ground ? results.back().limit->predicted.step : 1.0;
         const std::string picture = fmt::format("stability-{}.svg", plan.name);
-        if (folder.wants(picture)) folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : engine::Eigenvalues{}, step, ground ? ground->scene : "")));
+        if (folder.wants(picture))
+            folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : engine::Eigenvalues{}, step,
+                                                    ground ? ground->scene : "")));
     }
     if (!results.empty()) folder.write("stability.csv", stability_csv(results));
     return results;
 }
 
-std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments, const std::optional<Ground>& ground,
-                                   OutputFolder& folder) {
+std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments,
+                                   const std::optional<Ground>& ground, OutputFolder& folder) {
     std::vector<ProgramResult> results;
     for (const tasks::MethodProgram& program : programs) {
         if (!arguments.quiet) print_error(program.name);
@@ -141,13 +145,18 @@ ExitStatus stability(const StabilityArguments& arguments) {
 
 constexpr const char* stability_explanation =
     "real, imag, ray: how far |R(z)| <= 1 reaches from 0 along the axes and along rays of that damping ratio. With --scene also:\n"
-    "growth, gain: largest stage value, and largest factor on an error made in a stage, over the scene's decays at the largest stable step;\n"
+    "growth, gain: largest stage value, and largest factor on an error made in a stage, over the scene's decays at the largest stable "
+    "step;\n"
     "the step itself, predicted by the eigenvalues and confirmed by steps about the state (cvtflow spectrum --help).\n"
     "Maps show eigenvalues times the largest stable step, or times --step; --all also the inner ones (a minute or two at full detail).\n"
-    "Methods that are no tables are looked at on what they are made for. Friction apart: q' = v, v' = -omega^2 q - c v, over h omega and h c;\n"
-    "'with friction': h omega that is stable with any c, and the h c that limits it. Solving for the whole state: u' = lambda u with the exact\n"
-    "Jacobian. growth, gain: as above, over all decays; left: what a step leaves of the stiffest. 'any': beyond 1e6. With --scene also their\n"
-    "largest stable step: predicted from the linearised equations of the whole variator, and measured by the step that a run would take; the\n"
+    "Methods that are no tables are looked at on what they are made for. Friction apart: q' = v, v' = -omega^2 q - c v, over h omega and h "
+    "c;\n"
+    "'with friction': h omega that is stable with any c, and the h c that limits it. Solving for the whole state: u' = lambda u with the "
+    "exact\n"
+    "Jacobian. growth, gain: as above, over all decays; left: what a step leaves of the stiffest. 'any': beyond 1e6. With --scene also "
+    "their\n"
+    "largest stable step: predicted from the linearised equations of the whole variator, and measured by the step that a run would take; "
+    "the\n"
     "oscillation that sets it is the point on the map (the same mode's frequency and friction).";
 
 }  // namespace

@@ -23,7 +23,9 @@ struct TableArguments {
     bool csv = false;
 };
 
-std::string heading(const engine::CaseColumn& column) { return column.unit.empty() || column.unit == "1" ? column.name : fmt::format("{} [{}]", column.name, column.unit); }
+std::string heading(const engine::CaseColumn& column) {
+    return column.unit.empty() || column.unit == "1" ? column.name : fmt::format("{} [{}]", column.name, column.unit);
+}
 
 std::string short_cell(const engine::CaseTable& table, std::size_t row, std::size_t column) {
     if (table.layout.columns()[column].type != engine::CaseColumnType::real) return table.layout.cell(table.row(row), column);
@@ -33,7 +35,8 @@ std::string short_cell(const engine::CaseTable& table, std::size_t row, std::siz
 
 /// Columns that were asked for; else all but the counters.
 std::vector<std::size_t> chosen_columns(const engine::RowLayout& layout, const std::vector<std::string>& names) {
-    constexpr std::string_view quiet[] = {"start", "steps", "evaluations", "transitions", "truncated", "settling_evaluations", "threads", "hash"};
+    constexpr std::string_view quiet[] = {"start",   "steps", "evaluations", "transitions", "truncated", "settling_evaluations",
+                                          "threads", "hash"};
     std::vector<std::size_t> chosen;
     for (const std::string& name : names) {
         if (!layout.has(name)) throw UsageError(fmt::format("--column {}: the table has no such column", name));
@@ -47,7 +50,9 @@ std::vector<std::size_t> chosen_columns(const engine::RowLayout& layout, const s
 
 std::string table_text(const engine::CaseTable& table, const std::vector<std::size_t>& chosen) {
     std::vector<Table::Column> columns;
-    for (const std::size_t c : chosen) columns.push_back({heading(table.layout.columns()[c]), table.layout.columns()[c].type == engine::CaseColumnType::text ? Align::left : Align::right});
+    for (const std::size_t c : chosen)
+        columns.push_back({heading(table.layout.columns()[c]),
+                           table.layout.columns()[c].type == engine::CaseColumnType::text ? Align::left : Align::right});
     Table text(columns);
     for (std::size_t row = 0; row < table.size(); ++row) {
         std::vector<std::string> cells;
@@ -60,7 +65,8 @@ std::string table_text(const engine::CaseTable& table, const std::vector<std::si
 void keep_status(engine::CaseTable& table, const std::string& status) {
     std::vector<std::byte> kept;
     for (std::size_t row = 0; row < table.size(); ++row) {
-        if (table.layout.text(table.row(row), table.layout.column("status")) == status) kept.insert(kept.end(), table.row(row).begin(), table.row(row).end());
+        if (table.layout.text(table.row(row), table.layout.column("status")) == status)
+            kept.insert(kept.end(), table.row(row).begin(), table.row(row).end());
     }
     table.rows = std::move(kept);
 }
@@ -77,7 +83,8 @@ ExitStatus show(const TableArguments& arguments) {
         return ExitStatus::finished;
     }
     fmt::print("{}\n", table_text(table, chosen_columns(table.layout, arguments.columns)));
-    fmt::print("{}: {} of {} cases, {}, results hash {}\n", table.attribute("sweep"), table.size(), table.attribute("cases"), table.attribute("status"), hash);
+    fmt::print("{}: {} of {} cases, {}, results hash {}\n", table.attribute("sweep"), table.size(), table.attribute("cases"),
+               table.attribute("status"), hash);
     if (const std::string error = table.attribute("continuation_error"); !error.empty()) fmt::print("continuation changes, in {}\n", error);
     return ExitStatus::finished;
 }
@@ -88,7 +95,11 @@ Action declare_table(CLI::App& app) {
     const auto arguments = std::make_shared<TableArguments>();
     app.add_option("DIR", arguments->folder, "Folder of a sweep, or its cases.h5; also while the sweep goes on")->required()->type_name("");
     app.add_flag("--csv", arguments->csv, "All columns, comma separated, numbers with all digits");
-    app.add_option("--column", arguments->columns, "Show this column; may be repeated")->type_name("NAME")->expected(1)->allow_extra_args(false)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--column", arguments->columns, "Show this column; may be repeated")
+        ->type_name("NAME")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     app.add_option("--status", arguments->status, "Only cases that ended so")->type_name("STATUS");
     app.footer("In Python: h5py.File(\"DIR/cases.h5\")[\"cases\"][:] is a NumPy table; pandas.DataFrame takes it.");
     return [arguments] { return show(*arguments); };

@@ -23,7 +23,7 @@ namespace {
 
 /// Means over the outputs of one part of a run.
 struct Means {
-    std::array<double, 6> sum{};   ///< tight, slack, tip, slip, ratio, thrust ratio
+    std::array<double, 6> sum{};  ///< tight, slack, tip, slip, ratio, thrust ratio
     double first_ratio = 0.0, last_ratio = 0.0, first_time = 0.0, last_time = 0.0;
     long count = 0;
 
@@ -43,7 +43,8 @@ struct Means {
 
 /// Averages over both halves of a run.
 struct Averager final : tasks::RunObserver {
-    Averager(const tasks::Simulation& simulation, double from, double until) : observer(simulation.variator()), middle(0.5 * (from + until)) {}
+    Averager(const tasks::Simulation& simulation, double from, double until)
+        : observer(simulation.variator()), middle(0.5 * (from + until)) {}
     void output(double time, const tasks::Workspace& w, const tasks::Counters&) override {
         const model::Observation& now = observer.observe(time, w.states[0], w.phases.data());
         watch.add(now, w);
@@ -57,8 +58,8 @@ struct Averager final : tasks::RunObserver {
     tasks::RunWatch watch;
 };
 
-/// Two integrations, each with a balance of its own: the jolt with which the state is brought over belongs to the first one. What they came to: a
-/// fault, or what the watch says of the second, suspicions of both.
+/// Two integrations, each with a balance of its own: the jolt with which the state is brought over belongs to the first one. What they came
+/// to: a fault, or what the watch says of the second, suspicions of both.
 void settle_and_average(tasks::Simulation& simulation, double settle, Averager& seen, double until, DetailOutcome& outcome) {
     tasks::SilentObserver silent;
     tasks::Fault fault = simulation.run(settle, silent, catch_interrupts());
@@ -77,18 +78,26 @@ double cost_of(const tasks::Simulation& simulation) {
     double best = 1.0;
     for (int repetition = 0; repetition < 200; ++repetition) {
         const auto begin = std::chrono::steady_clock::now();
-        for (int k = 0; k < 5; ++k) model::right_hand_side(simulation.variator(), 0.0, simulation.state(), simulation.phases().data(), slope.data(), scratch);
+        for (int k = 0; k < 5; ++k)
+            model::right_hand_side(simulation.variator(), 0.0, simulation.state(), simulation.phases().data(), slope.data(), scratch);
         best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 5.0);
     }
     return best;
 }
 
-tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name, const DetailVariant& v, const std::string& until, std::vector<std::string> more = {}) {
+tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name, const DetailVariant& v, const std::string& until,
+                      std::vector<std::string> more = {}) {
     SceneArguments scene;
     scene.scene = name;
-    scene.settings = {fmt::format("detail.order={}", v.order), v.plates == model::PlateDetail::each ? "detail.plates=each" : "detail.plates=lumped",
-                      fmt::format("detail.joint_points={}", v.joint_points), v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
-                      "run.method=" + arguments.method, "run.step=" + arguments.step, "run.until=" + until, "run.threads=1", "run.schedule=serial"};
+    scene.settings = {fmt::format("detail.order={}", v.order),
+                      v.plates == model::PlateDetail::each ? "detail.plates=each" : "detail.plates=lumped",
+                      fmt::format("detail.joint_points={}", v.joint_points),
+                      v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
+                      "run.method=" + arguments.method,
+                      "run.step=" + arguments.step,
+                      "run.until=" + until,
+                      "run.threads=1",
+                      "run.schedule=serial"};
     scene.settings.insert(scene.settings.end(), arguments.settings.begin(), arguments.settings.end());
     scene.settings.insert(scene.settings.end(), more.begin(), more.end());
     return load_scene(scene).scene;
@@ -121,15 +130,17 @@ std::vector<DetailVariant> detail_variants(bool all) {
     using enum model::PlateDetail;
     using enum model::PulleyDetail;
     if (!all) {
-        return {full_detail, {2, each, 8, elastic}, {1, each, 8, elastic}, {0, each, 8, elastic}, {3, lumped, 8, elastic}, {3, each, 3, elastic}, {3, each, 1, elastic},
-                {3, each, 8, rigid}, {1, lumped, 3, elastic}, {1, lumped, 1, rigid}, {0, lumped, 1, rigid}};
+        return {full_detail,           {2, each, 8, elastic}, {1, each, 8, elastic}, {0, each, 8, elastic},   {3, lumped, 8, elastic},
+                {3, each, 3, elastic}, {3, each, 1, elastic}, {3, each, 8, rigid},   {1, lumped, 3, elastic}, {1, lumped, 1, rigid},
+                {0, lumped, 1, rigid}};
     }
     std::vector<DetailVariant> list{full_detail};
     for (int order = 3; order >= 0; --order) {
         for (const auto plates : {each, lumped}) {
             for (const int points : {8, 3, 1}) {
                 for (const auto pulleys : {elastic, rigid}) {
-                    if (list.size() > 1 || order != 3 || plates != each || points != 8 || pulleys != elastic) list.push_back({order, plates, points, pulleys});
+                    if (list.size() > 1 || order != 3 || plates != each || points != 8 || pulleys != elastic)
+                        list.push_back({order, plates, points, pulleys});
                 }
             }
         }
@@ -154,12 +165,14 @@ void require_free_dials(const std::vector<std::string>& settings) {
 DetailMeasure::DetailMeasure(DetailArguments arguments, std::string scene) : arguments_(std::move(arguments)), scene_(std::move(scene)) {
     require_free_dials(arguments_.settings);
     const tasks::Scene reference = scene_of(arguments_, scene_, full_detail, arguments_.settle);
-    if (reference.state_file.empty()) throw tasks::SceneError(fmt::format("{}: has no settled state of full detail to start from (start.state)", scene_));
+    if (reference.state_file.empty())
+        throw tasks::SceneError(fmt::format("{}: has no settled state of full detail to start from (start.state)", scene_));
     settled_ = engine::read_state(reference.state_file);
     reference_ = reference.parameters;
     try {
-        const tasks::Simulation start(reference);   // refuses a state that does not fit, and names the differences
-        if (start.suspicion() > 1.0) throw tasks::SimulationError(reference.state_file + " is unreliable: the energy balance of its settling did not close");
+        const tasks::Simulation start(reference);  // refuses a state that does not fit, and names the differences
+        if (start.suspicion() > 1.0)
+            throw tasks::SimulationError(reference.state_file + " is unreliable: the energy balance of its settling did not close");
     } catch (const tasks::SimulationError& error) {
         throw tasks::SceneError(fmt::format("{}: variants start from a settled state of full detail: {}", scene_, error.what()));
     }
@@ -182,10 +195,11 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted
 /// Mean over the last fifth of the time that ratio control has; gains as in scene `control`.
 void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, DetailOutcome& outcome) const {
     if (std::strtod(arguments_.control.c_str(), nullptr) == 0.0) return;
-    tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.control,
-                                  {"control.enabled=true", fmt::format("control.ratio={:.6f}", wanted), "control.proportional=1 MN", "control.integral=5e7 N/s"});
+    tasks::Scene scene = scene_of(
+        arguments_, scene_, variant, arguments_.control,
+        {"control.enabled=true", fmt::format("control.ratio={:.6f}", wanted), "control.proportional=1 MN", "control.integral=5e7 N/s"});
     engine::SavedState settled = brought_over(settled_, reference_, scene.parameters);
-    settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));   // the controller's integral begins at zero
+    settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));  // the controller's integral begins at zero
     const StateFile start(settled);
     scene.state_file = start.path();
     tasks::Simulation simulation(scene);

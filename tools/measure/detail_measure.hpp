@@ -1,8 +1,9 @@
 #pragma once
 /// The same operating point at many levels of detail: what each costs and what it gives.
 ///
-/// Every variant starts from the scene's settled state at full detail, brought over to its own coordinates, goes on for a short settling time
-/// of its own and is then averaged. What a variant would still drift by after that is noted with it: smaller differences are not the detail's.
+/// Every variant starts from the scene's settled state at full detail, brought over to its own coordinates, goes on for a short settling
+/// time of its own and is then averaged. What a variant would still drift by after that is noted with it: smaller differences are not the
+/// detail's.
 
 #include <string>
 #include <vector>
@@ -18,7 +19,7 @@ struct DetailArguments {
     std::vector<std::string> scenes{"baseline", "low", "overdrive"};
     std::vector<std::string> settings;
     std::string method = tasks::RunSettings{}.method, step = "auto", settle = "20 ms", average = "20 ms";
-    std::string control = "100 ms";   ///< how long ratio control looks for the thrust ratio; begins with 0: not at all
+    std::string control = "100 ms";  ///< how long ratio control looks for the thrust ratio; begins with 0: not at all
     bool all = false;
 };
 
@@ -38,17 +39,17 @@ inline constexpr DetailVariant full_detail{3, model::PlateDetail::each, 8, model
 struct DetailOutcome {
     DetailVariant variant = full_detail;
     int coordinates = 0;
-    double cost = 0.0;                  ///< of one right-hand side [s]
-    double tight = 0.0, slack = 0.0;    ///< [N]
-    double tip = 0.0;                   ///< largest axial force of a tip, mean over time [N]
+    double cost = 0.0;                ///< of one right-hand side [s]
+    double tight = 0.0, slack = 0.0;  ///< [N]
+    double tip = 0.0;                 ///< largest axial force of a tip, mean over time [N]
     double slip = 0.0, efficiency = 0.0;
-    double ratio = 0.0;                 ///< mean speed ratio
-    double shift = 0.0;                 ///< relative rate of the ratio at the scene's clamping [1/s]
-    double thrust = 0.0;                ///< S_1/S_2 that holds the wanted ratio under load; 0: not looked for
-    double drift = 0.0;                 ///< difference of the tight strand's tension between both halves of the averaging
-    tasks::RunVerdict watch;            ///< over the averaging, suspicion of the settling as well
-    std::string status = "finished";    ///< or "unreliable", or the fault's name
-    std::string fault;                  ///< what is to be said of that; where there is something, the figures above are none
+    double ratio = 0.0;               ///< mean speed ratio
+    double shift = 0.0;               ///< relative rate of the ratio at the scene's clamping [1/s]
+    double thrust = 0.0;              ///< S_1/S_2 that holds the wanted ratio under load; 0: not looked for
+    double drift = 0.0;               ///< difference of the tight strand's tension between both halves of the averaging
+    tasks::RunVerdict watch;          ///< over the averaging, suspicion of the settling as well
+    std::string status = "finished";  ///< or "unreliable", or the fault's name
+    std::string fault;                ///< what is to be said of that; where there is something, the figures above are none
 };
 
 /// Measures variants of one scene.

@@ -26,7 +26,7 @@ void copy_link(const ChainLayout& from, const double* source, const ChainLayout&
     }
 }
 
-constexpr int axial = 4, turn = 5;   // freedoms of a body
+constexpr int axial = 4, turn = 5;  // freedoms of a body
 /// Movable sheaves: 1+ and 2-.
 constexpr int movable(int shaft) { return model::sheave_body(shaft, shaft == 0 ? 1 : 0); }
 
@@ -42,7 +42,8 @@ void copy_pulleys(const ChainLayout& from, const double* source, const ChainLayo
         }
     } else if (from.pulley_size == 4 && to.pulley_size == 36) {
         for (int shaft = 0; shaft < 2; ++shaft) {
-            for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)}) target[body_freedom(body, turn)] = source[shaft];
+            for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})
+                target[body_freedom(body, turn)] = source[shaft];
             target[body_freedom(movable(shaft), axial)] = source[2 + shaft];
         }
     }
@@ -60,9 +61,11 @@ engine::SavedState brought_over(const engine::SavedState& saved, const model::Pa
     double* target = result.state.data();
     for (const bool velocity : {false, true}) {
         for (int link = 0; link < before.links; ++link) {
-            copy_link(before, source + before.link_begin(link) + velocity * before.link_size(), after, target + after.link_begin(link) + velocity * after.link_size());
+            copy_link(before, source + before.link_begin(link) + velocity * before.link_size(), after,
+                      target + after.link_begin(link) + velocity * after.link_size());
         }
-        copy_pulleys(before, source + before.pulley_begin() + velocity * before.pulley_size, after, target + after.pulley_begin() + velocity * after.pulley_size);
+        copy_pulleys(before, source + before.pulley_begin() + velocity * before.pulley_size, after,
+                     target + after.pulley_begin() + velocity * after.pulley_size);
     }
     return result;
 }

@@ -8,9 +8,9 @@
 
 namespace cvtflow::tools {
 
-/// Coordinates that both have are copied, new ones begin at zero: Legendre coordinates of higher order, elastic displacements of sheaves. Rigid
-/// pulleys take angles from the shafts and the movable sheaves' positions against their shafts, and give them back. Phases stay. Control and ledger are
-/// left out: they begin at zero.
+/// Coordinates that both have are copied, new ones begin at zero: Legendre coordinates of higher order, elastic displacements of sheaves.
+/// Rigid pulleys take angles from the shafts and the movable sheaves' positions against their shafts, and give them back. Phases stay.
+/// Control and ledger are left out: they begin at zero.
 [[nodiscard]] engine::SavedState brought_over(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to);
 
 /// A state file in the system's folder for such things, removed with this object.

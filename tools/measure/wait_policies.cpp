@@ -66,7 +66,8 @@ private:
     std::filesystem::path path_;
 };
 
-/// Runs this program with these words; its output goes to files of the scratch folder. @throws std::runtime_error unless it ends with status 0
+/// Runs this program with these words; its output goes to files of the scratch folder. @throws std::runtime_error unless it ends with
+/// status 0
 void run_child(std::vector<std::string> words, const Environment& environment, const Scratch& scratch) {
     words.insert(words.begin(), "cvtflow");
     std::vector<std::string> settings = environment_of(environment);
@@ -87,7 +88,8 @@ void run_child(std::vector<std::string> words, const Environment& environment, c
 std::vector<std::string> schedules_of(const WaitPolicy& policy, const std::vector<std::string>& names) {
     std::vector<std::string> list;
     for (const std::string& executor : policy.executors) {
-        const bool named = std::any_of(names.begin(), names.end(), [&](const std::string& name) { return name.substr(0, name.find(':')) == executor; });
+        const bool named =
+            std::any_of(names.begin(), names.end(), [&](const std::string& name) { return name.substr(0, name.find(':')) == executor; });
         if (names.empty() || named) list.push_back(executor + ":fused");
     }
     return list;
@@ -96,7 +98,7 @@ std::vector<std::string> schedules_of(const WaitPolicy& policy, const std::vecto
 }  // namespace
 
 std::vector<WaitPolicy> wait_policies() {
-#if defined(__clang__)   // LLVM's runtime spins for a time, GNU's for a count
+#if defined(__clang__)  // LLVM's runtime spins for a time, GNU's for a count
     const char* spin = "KMP_BLOCKTIME";
     const char* counts[] = {"0", "1", "infinite"};
 #else
@@ -106,7 +108,8 @@ std::vector<WaitPolicy> wait_policies() {
     const std::vector<std::string> openmp{"omp_fork", "omp_region"}, own{"flow", "barrier"};
     const std::vector<std::string> all{"flow", "flow_messages", "flow_per_cycle", "tbb_loop", "barrier", "omp_fork", "omp_region"};
     std::vector<WaitPolicy> policies{{"usual", all, {}, {}}, {"pinned", all, {}, {"--pin"}}};
-    for (const char* policy : {"active", "passive"}) policies.push_back({fmt::format("OMP_WAIT_POLICY={}", policy), openmp, {{"OMP_WAIT_POLICY", policy}}, {}});
+    for (const char* policy : {"active", "passive"})
+        policies.push_back({fmt::format("OMP_WAIT_POLICY={}", policy), openmp, {{"OMP_WAIT_POLICY", policy}}, {}});
     for (const char* count : counts) policies.push_back({fmt::format("{}={}", spin, count), openmp, {{spin, count}}, {}});
     for (const char* wait : {"spin", "passive"}) policies.push_back({fmt::format("--wait {}", wait), own, {}, {"--wait", wait}});
     return policies;
@@ -122,7 +125,8 @@ std::vector<PolicyResult> measure_policies(const std::vector<std::string>& words
         progress("wait policy: " + policy.name);
         std::vector<std::string> child = words;
         child.insert(child.end(), policy.options.begin(), policy.options.end());
-        child.insert(child.end(), {"--schedules", fmt::format("{}", fmt::join(schedules, ",")), "--csv", scratch.file("csv"), "--json", scratch.file("json"), "-q"});
+        child.insert(child.end(), {"--schedules", fmt::format("{}", fmt::join(schedules, ",")), "--csv", scratch.file("csv"), "--json",
+                                   scratch.file("json"), "-q"});
         run_child(child, policy.environment, scratch);
         const std::string csv = read_file(scratch.file("csv"));
         results.push_back({policy.name, csv.substr(csv.find('\n') + 1), nlohmann::ordered_json::parse(read_file(scratch.file("json")))});
@@ -138,7 +142,8 @@ void add_loads(const nlohmann::ordered_json& schedule, Row& row) {
     for (const auto& load : schedule["loads"]) {
         const bool known = load["rounds"].get<int>() > 0;
         const auto text = [&](double value) { return known ? fmt::format("{:.2f}", value) : std::string("-"); };
-        row.insert(row.end(), {text(1e6 * load["step"]["median"].get<double>()), text(load["speed_up"]), text(1e6 * load["burnt"].get<double>())});
+        row.insert(row.end(),
+                   {text(1e6 * load["step"]["median"].get<double>()), text(load["speed_up"]), text(1e6 * load["burnt"].get<double>())});
     }
 }
 
@@ -148,11 +153,12 @@ std::string policies_text(const std::vector<PolicyResult>& results) {
     if (results.empty()) return {};
     std::vector<Table::Column> columns{{"schedule"}, {"threads", Align::right}, {"segments", Align::right}, {"wait policy"}};
     for (const auto& load : results.front().json["schedules"].front()["loads"]) {
-        for (const std::string& heading : {fmt::format("{} busy [us]", load["neighbours"].get<int>()), std::string("factor"), std::string("burnt")}) {
+        for (const std::string& heading :
+             {fmt::format("{} busy [us]", load["neighbours"].get<int>()), std::string("factor"), std::string("burnt")}) {
             columns.push_back({heading, Align::right});
         }
     }
-    std::map<std::tuple<std::string, int, int>, std::vector<Row>> rows;   // by schedule, policies in their order
+    std::map<std::tuple<std::string, int, int>, std::vector<Row>> rows;  // by schedule, policies in their order
     for (const PolicyResult& result : results) {
         for (const auto& schedule : result.json["schedules"]) {
             const std::string name = schedule["schedule"];
@@ -167,7 +173,9 @@ std::string policies_text(const std::vector<PolicyResult>& results) {
     for (const auto& [key, list] : rows) {
         for (const Row& row : list) table.add(row);
     }
-    return "Wait policies: time per step, factor against serial in the same process under the same load, processor time per step beyond serial's [us]\n" + table.text();
+    return "Wait policies: time per step, factor against serial in the same process under the same load, processor time per step beyond "
+           "serial's [us]\n" +
+           table.text();
 }
 
 }  // namespace cvtflow::tools

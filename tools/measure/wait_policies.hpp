@@ -1,6 +1,6 @@
 #pragma once
-/// The same profile under every way in which threads can wait. OpenMP's runtimes read theirs from the environment when they are loaded, so this program runs
-/// again as a child for each.
+/// The same profile under every way in which threads can wait. OpenMP's runtimes read theirs from the environment when they are loaded, so
+/// this program runs again as a child for each.
 
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -12,9 +12,9 @@ namespace cvtflow::tools {
 
 struct WaitPolicy {
     std::string name;
-    std::vector<std::string> executors;                              ///< whom it concerns
-    std::vector<std::pair<std::string, std::string>> environment;    ///< set in the child; others of these names are unset
-    std::vector<std::string> options;                                ///< of `cvtflow profile`
+    std::vector<std::string> executors;                            ///< whom it concerns
+    std::vector<std::pair<std::string, std::string>> environment;  ///< set in the child; others of these names are unset
+    std::vector<std::string> options;                              ///< of `cvtflow profile`
 };
 
 /// All of them; the first changes nothing.
@@ -23,12 +23,13 @@ struct WaitPolicy {
 /// What a child measured.
 struct PolicyResult {
     std::string name;
-    std::string csv_rows;          ///< without a heading
-    nlohmann::ordered_json json;   ///< its whole profile
+    std::string csv_rows;         ///< without a heading
+    nlohmann::ordered_json json;  ///< its whole profile
 };
 
 /// Runs `cvtflow words…` once per policy, with the fused schedules that it concerns.
-/// @param words "profile" and what to measure, without schedules and files   @param names schedules that the user named, of which to take; none: all
+/// @param words "profile" and what to measure, without schedules and files   @param names schedules that the user named, of which to take;
+/// none: all
 /// @param progress called with one line before every child
 /// @throws std::runtime_error if a child fails, with what it said
 [[nodiscard]] std::vector<PolicyResult> measure_policies(const std::vector<std::string>& words, const std::vector<std::string>& names,

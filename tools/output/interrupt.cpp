@@ -12,9 +12,9 @@ namespace {
 
 // A signal handler can reach nothing but a global.
 engine::Cancellation interrupted;
-double asked = 0.0;   // [s]
+double asked = 0.0;  // [s]
 
-constexpr double insisting = 0.5;   ///< one wish may come several times: to the process, to its group, from its parent [s]
+constexpr double insisting = 0.5;  ///< one wish may come several times: to the process, to its group, from its parent [s]
 
 extern "C" void on_interrupt(int signal) {
     timespec time{};
@@ -24,7 +24,7 @@ extern "C" void on_interrupt(int signal) {
         asked = now;
         return interrupted.request();
     }
-    const bool repeats = signal == SIGXCPU || signal == SIGPIPE;   // every second, or with every line: nobody insists
+    const bool repeats = signal == SIGXCPU || signal == SIGPIPE;  // every second, or with every line: nobody insists
     if (repeats || now < asked + insisting) return;
     std::signal(signal, SIG_DFL);
     std::raise(signal);  // delivered when the handler returns

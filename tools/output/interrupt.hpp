@@ -5,8 +5,8 @@
 
 namespace cvtflow::tools {
 
-/// From now on engine::ending_signals() set the returned flag; one of a user (not SIGXCPU, not SIGPIPE) that comes half a second or more later ends the
-/// program at once, as they do by default.
+/// From now on engine::ending_signals() set the returned flag; one of a user (not SIGXCPU, not SIGPIPE) that comes half a second or more
+/// later ends the program at once, as they do by default.
 [[nodiscard]] const engine::Cancellation& catch_interrupts();
 
 }  // namespace cvtflow::tools

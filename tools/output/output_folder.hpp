@@ -13,8 +13,8 @@ namespace cvtflow::tools {
 
 /// -o DIR, --csv, --json, --svg.
 struct OutputArguments {
-    std::string folder;                            ///< empty: nothing is written, unless a kind is asked for: then "results"
-    bool csv = false, json = false, svg = false;   ///< kinds asked for; none: all
+    std::string folder;                           ///< empty: nothing is written, unless a kind is asked for: then "results"
+    bool csv = false, json = false, svg = false;  ///< kinds asked for; none: all
 
     [[nodiscard]] bool any() const noexcept { return !folder.empty() || csv || json || svg; }
 };
@@ -29,7 +29,8 @@ public:
     /// @throws std::runtime_error "DIR/NAME: cannot write"
     void write(const std::string& name, const std::string& text);
     [[nodiscard]] bool wants(const std::string& name) const;
-    /// "  written             DIR/NAME, …\n", and which kinds were asked for that this command had nothing for; empty if nothing was asked for.
+    /// "  written             DIR/NAME, …\n", and which kinds were asked for that this command had nothing for; empty if nothing was asked
+    /// for.
     [[nodiscard]] std::string written() const;
 
 private:

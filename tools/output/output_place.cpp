@@ -11,7 +11,8 @@ void require_no_input(const std::string& path, const std::vector<std::filesystem
         for (const std::filesystem::path& input : inputs) {
             std::error_code absent;
             if (input.empty() || !std::filesystem::equivalent(written, input, absent) || absent) continue;
-            throw engine::RecordError(path + ": cannot create: " + (written == path ? "it" : "its .part") + " would replace the input " + input.string());
+            throw engine::RecordError(path + ": cannot create: " + (written == path ? "it" : "its .part") + " would replace the input " +
+                                      input.string());
         }
     }
 }

@@ -22,8 +22,8 @@ struct ProgressNumbers {
     double left;         ///< wall time until the whole run is done [s]
 };
 
-/// `running  [=====>    ]  52 %  t = 2.6 ms of 5 ms  412 s/s (0.00243 x real time)  1:10 left`, at most `columns` long: the bar shrinks, then
-/// the rate goes, then the line is cut.
+/// `running  [=====>    ]  52 %  t = 2.6 ms of 5 ms  412 s/s (0.00243 x real time)  1:10 left`, at most `columns` long: the bar shrinks,
+/// then the rate goes, then the line is cut.
 [[nodiscard]] std::string bar_text(const ProgressNumbers& numbers, int columns);
 /// `running: 52 %, t = 2.6 ms of 5 ms, 412 s per simulated second (0.00243 x real time), 1:10 left`
 [[nodiscard]] std::string line_text(const ProgressNumbers& numbers);

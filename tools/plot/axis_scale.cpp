@@ -10,7 +10,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-constexpr double margin = 0.04;   ///< of the length, where points set an end
+constexpr double margin = 0.04;  ///< of the length, where points set an end
 
 std::string superscript(int number) {
     static constexpr const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
@@ -58,7 +58,8 @@ std::string tick_label(double value, double step) {
 }
 
 AxisScale::AxisScale(const Axis& axis, const std::vector<double>& values) : scale_(axis.scale), linear_(axis.linear_up_to) {
-    if (scale_ == Scale::symlog && !(linear_ > 0.0)) throw std::invalid_argument("axis '" + axis.label + "': the linear part has no length");
+    if (scale_ == Scale::symlog && !(linear_ > 0.0))
+        throw std::invalid_argument("axis '" + axis.label + "': the linear part has no length");
     double least = INFINITY, largest = -INFINITY;
     for (const double value : values) {
         if (!shows(value)) continue;

@@ -10,7 +10,7 @@ namespace cvtflow::tools {
 
 struct Tick {
     double value;
-    std::string label;   ///< empty: a minor tick
+    std::string label;  ///< empty: a minor tick
 };
 
 class AxisScale {
@@ -39,7 +39,7 @@ private:
 
     Scale scale_;
     double linear_;
-    double begin_ = 0.0, end_ = 1.0;   ///< images of the ends
+    double begin_ = 0.0, end_ = 1.0;  ///< images of the ends
 };
 
 /// "0.25", "−6·10⁷", "2·10⁻⁸": a number as short as `step`, the distance to the next one, allows.

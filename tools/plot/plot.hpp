@@ -16,10 +16,10 @@ enum class Scale {
 };
 
 struct Axis {
-    std::string label;            ///< with its unit: "step [s]"
+    std::string label;  ///< with its unit: "step [s]"
     Scale scale = Scale::linear;
-    double linear_up_to = 1.0;    ///< symlog only: > 0
-    std::optional<double> from, to;   ///< ends; absent: as the points demand, with a margin
+    double linear_up_to = 1.0;       ///< symlog only: > 0
+    std::optional<double> from, to;  ///< ends; absent: as the points demand, with a margin
 };
 
 enum class Mark { none, dot, small_dot, ring, square, diamond, triangle, cross };
@@ -30,11 +30,11 @@ struct Point {
 };
 
 struct Series {
-    std::string name;             ///< in the legend; empty: not in the legend
-    std::vector<Point> points;    ///< in the order in which a line joins them; points that are not finite interrupt it
+    std::string name;           ///< in the legend; empty: not in the legend
+    std::vector<Point> points;  ///< in the order in which a line joins them; points that are not finite interrupt it
     Mark mark = Mark::dot;
     Line line = Line::none;
-    std::string colour;           ///< as in CSS; empty: the next of the palette
+    std::string colour;  ///< as in CSS; empty: the next of the palette
 };
 
 /// A shaded part of the plane: where `inside` holds.
@@ -46,11 +46,11 @@ struct Region {
 
 struct Plot {
     std::string title;
-    std::string subtitle;         ///< conditions, in smaller letters; may be empty
+    std::string subtitle;  ///< conditions, in smaller letters; may be empty
     Axis x, y;
     std::vector<Series> series;
-    std::vector<Region> regions;  ///< below the series, in this order
-    double width = 860.0, height = 540.0;   ///< of the picture [px], legend included
+    std::vector<Region> regions;           ///< below the series, in this order
+    double width = 860.0, height = 540.0;  ///< of the picture [px], legend included
 };
 
 /// The plot as an SVG document: white background, grid, ticks with round numbers, legend at the right.

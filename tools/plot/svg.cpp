@@ -12,24 +12,30 @@ namespace cvtflow::tools {
 
 namespace {
 
-constexpr double letter = 6.9;   ///< mean width of a character at 12 px, to leave room [px]
+constexpr double letter = 6.9;  ///< mean width of a character at 12 px, to leave room [px]
 
 /// A text as it may stand between tags or in an attribute.
 std::string escaped(const std::string& text) {
     std::string safe;
     for (const char c : text) {
-        if (c == '&') safe += "&amp;";
-        else if (c == '<') safe += "&lt;";
-        else if (c == '>') safe += "&gt;";
-        else if (c == '"') safe += "&quot;";
-        else if (static_cast<unsigned char>(c) >= 0x20) safe += c;   // XML knows no control characters
+        if (c == '&')
+            safe += "&amp;";
+        else if (c == '<')
+            safe += "&lt;";
+        else if (c == '>')
+            safe += "&gt;";
+        else if (c == '"')
+            safe += "&quot;";
+        else if (static_cast<unsigned char>(c) >= 0x20)
+            safe += c;  // XML knows no control characters
     }
     return safe;
 }
 
 /// Characters of a text in UTF-8.
 double letters(const std::string& text) {
-    return static_cast<double>(std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+    return static_cast<double>(
+        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 /// A tenth of a pixel is enough.
@@ -43,7 +49,7 @@ std::string mark_path(Mark mark, double x, double y) {
     switch (mark) {
         case Mark::none: return "";
         case Mark::dot:
-        case Mark::small_dot: return fmt::format("M{} {}h0", px(x), px(y));   // a round cap draws it
+        case Mark::small_dot: return fmt::format("M{} {}h0", px(x), px(y));  // a round cap draws it
         case Mark::ring: return fmt::format("M{} {}a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0", px(x - 3.5), px(y));
         case Mark::square: return fmt::format("M{} {}h6v6h-6z", px(x - 3.0), px(y - 3.0));
         case Mark::diamond: return fmt::format("M{} {}l4 4l-4 4l-4 -4z", px(x), px(y - 4.0));
@@ -61,7 +67,8 @@ std::string mark_style(Mark mark, const std::string& colour) {
 }
 
 std::string line_style(Line line, const std::string& colour) {
-    return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{}", colour, line == Line::dashed ? " stroke-dasharray=\"6 4\"" : "");
+    return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{}", colour,
+                       line == Line::dashed ? " stroke-dasharray=\"6 4\"" : "");
 }
 
 std::string text_at(double x, double y, const std::string& text, const std::string& more) {
@@ -70,7 +77,7 @@ std::string text_at(double x, double y, const std::string& text, const std::stri
 
 /// The legend of a plot: series and regions that have names.
 struct LegendEntry {
-    std::string name, drawing;   ///< drawn around the origin, 24 px wide
+    std::string name, drawing;  ///< drawn around the origin, 24 px wide
 };
 
 std::vector<double> all(const Plot& plot, double Point::*coordinate) {
@@ -83,7 +90,8 @@ std::vector<double> all(const Plot& plot, double Point::*coordinate) {
 
 class Drawing {
 public:
-    explicit Drawing(const Plot& plot) : plot_(plot), x_(plot.x, all(plot, &Point::x)), y_(plot.y, all(plot, &Point::y)), entries_(legend()) {
+    explicit Drawing(const Plot& plot)
+        : plot_(plot), x_(plot.x, all(plot, &Point::x)), y_(plot.y, all(plot, &Point::y)), entries_(legend()) {
         y_ticks_ = y_.ticks(static_cast<int>(plot.height / 60.0));
         double widest = 0.0;
         for (const Tick& tick : y_ticks_) widest = std::max(widest, letters(tick.label));
@@ -114,7 +122,9 @@ public:
 private:
     [[nodiscard]] double at_x(double value) const { return left_ + x_.place(value) * (right_ - left_); }
     [[nodiscard]] double at_y(double value) const { return bottom_ - y_.place(value) * (bottom_ - top_); }
-    [[nodiscard]] std::string colour(std::size_t k) const { return plot_.series[k].colour.empty() ? palette(k) : escaped(plot_.series[k].colour); }
+    [[nodiscard]] std::string colour(std::size_t k) const {
+        return plot_.series[k].colour.empty() ? palette(k) : escaped(plot_.series[k].colour);
+    }
 
     [[nodiscard]] std::vector<LegendEntry> legend() const {
         std::vector<LegendEntry> entries;
@@ -123,29 +133,37 @@ private:
             if (series.name.empty()) continue;
             std::string drawing;
             if (series.line != Line::none) drawing += fmt::format("<path d=\"M-12 0h24\" {}/>", line_style(series.line, colour(k)));
-            if (series.mark != Mark::none) drawing += fmt::format("<path d=\"{}\" {}/>", mark_path(series.mark, 0.0, 0.0), mark_style(series.mark, colour(k)));
+            if (series.mark != Mark::none)
+                drawing += fmt::format("<path d=\"{}\" {}/>", mark_path(series.mark, 0.0, 0.0), mark_style(series.mark, colour(k)));
             entries.push_back({series.name, drawing});
         }
         for (const Region& region : plot_.regions) {
-            if (!region.name.empty()) entries.push_back({region.name, fmt::format("<rect x=\"-12\" y=\"-6\" width=\"24\" height=\"12\" fill=\"{}\"/>", escaped(region.colour))});
+            if (!region.name.empty())
+                entries.push_back({region.name, fmt::format("<rect x=\"-12\" y=\"-6\" width=\"24\" height=\"12\" fill=\"{}\"/>",
+                                                            escaped(region.colour))});
         }
         return entries;
     }
 
     [[nodiscard]] std::string grid() const {
         std::string strong, faint;
-        for (const Tick& tick : x_ticks_) (tick.label.empty() ? faint : strong) += fmt::format("M{} {}V{}", px(at_x(tick.value)), px(top_), px(bottom_));
-        for (const Tick& tick : y_ticks_) (tick.label.empty() ? faint : strong) += fmt::format("M{} {}H{}", px(left_), px(at_y(tick.value)), px(right_));
-        return fmt::format("<path d=\"{}\" stroke=\"#000\" stroke-opacity=\"0.05\" fill=\"none\"/>\n<path d=\"{}\" stroke=\"#000\" stroke-opacity=\"0.14\" fill=\"none\"/>\n", faint, strong);
+        for (const Tick& tick : x_ticks_)
+            (tick.label.empty() ? faint : strong) += fmt::format("M{} {}V{}", px(at_x(tick.value)), px(top_), px(bottom_));
+        for (const Tick& tick : y_ticks_)
+            (tick.label.empty() ? faint : strong) += fmt::format("M{} {}H{}", px(left_), px(at_y(tick.value)), px(right_));
+        return fmt::format(
+            "<path d=\"{}\" stroke=\"#000\" stroke-opacity=\"0.05\" fill=\"none\"/>\n<path d=\"{}\" stroke=\"#000\" "
+            "stroke-opacity=\"0.14\" fill=\"none\"/>\n",
+            faint, strong);
     }
 
     [[nodiscard]] std::string frame() const {
-        std::string made = fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#666\"/>\n", px(left_), px(top_),
-                                       px(right_ - left_), px(bottom_ - top_));
+        std::string made = fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#666\"/>\n", px(left_),
+                                       px(top_), px(right_ - left_), px(bottom_ - top_));
         double free_from = -INFINITY;
         for (const Tick& tick : x_ticks_) {
             const double half = 0.5 * letter * letters(tick.label);
-            if (tick.label.empty() || at_x(tick.value) - half < free_from) continue;   // labels do not touch
+            if (tick.label.empty() || at_x(tick.value) - half < free_from) continue;  // labels do not touch
             made += text_at(at_x(tick.value), bottom_ + 17.0, tick.label, "text-anchor=\"middle\" class=\"x\"");
             free_from = at_x(tick.value) + half + 4.0;
         }
@@ -163,7 +181,8 @@ private:
         if (!plot_.subtitle.empty()) made += text_at(left_, 44.0, plot_.subtitle, "fill=\"#555\"");
         made += text_at(0.5 * (left_ + right_), bottom_ + 40.0, plot_.x.label, "text-anchor=\"middle\" font-size=\"13\"");
         const double middle = 0.5 * (top_ + bottom_);
-        return made + text_at(16.0, middle, plot_.y.label, fmt::format("text-anchor=\"middle\" font-size=\"13\" transform=\"rotate(-90 16 {})\"", px(middle)));
+        return made + text_at(16.0, middle, plot_.y.label,
+                              fmt::format("text-anchor=\"middle\" font-size=\"13\" transform=\"rotate(-90 16 {})\"", px(middle)));
     }
 
     [[nodiscard]] std::string drawn_legend() const {
@@ -238,7 +257,7 @@ private:
     const AxisScale x_, y_;
     const std::vector<LegendEntry> entries_;
     std::vector<Tick> x_ticks_, y_ticks_;
-    double left_ = 0.0, right_ = 0.0, top_ = 0.0, bottom_ = 0.0;   ///< of the frame [px]
+    double left_ = 0.0, right_ = 0.0, top_ = 0.0, bottom_ = 0.0;  ///< of the frame [px]
 };
 
 }  // namespace

@@ -24,7 +24,8 @@ double speed_up(const Comparison& comparison, const Compared& compared) {
     return compared.seconds > 0.0 ? comparison.candidates.front().seconds / compared.seconds : NAN;
 }
 double saving(const Comparison& comparison, const Compared& compared) {
-    return static_cast<double>(comparison.candidates.front().counters.evaluations) / static_cast<double>(std::max(1L, compared.counters.evaluations));
+    return static_cast<double>(comparison.candidates.front().counters.evaluations) /
+           static_cast<double>(std::max(1L, compared.counters.evaluations));
 }
 
 std::string error_cell(double error) { return std::isnan(error) ? "-" : fmt::format("{:.2e}", error); }
@@ -35,29 +36,46 @@ std::string number(double value, const char* absent = "") { return std::isfinite
 
 std::string comparison_table(const Comparison& comparison, const ComparisonOptions& options) {
     const auto right = [](const char* heading) { return Table::Column{heading, Align::right}; };
-    Table table({{"method"}, right("step"), right("steps"), right("evaluations"), right("eval./s"), right("fewer by"), right("s/simulated s"), right("faster by"),
-                 right("err axial"), right("err tension"), right("err pin"), right("residual"), {"remark"}});
+    Table table({{"method"},
+                 right("step"),
+                 right("steps"),
+                 right("evaluations"),
+                 right("eval./s"),
+                 right("fewer by"),
+                 right("s/simulated s"),
+                 right("faster by"),
+                 right("err axial"),
+                 right("err tension"),
+                 right("err pin"),
+                 right("residual"),
+                 {"remark"}});
     for (const Compared& compared : comparison.candidates) {
         const double rate = static_cast<double>(compared.counters.evaluations) / options.duration;
         const bool good = !compared.fault;
-        table.add({compared.candidate.method, time_text(compared.step), count_text(compared.counters.steps), count_text(compared.counters.evaluations),
-                   good ? fmt::format("{:.3g}", rate) : "-", good ? fmt::format("{:.2f}", saving(comparison, compared)) : "-",
+        table.add({compared.candidate.method, time_text(compared.step), count_text(compared.counters.steps),
+                   count_text(compared.counters.evaluations), good ? fmt::format("{:.3g}", rate) : "-",
+                   good ? fmt::format("{:.2f}", saving(comparison, compared)) : "-",
                    good && compared.seconds > 0.0 ? fmt::format("{:.4g}", compared.seconds / options.duration) : "-",
-                   good && compared.seconds > 0.0 ? fmt::format("{:.2f}", speed_up(comparison, compared)) : "-", error_cell(compared.error_axial),
-                   error_cell(compared.error_tension), error_cell(compared.error_pin), residual_cell(compared.fault, compared.watch),
+                   good && compared.seconds > 0.0 ? fmt::format("{:.2f}", speed_up(comparison, compared)) : "-",
+                   error_cell(compared.error_axial), error_cell(compared.error_tension), error_cell(compared.error_pin),
+                   residual_cell(compared.fault, compared.watch),
                    compared.fault ? compared.fault.message() : unreliable_remark(compared.fault, compared.watch)});
     }
     return table.text(2);
 }
 
 std::string comparison_csv(const Comparison& comparison, const ComparisonOptions& options) {
-    std::string text = "method,step,steps,evaluations,transitions,fewer_by,seconds_per_simulated_second,faster_by,error_axial,error_tension,error_pin,finished,";
+    std::string text =
+        "method,step,steps,evaluations,transitions,fewer_by,seconds_per_simulated_second,faster_by,error_axial,error_tension,error_pin,"
+        "finished,";
     text += watch_heading + std::string("\n");
     for (const Compared& compared : comparison.candidates) {
         const tasks::Counters& counted = compared.counters;
-        text += fmt::format("{},{:.17g},{},{},{},{},{},{},{},{},{},{},{}\n", compared.candidate.method, compared.step, counted.steps, counted.evaluations, counted.detected,
-                            number(saving(comparison, compared)), compared.seconds > 0.0 ? number(compared.seconds / options.duration) : "", number(speed_up(comparison, compared)),
-                            number(compared.error_axial), number(compared.error_tension), number(compared.error_pin), compared.fault ? "no" : "yes", watch_csv(compared.fault, compared.watch));
+        text += fmt::format("{},{:.17g},{},{},{},{},{},{},{},{},{},{},{}\n", compared.candidate.method, compared.step, counted.steps,
+                            counted.evaluations, counted.detected, number(saving(comparison, compared)),
+                            compared.seconds > 0.0 ? number(compared.seconds / options.duration) : "",
+                            number(speed_up(comparison, compared)), number(compared.error_axial), number(compared.error_tension),
+                            number(compared.error_pin), compared.fault ? "no" : "yes", watch_csv(compared.fault, compared.watch));
     }
     return text;
 }
@@ -130,7 +148,8 @@ Plot pin_error_plot(const std::string& scene, const Comparison& comparison) {
         if (compared.fault) continue;
         Series series{candidate_name(compared.candidate), {}, Mark::none, line_of(plot.series.size()), ""};
         const std::vector<double> force = compared.course.pin_axial(comparison.pin, 0);
-        for (std::size_t k = 0; k < std::min(force.size(), should.size()); ++k) series.points.push_back({1e3 * compared.course.time[k], std::abs(force[k] - should[k])});
+        for (std::size_t k = 0; k < std::min(force.size(), should.size()); ++k)
+            series.points.push_back({1e3 * compared.course.time[k], std::abs(force[k] - should[k])});
         plot.series.push_back(std::move(series));
     }
     return plot;

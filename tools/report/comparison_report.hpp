@@ -11,7 +11,8 @@ namespace cvtflow::tools {
 /// A row per candidate: step, evaluations, time, speed-ups against the first, errors.
 [[nodiscard]] std::string comparison_table(const tasks::Comparison& comparison, const tasks::ComparisonOptions& options);
 [[nodiscard]] std::string comparison_csv(const tasks::Comparison& comparison, const tasks::ComparisonOptions& options);
-[[nodiscard]] std::string comparison_json(const std::string& scene, const tasks::Comparison& comparison, const tasks::ComparisonOptions& options);
+[[nodiscard]] std::string comparison_json(const std::string& scene, const tasks::Comparison& comparison,
+                                          const tasks::ComparisonOptions& options);
 /// Axial force of the pin on the sheave at -z over time, of the reference and all candidates that came to the end.
 [[nodiscard]] Plot pin_plot(const std::string& scene, const tasks::Comparison& comparison);
 /// The same less the reference.

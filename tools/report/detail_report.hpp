@@ -7,7 +7,8 @@
 
 namespace cvtflow::tools {
 
-/// Prints a table for every scene, differences from full detail; detail_SCENE.csv, .json, .svg if asked for. A variant that broke down is named on stderr and makes the result incomplete.
+/// Prints a table for every scene, differences from full detail; detail_SCENE.csv, .json, .svg if asked for. A variant that broke down is
+/// named on stderr and makes the result incomplete.
 ExitStatus report_details(const DetailArguments& arguments, const OutputArguments& output);
 
 }  // namespace cvtflow::tools

@@ -60,14 +60,19 @@ std::string error_json(const std::vector<ErrorCurve>& curves, const std::string&
     for (const ErrorCurve& curve : curves) {
         auto rows = nlohmann::ordered_json::array();
         for (const LocalError& error : curve.errors) {
-            rows.push_back({{"step", error.step}, {"positions", error.positions}, {"velocities", error.velocities}, {"axial_force", error.axial_force}, {"tension", error.tension}});
+            rows.push_back({{"step", error.step},
+                            {"positions", error.positions},
+                            {"velocities", error.velocities},
+                            {"axial_force", error.axial_force},
+                            {"tension", error.tension}});
         }
         list.push_back({{"method", curve.method}, {"friction", curve.friction}, {"errors", rows}});
     }
     return json_text({{"scene", scene}, {"provenance", provenance_json()}, {"curves", list}});
 }
 
-Plot error_plot(const std::vector<ErrorCurve>& curves, const std::string& friction, double LocalError::*part, const std::string& name, const std::string& scene) {
+Plot error_plot(const std::vector<ErrorCurve>& curves, const std::string& friction, double LocalError::*part, const std::string& name,
+                const std::string& scene) {
     static constexpr std::array marks{Mark::dot, Mark::ring, Mark::square, Mark::diamond, Mark::triangle, Mark::cross};
     Plot plot;
     plot.title = fmt::format("Error of one step: {}", name);
@@ -77,7 +82,8 @@ Plot error_plot(const std::vector<ErrorCurve>& curves, const std::string& fricti
     for (const ErrorCurve& curve : curves) {
         if (curve.friction != friction) continue;
         Series series{curve.method, {}, marks[plot.series.size() % marks.size()], Line::solid, ""};
-        for (const LocalError& error : curve.errors) series.points.push_back({error.step, std::isfinite(error.*part) && error.*part < 1e6 ? error.*part : NAN});
+        for (const LocalError& error : curve.errors)
+            series.points.push_back({error.step, std::isfinite(error.*part) && error.*part < 1e6 ? error.*part : NAN});
         plot.series.push_back(std::move(series));
     }
     return plot;

@@ -25,7 +25,8 @@ std::string figure(double value) { return fmt::format("{:.3g}", value); }
 std::string oscillator_lines(const ProgramResult& r) {
     std::string text = field("test equation", "q' = v, v' = -omega^2 q - c v, friction c inside the step");
     text += field("without friction", fmt::format("stable to h omega = {:.4g}", r.first));
-    text += field("with any friction", r.any.friction > 0.0 ? fmt::format("stable to h omega = {:.4g}, the least at h c = {:.3g}", r.any.oscillation, r.any.friction)
+    text += field("with any friction", r.any.friction > 0.0 ? fmt::format("stable to h omega = {:.4g}, the least at h c = {:.3g}",
+                                                                          r.any.oscillation, r.any.friction)
                                                             : fmt::format("stable to h omega = {:.4g} as well", r.any.oscillation));
     return text + field("friction alone", fmt::format("stable {} in h c", to_text(r.second)));
 }
@@ -83,18 +84,25 @@ std::string program_figures(const ProgramResult& r) {
 }
 
 std::string program_table(const std::vector<ProgramResult>& results) {
-    const std::string oscillators = table_of(results, true, {"h omega", "with friction", "least at h c", "h c"},
-                                             [](const ProgramResult& r) { return std::vector{r.first, r.any.oscillation, r.any.friction, r.second}; });
-    const std::string linear = table_of(results, false, {"real", "imag", "ray 1 %", "ray 5 %"},
-                                        [](const ProgramResult& r) { return std::vector{r.first, r.second, r.ray_1, r.ray_5}; });
+    const std::string oscillators =
+        table_of(results, true, {"h omega", "with friction", "least at h c", "h c"}, [](const ProgramResult& r) {
+            return std::vector{r.first, r.any.oscillation, r.any.friction, r.second};
+        });
+    const std::string linear = table_of(results, false, {"real", "imag", "ray 1 %", "ray 5 %"}, [](const ProgramResult& r) {
+        return std::vector{r.first, r.second, r.ray_1, r.ray_5};
+    });
     return oscillators + (!oscillators.empty() && !linear.empty() ? "\n" : "") + linear;
 }
 
 std::string limit_text(const ProgramLimit& limit) {
     if (std::isinf(limit.predicted.step)) {
-        return fmt::format("{}, {}", tasks::text_of(limit.predicted), std::isinf(limit.measured.step) ? "nor was one found" : fmt::format("but {} measured", time_text(limit.measured.step)));
+        return fmt::format(
+            "{}, {}", tasks::text_of(limit.predicted),
+            std::isinf(limit.measured.step) ? "nor was one found" : fmt::format("but {} measured", time_text(limit.measured.step)));
     }
-    const std::string found = std::isinf(limit.measured.step) ? "none measured" : fmt::format("{} measured ({:+.2f} %)", time_text(limit.measured.step), 100.0 * (limit.measured.step / limit.predicted.step - 1.0));
+    const std::string found = std::isinf(limit.measured.step) ? "none measured"
+                                                              : fmt::format("{} measured ({:+.2f} %)", time_text(limit.measured.step),
+                                                                            100.0 * (limit.measured.step / limit.predicted.step - 1.0));
     return fmt::format("{} predicted, {}", tasks::text_of(limit.predicted), found);
 }
 
@@ -107,11 +115,14 @@ std::string limit_lines(const std::vector<ProgramResult>& results) {
 }
 
 std::string program_csv(const std::vector<ProgramResult>& results) {
-    std::string text = "method,equation,h_omega,h_omega_any_friction,limiting_h_c,h_c,real,imaginary,ray_1,ray_5,stage_growth,gain,left,stable_step,stable_step_measured\n";
+    std::string text =
+        "method,equation,h_omega,h_omega_any_friction,limiting_h_c,h_c,real,imaginary,ray_1,ray_5,stage_growth,gain,left,stable_step,"
+        "stable_step_measured\n";
     for (const ProgramResult& r : results) {
         text += r.program.name;
-        text += r.oscillator() ? fmt::format(",oscillator,{:.9g},{:.9g},{:.9g},{:.9g},,,,", r.first, r.any.oscillation, r.any.friction, r.second)
-                               : fmt::format(",linear,,,,,{:.9g},{:.9g},{:.9g},{:.9g}", r.first, r.second, r.ray_1, r.ray_5);
+        text += r.oscillator()
+                    ? fmt::format(",oscillator,{:.9g},{:.9g},{:.9g},{:.9g},,,,", r.first, r.any.oscillation, r.any.friction, r.second)
+                    : fmt::format(",linear,,,,,{:.9g},{:.9g},{:.9g},{:.9g}", r.first, r.second, r.ray_1, r.ray_5);
         text += fmt::format(",{:.9g},{:.9g},{:.9g}", r.worst.growth, r.worst.gain, r.worst.left);
         text += r.limit ? fmt::format(",{:.9g},{:.9g}\n", r.limit->predicted.step, r.limit->measured.step) : ",,\n";
     }
@@ -121,7 +132,8 @@ std::string program_csv(const std::vector<ProgramResult>& results) {
 nlohmann::ordered_json program_json(const ProgramResult& r) {
     nlohmann::ordered_json json{{"method", r.program.name}};
     if (r.oscillator()) {
-        json["oscillator"] = {{"h_omega", r.first}, {"h_omega_any_friction", r.any.oscillation}, {"limiting_h_c", r.any.friction}, {"h_c", r.second}};
+        json["oscillator"] = {
+            {"h_omega", r.first}, {"h_omega_any_friction", r.any.oscillation}, {"limiting_h_c", r.any.friction}, {"h_c", r.second}};
     } else {
         json["linear"] = {{"real", r.first}, {"imaginary", r.second}, {"ray_1", r.ray_1}, {"ray_5", r.ray_5}};
     }
@@ -137,7 +149,11 @@ namespace {
 void add_point(Plot& plot, const ProgramResult& r) {
     const double h = r.step > 0.0 ? r.step : r.limit->predicted.step;
     if (!std::isfinite(h)) return;
-    plot.series.push_back({fmt::format("the scene at {}", time_text(h)), {{h * r.limit->predicted.oscillation, h * r.limit->predicted.friction}}, Mark::diamond, Line::none, ""});
+    plot.series.push_back({fmt::format("the scene at {}", time_text(h)),
+                           {{h * r.limit->predicted.oscillation, h * r.limit->predicted.friction}},
+                           Mark::diamond,
+                           Line::none,
+                           ""});
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 #pragma once
 /// Stability of methods that are programs, for people, programs and eyes.
 
-#include <optional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,12 +27,12 @@ struct ProgramLimit {
 struct ProgramResult {
     tasks::MethodProgram program;
     tasks::ProgramStability stability;
-    double first = 0.0, second = 0.0;      ///< oscillator: h ω without friction, h c at rest; linear: reach along the real, the imaginary axis
-    tasks::FrictionLimit any{};            ///< oscillator only: with whatever friction
-    double ray_1 = 0.0, ray_5 = 0.0;       ///< linear only: along rays of damping ratio 1 % and 5 %
-    tasks::StageFigures worst;             ///< over all decays that the method takes
-    std::optional<ProgramLimit> limit;     ///< on a scene
-    double step = 0.0;                     ///< of the scene's point on the map; 0: the longest stable one [s]
+    double first = 0.0, second = 0.0;  ///< oscillator: h ω without friction, h c at rest; linear: reach along the real, the imaginary axis
+    tasks::FrictionLimit any{};        ///< oscillator only: with whatever friction
+    double ray_1 = 0.0, ray_5 = 0.0;   ///< linear only: along rays of damping ratio 1 % and 5 %
+    tasks::StageFigures worst;         ///< over all decays that the method takes
+    std::optional<ProgramLimit> limit;  ///< on a scene
+    double step = 0.0;                  ///< of the scene's point on the map; 0: the longest stable one [s]
 
     [[nodiscard]] bool oscillator() const noexcept { return stability.equation == tasks::TestEquation::oscillator; }
 };

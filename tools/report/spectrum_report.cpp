@@ -14,7 +14,8 @@ using nlohmann::ordered_json;
 namespace {
 
 std::string complex_text(std::complex<double> value) {
-    return value.imag() == 0.0 ? fmt::format("{:.4g}", value.real()) : fmt::format("{:.3g} {} {:.4g}i", value.real(), value.imag() < 0.0 ? "-" : "+", std::abs(value.imag()));
+    return value.imag() == 0.0 ? fmt::format("{:.4g}", value.real())
+                               : fmt::format("{:.3g} {} {:.4g}i", value.real(), value.imag() < 0.0 ? "-" : "+", std::abs(value.imag()));
 }
 
 double largest_modulus(const engine::Eigenvalues& values) {
@@ -25,13 +26,20 @@ double largest_modulus(const engine::Eigenvalues& values) {
 
 std::string growth_text(const SpectrumResult& result, const tasks::Extent& extent) {
     if (!result.complete) return "not looked at: eigenvalues at the edge only";
-    if (extent.growing == 0) return fmt::format("none above {:g} 1/s (largest {:.3g} 1/s: differences resolve no less)", engine::tolerated_growth, extent.growth);
+    if (extent.growing == 0)
+        return fmt::format("none above {:g} 1/s (largest {:.3g} 1/s: differences resolve no less)", engine::tolerated_growth,
+                           extent.growth);
     return fmt::format("GROWTH: {} above {:g} 1/s, largest {:.4g} 1/s: the state is not settled, or runs away",
                        plural(extent.growing, "eigenvalue"), engine::tolerated_growth, extent.growth);
 }
 
 std::string shares_table(const tasks::Attribution& attribution) {
-    Table table({{"made by"}, {"eigenvalues", Align::right}, {"below -1e7", Align::right}, {"fastest", Align::right}, {"slowest", Align::right}, {"mean share", Align::right}});
+    Table table({{"made by"},
+                 {"eigenvalues", Align::right},
+                 {"below -1e7", Align::right},
+                 {"fastest", Align::right},
+                 {"slowest", Align::right},
+                 {"mean share", Align::right}});
     const auto kinds = tasks::contact_kinds();
     for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
         int count = 0, fast = 0;
@@ -45,18 +53,25 @@ std::string shares_table(const tasks::Attribution& attribution) {
             share += attribution.shares[k][kind];
         }
         const auto number = [&](double value) { return count > 0 ? fmt::format("{:.3g}", value) : ""; };
-        table.add({std::string(kinds[kind].name), std::to_string(count), std::to_string(fast), number(fastest), number(slowest), count > 0 ? fmt::format("{:.2f}", share / count) : ""});
+        table.add({std::string(kinds[kind].name), std::to_string(count), std::to_string(fast), number(fastest), number(slowest),
+                   count > 0 ? fmt::format("{:.2f}", share / count) : ""});
     }
     return table.text(2);
 }
 
 std::string slowed_table(const tasks::Attribution& attribution) {
-    Table table({{"v0 x 10"}, {"max -Re", Align::right}, {"factor", Align::right}, {"max |Im|", Align::right}, {"below -1e6", Align::right}, {"below -1e7", Align::right}});
+    Table table({{"v0 x 10"},
+                 {"max -Re", Align::right},
+                 {"factor", Align::right},
+                 {"max |Im|", Align::right},
+                 {"below -1e6", Align::right},
+                 {"below -1e7", Align::right}});
     const double before = tasks::extent_of(attribution.slowed.front().values).decay;
     for (const tasks::SlowedSpectrum& slowed : attribution.slowed) {
         const tasks::Extent extent = tasks::extent_of(slowed.values);
-        table.add({slowed.contacts.empty() ? "none" : slowed.contacts, fmt::format("{:.3e}", extent.decay), fmt::format("{:.2f}", before / extent.decay),
-                   fmt::format("{:.3e}", extent.oscillation), std::to_string(extent.below_1e6), std::to_string(extent.below_1e7)});
+        table.add({slowed.contacts.empty() ? "none" : slowed.contacts, fmt::format("{:.3e}", extent.decay),
+                   fmt::format("{:.2f}", before / extent.decay), fmt::format("{:.3e}", extent.oscillation),
+                   std::to_string(extent.below_1e6), std::to_string(extent.below_1e7)});
     }
     return table.text(2);
 }
@@ -64,7 +79,8 @@ std::string slowed_table(const tasks::Attribution& attribution) {
 }  // namespace
 
 std::string limit_text(const StepLimit& limit) {
-    const std::string predicted = fmt::format("{} predicted (by {} 1/s)", time_text(limit.predicted.step), complex_text(limit.predicted.limiting));
+    const std::string predicted =
+        fmt::format("{} predicted (by {} 1/s)", time_text(limit.predicted.step), complex_text(limit.predicted.limiting));
     if (limit.measured.unstable == 0.0) return fmt::format("{}, more than {} measured", predicted, time_text(limit.measured.stable));
     if (limit.measured.stable == 0.0) return fmt::format("{}, less than {} measured", predicted, time_text(limit.measured.unstable));
     const double difference = 100.0 * (limit.measured.limit() / limit.predicted.step - 1.0);
@@ -73,19 +89,25 @@ std::string limit_text(const StepLimit& limit) {
 
 std::string spectrum_text(const SpectrumResult& result) {
     const tasks::Extent extent = tasks::extent_of(result.values);
-    std::string text = fmt::format("{}: eigenvalues of the Jacobian at t = {}, {} friction, {} touching\n", result.scene, time_text(result.time), result.friction,
-                                   plural(result.touching, "tip"));
-    text += field("eigenvalues", result.complete ? fmt::format("all {}", count_text(result.unknowns))
-                                                 : fmt::format("{} at the edge of {}, from a Krylov space of {} (relative residuals up to {:.0e})",
-                                                               count_text(static_cast<long>(result.values.size())), count_text(result.unknowns), result.dimension, result.residual));
+    std::string text = fmt::format("{}: eigenvalues of the Jacobian at t = {}, {} friction, {} touching\n", result.scene,
+                                   time_text(result.time), result.friction, plural(result.touching, "tip"));
+    text += field("eigenvalues", result.complete
+                                     ? fmt::format("all {}", count_text(result.unknowns))
+                                     : fmt::format("{} at the edge of {}, from a Krylov space of {} (relative residuals up to {:.0e})",
+                                                   count_text(static_cast<long>(result.values.size())), count_text(result.unknowns),
+                                                   result.dimension, result.residual));
     text += field("fastest decay", fmt::format("max -Re = {:.4e} 1/s", extent.decay));
     text += field("fastest oscillation", fmt::format("max |Im| = {:.4e} 1/s", extent.oscillation));
     text += field("below -1e6, -1e7", fmt::format("{}, {}", extent.below_1e6, extent.below_1e7));
     text += field("growth", growth_text(result, extent));
-    text += field("step x |largest|", fmt::format("{:.3f} with {} of {}", result.step * largest_modulus(result.values), time_text(result.step), result.method));
-    text += field("largest stable step", result.limit ? limit_text(*result.limit) : result.program_limit ? limit_text(*result.program_limit) : "not looked for");
+    text += field("step x |largest|",
+                  fmt::format("{:.3f} with {} of {}", result.step * largest_modulus(result.values), time_text(result.step), result.method));
+    text += field("largest stable step", result.limit           ? limit_text(*result.limit)
+                                         : result.program_limit ? limit_text(*result.program_limit)
+                                                                : "not looked for");
     if (!result.attribution) return text;
-    text += fmt::format("\nEigenvalues below -1e6 1/s by the contact that makes them (share: -d ln λ / d ln v0)\n{}", shares_table(*result.attribution));
+    text += fmt::format("\nEigenvalues below -1e6 1/s by the contact that makes them (share: -d ln λ / d ln v0)\n{}",
+                        shares_table(*result.attribution));
     return text + fmt::format("\nSaturation speeds v0 ten times as high\n{}", slowed_table(*result.attribution));
 }
 
@@ -106,7 +128,10 @@ std::string spectrum_csv(const SpectrumResult& result) {
 namespace {
 
 ordered_json extent_json(const tasks::Extent& extent) {
-    return {{"max_decay", extent.decay}, {"max_oscillation", extent.oscillation}, {"below_1e6", extent.below_1e6}, {"below_1e7", extent.below_1e7}};
+    return {{"max_decay", extent.decay},
+            {"max_oscillation", extent.oscillation},
+            {"below_1e6", extent.below_1e6},
+            {"below_1e7", extent.below_1e7}};
 }
 
 }  // namespace
@@ -120,15 +145,19 @@ ordered_json limit_json(const StepLimit& limit) {
             {"measured_unstable", limit.measured.unstable}};
 }
 
-ordered_json limit_json(const ProgramLimit& limit) {   // infinite steps are null
-    return {{"method", limit.method}, {"predicted", limit.predicted.step}, {"oscillation", limit.predicted.oscillation}, {"friction", limit.predicted.friction},
+ordered_json limit_json(const ProgramLimit& limit) {  // infinite steps are null
+    return {{"method", limit.method},
+            {"predicted", limit.predicted.step},
+            {"oscillation", limit.predicted.oscillation},
+            {"friction", limit.predicted.friction},
             {"measured", limit.measured.step}};
 }
 
 std::string spectrum_json(const SpectrumResult& result) {
     const tasks::Extent extent = tasks::extent_of(result.values);
-    ordered_json json{{"scene", result.scene}, {"provenance", provenance_json()}, {"time", result.time}, {"friction", result.friction}, {"touching", result.touching},
-                      {"unknowns", result.unknowns}, {"complete", result.complete}};
+    ordered_json json{{"scene", result.scene},       {"provenance", provenance_json()}, {"time", result.time},
+                      {"friction", result.friction}, {"touching", result.touching},     {"unknowns", result.unknowns},
+                      {"complete", result.complete}};
     json["extent"] = extent_json(extent);
     if (result.complete) json["growth"] = {{"growing", extent.growing}, {"largest", extent.growth}};
     json["method"] = result.method;
@@ -154,8 +183,9 @@ std::string spectrum_json(const SpectrumResult& result) {
 namespace {
 
 std::string conditions(const SpectrumResult& result) {
-    return fmt::format("t = {}, {} friction, {} touching; {}{} eigenvalues", time_text(result.time), result.friction, plural(result.touching, "tip"),
-                       result.complete ? "all " : "the outermost ", count_text(static_cast<long>(result.values.size())));
+    return fmt::format("t = {}, {} friction, {} touching; {}{} eigenvalues", time_text(result.time), result.friction,
+                       plural(result.touching, "tip"), result.complete ? "all " : "the outermost ",
+                       count_text(static_cast<long>(result.values.size())));
 }
 
 }  // namespace
@@ -170,9 +200,10 @@ Plot edge_plot(const SpectrumResult& result) {
     std::vector<Series> kinds;
     const std::size_t attributed = result.attribution ? result.attribution->values.size() : 0;
     if (attributed > 0) {
-        for (const tasks::ContactKind& kind : tasks::contact_kinds()) kinds.push_back({"made by " + std::string(kind.name), {}, Mark::none, Line::solid, ""});
+        for (const tasks::ContactKind& kind : tasks::contact_kinds())
+            kinds.push_back({"made by " + std::string(kind.name), {}, Mark::none, Line::solid, ""});
     }
-    for (std::size_t k = 0; k < result.values.size(); ++k) {   // by falling decay
+    for (std::size_t k = 0; k < result.values.size(); ++k) {  // by falling decay
         const double decay = -result.values[k].real();
         if (decay <= -result.border) continue;
         all.points.push_back({decay, static_cast<double>(all.points.size())});
@@ -193,7 +224,8 @@ Plot spectrum_plot(const SpectrumResult& result, Scale scale) {
     plot.y = {"Im λ [1/s]", scale, 1e3, {}, {}};
     const std::size_t attributed = result.attribution ? result.attribution->values.size() : 0;
     if (attributed > 0) {
-        for (const tasks::ContactKind& kind : tasks::contact_kinds()) plot.series.push_back({"made by " + std::string(kind.name), {}, Mark::small_dot, Line::none, ""});
+        for (const tasks::ContactKind& kind : tasks::contact_kinds())
+            plot.series.push_back({"made by " + std::string(kind.name), {}, Mark::small_dot, Line::none, ""});
     }
     plot.series.push_back({attributed > 0 ? "others" : "eigenvalues", {}, Mark::small_dot, Line::none, attributed > 0 ? "#444444" : ""});
     for (std::size_t k = 0; k < result.values.size(); ++k) {

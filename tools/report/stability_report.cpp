@@ -13,11 +13,15 @@ namespace cvtflow::tools {
 
 namespace {
 
-double ray(const engine::StagePlan& plan, double damping) { return engine::stability_reach(plan, {-damping, std::sqrt(1.0 - damping * damping)}, 1e-6); }
+double ray(const engine::StagePlan& plan, double damping) {
+    return engine::stability_reach(plan, {-damping, std::sqrt(1.0 - damping * damping)}, 1e-6);
+}
 
 std::string short_number(double value) { return value < 1e4 ? fmt::format("{:.4g}", value) : fmt::format("{:.2e}", value); }
 
-double evaluations_per_second(const StabilityResult& result) { return static_cast<double>(result.plan.stages.size()) / result.limit->predicted.step; }
+double evaluations_per_second(const StabilityResult& result) {
+    return static_cast<double>(result.plan.stages.size()) / result.limit->predicted.step;
+}
 
 }  // namespace
 
@@ -32,10 +36,12 @@ std::string stability_table(const std::vector<StabilityResult>& results) {
     if (scene) columns.insert(columns.end(), {right("growth"), right("gain"), right("eval./s"), {"largest stable step"}});
     Table table(columns);
     for (const StabilityResult& result : results) {
-        std::vector<std::string> cells{result.plan.name, std::to_string(result.plan.stages.size()), short_number(result.real), short_number(result.imaginary),
+        std::vector<std::string> cells{result.plan.name,           std::to_string(result.plan.stages.size()),
+                                       short_number(result.real),  short_number(result.imaginary),
                                        short_number(result.ray_1), short_number(result.ray_5)};
         if (scene) {
-            const std::vector<std::string> more{short_number(result.growth), short_number(result.gain), fmt::format("{:.3g}", evaluations_per_second(result)), limit_text(*result.limit)};
+            const std::vector<std::string> more{short_number(result.growth), short_number(result.gain),
+                                                fmt::format("{:.3g}", evaluations_per_second(result)), limit_text(*result.limit)};
             cells.insert(cells.end(), more.begin(), more.end());
         }
         table.add(cells);
@@ -44,13 +50,17 @@ std::string stability_table(const std::vector<StabilityResult>& results) {
 }
 
 std::string stability_csv(const std::vector<StabilityResult>& results) {
-    std::string text = "method,stages,real,imaginary,ray_1,ray_5,stage_growth,gain,predicted,limiting_real,limiting_imaginary,measured_stable,measured_unstable\n";
+    std::string text =
+        "method,stages,real,imaginary,ray_1,ray_5,stage_growth,gain,predicted,limiting_real,limiting_imaginary,measured_stable,measured_"
+        "unstable\n";
     for (const StabilityResult& result : results) {
-        text += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g}", result.plan.name, result.plan.stages.size(), result.real, result.imaginary, result.ray_1, result.ray_5);
+        text += fmt::format("{},{},{:.9g},{:.9g},{:.9g},{:.9g}", result.plan.name, result.plan.stages.size(), result.real, result.imaginary,
+                            result.ray_1, result.ray_5);
         if (result.limit) {
             const StepLimit& limit = *result.limit;
-            text += fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", result.growth, result.gain, limit.predicted.step, limit.predicted.limiting.real(),
-                                limit.predicted.limiting.imag(), limit.measured.stable, limit.measured.unstable);
+            text += fmt::format(",{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", result.growth, result.gain, limit.predicted.step,
+                                limit.predicted.limiting.real(), limit.predicted.limiting.imag(), limit.measured.stable,
+                                limit.measured.unstable);
         } else {
             text += ",,,,,,,";
         }
@@ -60,8 +70,9 @@ std::string stability_csv(const std::vector<StabilityResult>& results) {
 }
 
 nlohmann::ordered_json stability_json(const StabilityResult& result) {
-    nlohmann::ordered_json json{{"method", result.plan.name}, {"stages", result.plan.stages.size()}, {"real", result.real}, {"imaginary", result.imaginary},
-                                {"ray_1", result.ray_1}, {"ray_5", result.ray_5}};
+    nlohmann::ordered_json json{{"method", result.plan.name}, {"stages", result.plan.stages.size()},
+                                {"real", result.real},        {"imaginary", result.imaginary},
+                                {"ray_1", result.ray_1},      {"ray_5", result.ray_5}};
     if (!result.limit) return json;
     json["stage_growth"] = result.growth;
     json["gain"] = result.gain;
@@ -77,7 +88,7 @@ Plot stability_map(const StabilityResult& result, const engine::Eigenvalues& val
     const auto factor = engine::stability_function(result.plan);
     const auto stable = [factor](double x, double y) { return std::abs(factor({x, y})) <= 1.0; };
     for (double x = -reach; x < -1e-3; x *= 0.9) {
-        while (half < 100.0 && stable(x, 1.05 * half)) half *= 1.1;   // the widest part is seen whole
+        while (half < 100.0 && stable(x, 1.05 * half)) half *= 1.1;  // the widest part is seen whole
     }
     plot.x = {"Re hλ", reach > 20.0 ? Scale::symlog : Scale::linear, 1.0, -1.3 * reach, std::min(2.0, 0.3 * reach)};
     plot.y = {"Im hλ", Scale::linear, 1.0, -1.15 * half, 1.15 * half};

@@ -13,10 +13,10 @@ namespace cvtflow::tools {
 /// A method, and what a scene's spectrum lets it do.
 struct StabilityResult {
     engine::StagePlan plan;
-    double real = 0.0, imaginary = 0.0;     ///< reach along the axes
-    double ray_1 = 0.0, ray_5 = 0.0;        ///< along rays of damping ratio 1 % and 5 %
-    std::optional<StepLimit> limit;         ///< only with a scene
-    double growth = 0.0, gain = 0.0;        ///< of stages and of their errors over the scene's decays at the limit; only with a scene
+    double real = 0.0, imaginary = 0.0;  ///< reach along the axes
+    double ray_1 = 0.0, ray_5 = 0.0;     ///< along rays of damping ratio 1 % and 5 %
+    std::optional<StepLimit> limit;      ///< only with a scene
+    double growth = 0.0, gain = 0.0;     ///< of stages and of their errors over the scene's decays at the limit; only with a scene
 };
 
 /// Reaches, and over [-length, 0] nothing yet. @throws std::invalid_argument as engine::validate()

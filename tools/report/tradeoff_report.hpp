@@ -17,13 +17,13 @@ struct TradeoffEntry {
     std::string choice;
     std::vector<std::string> settings;
     tasks::TrajectoryErrors errors;
-    tasks::Fault fault;            ///< of the last short run
-    tasks::RunVerdict watch;       ///< of the last short run
-    double evaluations = 0.0;      ///< per simulated second
-    std::vector<double> seconds;   ///< wall time per simulated second, of each round
-    double stable_step = 0.0;      ///< up to which the method is stable [s]; infinite: any
+    tasks::Fault fault;           ///< of the last short run
+    tasks::RunVerdict watch;      ///< of the last short run
+    double evaluations = 0.0;     ///< per simulated second
+    std::vector<double> seconds;  ///< wall time per simulated second, of each round
+    double stable_step = 0.0;     ///< up to which the method is stable [s]; infinite: any
     std::optional<tasks::Confirmed> confirmed;
-    std::string objection;         ///< why it is not recommended, whatever its errors; empty: nothing is known
+    std::string objection;  ///< why it is not recommended, whatever its errors; empty: nothing is known
     bool front = false;
 
     [[nodiscard]] double median() const;
@@ -37,11 +37,11 @@ struct TradeoffEntry {
 /// What all of it was measured with.
 struct TradeoffSetting {
     std::string scene;
-    std::string reference, duration, interval;   ///< of the short runs, as given
+    std::string reference, duration, interval;  ///< of the short runs, as given
     int rounds = 0;
-    double confirm = 0.0;                         ///< length of the long ones [s]
-    std::string confirm_reference;                ///< Confirmation::reference_text()
-    tasks::RunVerdict confirm_watch;              ///< of that run
+    double confirm = 0.0;             ///< length of the long ones [s]
+    std::string confirm_reference;    ///< Confirmation::reference_text()
+    tasks::RunVerdict confirm_watch;  ///< of that run
 };
 
 /// Errors that a recommendation is made for.

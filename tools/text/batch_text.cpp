@@ -36,8 +36,8 @@ public:
         last_ = Clock::now();
         const double rate = static_cast<double>(p.done) / std::max(p.wall, 1e-9);
         const double left = static_cast<double>(p.cases - p.before - p.done) / rate;
-        const std::string line = fmt::format("{} of {} cases, {:.3g} a second, {} left{}", p.before + p.done, p.cases, rate, clock_text(left),
-                                             p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
+        const std::string line = fmt::format("{} of {} cases, {:.3g} a second, {} left{}", p.before + p.done, p.cases, rate,
+                                             clock_text(left), p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
         to_stderr(fmt::format("{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n"));
         drawn_ = terminal_;
     }
@@ -52,7 +52,7 @@ private:
 tasks::Sweep load_sweep(const std::string& path) {
     std::error_code unreadable;
     std::string file = path;
-    for (const auto& folder : scene_folders()) {   // a ready sweep by its name
+    for (const auto& folder : scene_folders()) {  // a ready sweep by its name
         if (path.find('/') != std::string::npos || path.ends_with(".toml") || std::filesystem::exists(file, unreadable)) break;
         file = (folder / "sweeps" / (path + ".toml")).string();
     }
@@ -70,7 +70,8 @@ std::string sweep_of(const std::string& folder) {
 void require_statuses(const std::string& option, const std::vector<std::string>& given) {
     const auto names = tasks::status_names();
     for (const std::string& name : given) {
-        if (std::find(names.begin(), names.end(), name) == names.end()) throw UsageError(fmt::format("{} {}: not one of {}", option, name, fmt::join(names, ", ")));
+        if (std::find(names.begin(), names.end(), name) == names.end())
+            throw UsageError(fmt::format("{} {}: not one of {}", option, name, fmt::join(names, ", ")));
     }
 }
 
@@ -84,10 +85,15 @@ namespace {
 
 void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const std::string& folder) {
     const tasks::BatchProgress& p = report.progress;
-    fmt::print("{}: {}\n", sweep.name, report.finished ? "finished" : fmt::format("stopped with {} of {} cases; to go on: cvtflow resume {}", p.before + p.done, p.cases, folder));
-    fmt::print("{}", field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall, plural(report.threads, "thread"),
-                                                static_cast<double>(p.done) / std::max(p.wall, 1e-9), p.before > 0 ? fmt::format("; {} before", p.before) : "")));
-    fmt::print("{}{}{}", field("statuses", statuses_text(report.statuses)), field("results hash", report.results_hash), field("table", report.folder + "/cases.h5"));
+    fmt::print("{}: {}\n", sweep.name,
+               report.finished
+                   ? "finished"
+                   : fmt::format("stopped with {} of {} cases; to go on: cvtflow resume {}", p.before + p.done, p.cases, folder));
+    fmt::print("{}", field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall,
+                                                plural(report.threads, "thread"), static_cast<double>(p.done) / std::max(p.wall, 1e-9),
+                                                p.before > 0 ? fmt::format("; {} before", p.before) : "")));
+    fmt::print("{}{}{}", field("statuses", statuses_text(report.statuses)), field("results hash", report.results_hash),
+               field("table", report.folder + "/cases.h5"));
     if (!report.continuation_error.empty()) fmt::print("{}", field("continuation error", report.continuation_error));
 }
 

@@ -33,7 +33,8 @@ std::vector<std::string> read_choice(const std::string& choice) {
         throw UsageError(fmt::format("{}: write METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE for steps by error", choice));
     const std::string step = choice.substr(at + 1, tilde == std::string::npos ? tilde : tilde - at - 1);
     const double seconds = read_step(choice, step);
-    std::vector<std::string> settings{"run.method=" + choice.substr(0, at), seconds == 0.0 ? fmt::format("run.step={}", automatic) : fmt::format("run.step={:.17g}", seconds)};
+    std::vector<std::string> settings{"run.method=" + choice.substr(0, at),
+                                      seconds == 0.0 ? fmt::format("run.step={}", automatic) : fmt::format("run.step={:.17g}", seconds)};
     if (tilde != std::string::npos) {
         settings.emplace_back("run.step_control=error");
         settings.push_back("run.tolerance=" + choice.substr(tilde + 1));

@@ -21,11 +21,13 @@ constexpr double nearly = 1e-4;
 std::complex<double> ray(double damping_ratio) { return {-damping_ratio, std::sqrt(1.0 - damping_ratio * damping_ratio)}; }
 
 std::string stability_lines(const engine::StagePlan& plan, double real) {
-    std::string text = field("real axis", fmt::format("stable to h|lambda| = {:.4g}, {:.3g} per evaluation", real, real / static_cast<double>(plan.stages.size())));
+    std::string text = field("real axis", fmt::format("stable to h|lambda| = {:.4g}, {:.3g} per evaluation", real,
+                                                      real / static_cast<double>(plan.stages.size())));
     const double imaginary = engine::imaginary_stability(plan);
     text += field("imaginary axis", imaginary > 0.02 ? fmt::format("stable to {:.4g}", imaginary) : "unstable, if slowly");
-    return text + field("damped by 1, 5, 20 %", fmt::format("stable to {:.4g}, {:.4g}, {:.4g}", engine::stability_reach(plan, ray(0.01), 1e-6),
-                                                            engine::stability_reach(plan, ray(0.05), 1e-6), engine::stability_reach(plan, ray(0.2), 1e-6)));
+    return text + field("damped by 1, 5, 20 %",
+                        fmt::format("stable to {:.4g}, {:.4g}, {:.4g}", engine::stability_reach(plan, ray(0.01), 1e-6),
+                                    engine::stability_reach(plan, ray(0.05), 1e-6), engine::stability_reach(plan, ray(0.2), 1e-6)));
 }
 
 std::string combination(const std::vector<engine::Term>& states, const std::vector<engine::Term>& slopes) {
@@ -58,8 +60,9 @@ std::string method_figures(const engine::StagePlan& plan, double length) {
     const double on = length > 0.0 ? length : 0.99 * real;
     const auto stages = static_cast<long>(plan.stages.size());
     std::string text = field("source", plan.source);
-    text += field("stages", compiled.last_is_result() ? fmt::format("{}, the last one serves the next step: {} a step", plural(stages, "evaluation"), stages - 1)
-                                                      : fmt::format("{} a step", plural(stages, "evaluation")));
+    text += field("stages", compiled.last_is_result()
+                                ? fmt::format("{}, the last one serves the next step: {} a step", plural(stages, "evaluation"), stages - 1)
+                                : fmt::format("{} a step", plural(stages, "evaluation")));
     text += field("memory", fmt::format("{} and {}", plural(plan.state_slots, "state"), plural(plan.slope_slots, "slope")));
     text += field("order", order_text(plan));
     text += stability_lines(plan, real);
@@ -74,7 +77,8 @@ std::string method_table(const engine::StagePlan& plan) {
     for (int i = 0; i < compiled.stages(); ++i) {
         const engine::Stage& stage = plan.stages[static_cast<std::size_t>(i)];
         const std::string kept = stage.keep >= 0 ? fmt::format("Y{} = ", stage.keep) : "";
-        text += fmt::format("  {:>3}  K{} = f(t + {:.12g} h, {}{})\n", i, stage.slope, compiled.stage(i).time, kept, combination(stage.states, stage.slopes));
+        text += fmt::format("  {:>3}  K{} = f(t + {:.12g} h, {}{})\n", i, stage.slope, compiled.stage(i).time, kept,
+                            combination(stage.states, stage.slopes));
     }
     text += fmt::format("  y(t + h) = {}\n", combination(plan.result.states, plan.result.slopes));
     if (plan.error) text += fmt::format("  error    = {}\n", combination(plan.error->states, plan.error->slopes));

@@ -30,26 +30,43 @@ bool recorded(const ScheduleResult& result) { return result.recording.pass.activ
 
 std::string bare_text(const tasks::Profile& profile) {
     std::string text = "bare barrier, time per cycle:";
-    for (const tasks::ThreadCost& cost : profile.bare) text += fmt::format(" {} us ({})", microseconds(cost.seconds), plural(cost.threads, "thread"));
+    for (const tasks::ThreadCost& cost : profile.bare)
+        text += fmt::format(" {} us ({})", microseconds(cost.seconds), plural(cost.threads, "thread"));
     return text + "\n";
 }
 
 }  // namespace
 
 std::string timing_text(const tasks::Profile& profile) {
-    Table table({{"schedule"}, right("threads"), right("segments"), right("step [us]"), right("quartiles"), right("evaluation"), right("speed-up"),
-                 right("cpu/wall"), right("active"), right("sync"), right("alone"), right("bare"), right("least task"), right("imbalance"), right("recording"), {""}});
+    Table table({{"schedule"},
+                 right("threads"),
+                 right("segments"),
+                 right("step [us]"),
+                 right("quartiles"),
+                 right("evaluation"),
+                 right("speed-up"),
+                 right("cpu/wall"),
+                 right("active"),
+                 right("sync"),
+                 right("alone"),
+                 right("bare"),
+                 right("least task"),
+                 right("imbalance"),
+                 right("recording"),
+                 {""}});
     for (const ScheduleResult& result : profile.results) {
         const LoadResult& load = result.loads.front();
         const tasks::RecordedPass& pass = result.recording.pass;
         std::vector<std::string> cells = schedule_cells(result);
-        cells.insert(cells.end(), {microseconds(load.step.median), fmt::format("{} .. {}", microseconds(load.step.lower_quartile), microseconds(load.step.upper_quartile)),
+        cells.insert(cells.end(), {microseconds(load.step.median),
+                                   fmt::format("{} .. {}", microseconds(load.step.lower_quartile), microseconds(load.step.upper_quartile)),
                                    microseconds(load.evaluation), factor(load.speed_up), fmt::format("{:.2f}", load.cpu_per_wall)});
         const bool known = recorded(result);
         const bool came = result.cycle.active == result.schedule.threads;
         cells.insert(cells.end(), {known ? fmt::format("{}", pass.active()) : "", known ? microseconds(pass.synchronisation()) : "",
-                                   came ? microseconds(result.cycle.seconds) : "absent", microseconds(result.bare), known ? microseconds(pass.least_task()) : "",
-                                   known ? fmt::format("{:.2f}", pass.imbalance()) : "", known ? fmt::format("{:+.0f} %", 100.0 * result.recording.cost) : "", load.dropped});
+                                   came ? microseconds(result.cycle.seconds) : "absent", microseconds(result.bare),
+                                   known ? microseconds(pass.least_task()) : "", known ? fmt::format("{:.2f}", pass.imbalance()) : "",
+                                   known ? fmt::format("{:+.0f} %", 100.0 * result.recording.cost) : "", load.dropped});
         table.add(cells);
     }
     return table.text() + bare_text(profile);
@@ -75,7 +92,9 @@ std::string neighbours_text(const tasks::Profile& profile) {
         }
         table.add(cells);
     }
-    return "Beside busy neighbours: time per step, speed-up against serial under the same load (*: dropped after that round), processor time per step beyond serial's [us]\n" + table.text();
+    return "Beside busy neighbours: time per step, speed-up against serial under the same load (*: dropped after that round), processor "
+           "time per step beyond serial's [us]\n" +
+           table.text();
 }
 
 std::string stage_bar(const tasks::ThreadTimes& times, const std::vector<StageRow>& rows, int width) {
@@ -118,7 +137,8 @@ std::string stages_text(const tasks::Profile& profile) {
 }
 
 std::string serial_text(const tasks::Profile& profile) {
-    const auto staged = std::find_if(profile.results.begin(), profile.results.end(), [](const ScheduleResult& result) { return result.name == "serial:staged"; });
+    const auto staged = std::find_if(profile.results.begin(), profile.results.end(),
+                                     [](const ScheduleResult& result) { return result.name == "serial:staged"; });
     const ScheduleResult& serial = staged == profile.results.end() ? profile.results.front() : *staged;
     const tasks::RecordedPass& pass = serial.recording.pass;
     std::string text = fmt::format("Where sequential time goes ({}):\n", serial.name);
@@ -128,8 +148,8 @@ std::string serial_text(const tasks::Profile& profile) {
         const double share = total > 0.0 ? pass.sum(row) / total : 0.0;
         if (share == 0.0) continue;
         const double per_step = serial.recording.steps > 0 ? pass.sum(row) / static_cast<double>(serial.recording.steps) : 0.0;
-        text += fmt::format("  {:<20} {:>5.1f} % {:>9} us per step  {}\n", profile.stages.rows()[row].name, 100.0 * share, microseconds(per_step),
-                            std::string(static_cast<std::size_t>(std::lround(50.0 * share)), '#'));
+        text += fmt::format("  {:<20} {:>5.1f} % {:>9} us per step  {}\n", profile.stages.rows()[row].name, 100.0 * share,
+                            microseconds(per_step), std::string(static_cast<std::size_t>(std::lround(50.0 * share)), '#'));
     }
     return text;
 }
@@ -143,11 +163,13 @@ std::string measured_cell(const tasks::Profile& profile, int threads) {
 
 std::string synchronisation_text(const tasks::ProfileModel& model) {
     const tasks::PathCosts& costs = model.costs;
-    std::string text = fmt::format("per cycle {} us + {} us x M, or {} us + {} us x log2(M)", microseconds(costs.synchronisation), microseconds(costs.per_thread),
-                                   microseconds(costs.synchronisation_tree), microseconds(costs.per_doubling));
+    std::string text =
+        fmt::format("per cycle {} us + {} us x M, or {} us + {} us x log2(M)", microseconds(costs.synchronisation),
+                    microseconds(costs.per_thread), microseconds(costs.synchronisation_tree), microseconds(costs.per_doubling));
     if (model.assumed) return text + "; assumed: threads did not come, the machine is too busy";
     text += "; measured";
-    for (const tasks::ThreadCost& cost : model.synchronisation) text += fmt::format(" {} us (M = {})", microseconds(cost.seconds), cost.threads);
+    for (const tasks::ThreadCost& cost : model.synchronisation)
+        text += fmt::format(" {} us (M = {})", microseconds(cost.seconds), cost.threads);
     return text;
 }
 
@@ -155,19 +177,23 @@ std::string costs_text(const tasks::Profile& profile) {
     const tasks::PathCosts& costs = profile.model.costs;
     const auto touching = std::count(profile.model.touching.begin(), profile.model.touching.end(), true);
     const double serial = profile.results.front().loads.front().step.median;
-    std::string text = field("link", fmt::format("{} us free, {} us touching ({} of {}), detection {} us; the fit leaves {:.1f} %", microseconds(costs.free),
-                                                 microseconds(costs.touching), touching, profile.model.touching.size(), microseconds(costs.detect),
-                                                 100.0 * profile.model.fit_error));
+    std::string text =
+        field("link", fmt::format("{} us free, {} us touching ({} of {}), detection {} us; the fit leaves {:.1f} %",
+                                  microseconds(costs.free), microseconds(costs.touching), touching, profile.model.touching.size(),
+                                  microseconds(costs.detect), 100.0 * profile.model.fit_error));
     text += field("segment", fmt::format("{} us per evaluation for the neighbours' joints", microseconds(costs.border)));
-    text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluation cycles and {:.2f} other cycles per step", microseconds(costs.controller), costs.evaluations,
-                                            1.0 + costs.other_cycles));
+    text += field("controller", fmt::format("{} us per cycle, {:.2f} evaluation cycles and {:.2f} other cycles per step",
+                                            microseconds(costs.controller), costs.evaluations, 1.0 + costs.other_cycles));
     if (costs.own_tasks + costs.own_single > 0.0) {
-        text += field("own cycles", fmt::format("{} us per step in tasks side by side, {} us in tasks alone on their level", microseconds(costs.own_tasks), microseconds(costs.own_single)));
+        text += field("own cycles", fmt::format("{} us per step in tasks side by side, {} us in tasks alone on their level",
+                                                microseconds(costs.own_tasks), microseconds(costs.own_single)));
     }
-    text += field("stretch", profile.model.stretched ? fmt::format("tasks on several threads take {:.3f} times as long", costs.stretch) : "not measured: no fused schedule got all its threads");
+    text += field("stretch", profile.model.stretched ? fmt::format("tasks on several threads take {:.3f} times as long", costs.stretch)
+                                                     : "not measured: no fused schedule got all its threads");
     text += field("jitter", fmt::format("{:.3f} us per evaluation and square root of links", 1e6 * costs.jitter));
     text += field("synchronisation", synchronisation_text(profile.model));
-    text += field("serial step", fmt::format("{} us by this model, {} us measured", microseconds(profile.model.serial_step), microseconds(serial)));
+    text += field("serial step",
+                  fmt::format("{} us by this model, {} us measured", microseconds(profile.model.serial_step), microseconds(serial)));
     return text + field("serial share", fmt::format("{:.2f} %", 100.0 * profile.model.serial_share));
 }
 
@@ -175,18 +201,23 @@ std::string costs_text(const tasks::Profile& profile) {
 
 std::string model_text(const tasks::Profile& profile) {
     std::string text = "Critical path (fused, a thread per segment):\n" + costs_text(profile);
-    Table table({right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("bounds"), right("measured")});
+    Table table(
+        {right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("bounds"), right("measured")});
     for (const tasks::SpeedUpRow& row : profile.model.curves) {
         const std::string measured = measured_cell(profile, row.threads);
-        const bool round = row.threads <= 4 || row.threads % 16 == 0 || (row.threads <= 16 && row.threads % 4 == 0) || row.threads == 6 || row.threads == 24;
+        const bool round = row.threads <= 4 || row.threads % 16 == 0 || (row.threads <= 16 && row.threads % 4 == 0) || row.threads == 6 ||
+                           row.threads == 24;
         if (!round && measured.empty()) continue;
-        table.add({fmt::format("{}", row.threads), fmt::format("{:.2f}", row.ideal), fmt::format("{:.2f}", row.even), fmt::format("{:.2f}", row.amdahl),
-                   fmt::format("{:.2f}", row.predicted), fmt::format("{:.2f} .. {:.2f}", row.low, row.high), measured});
+        table.add({fmt::format("{}", row.threads), fmt::format("{:.2f}", row.ideal), fmt::format("{:.2f}", row.even),
+                   fmt::format("{:.2f}", row.amdahl), fmt::format("{:.2f}", row.predicted),
+                   fmt::format("{:.2f} .. {:.2f}", row.low, row.high), measured});
     }
     const int known = profile.model.assumed ? 0 : profile.model.synchronisation.back().threads;
     return text + table.text(2) +
-           fmt::format("  Beyond M = {} synchronisation is extrapolated: by the linear law; bounds: threads beyond cost {:.0f} times as much, and the logarithmic law without jitter.\n",
-                       known, tasks::far);
+           fmt::format(
+               "  Beyond M = {} synchronisation is extrapolated: by the linear law; bounds: threads beyond cost {:.0f} times as much, and "
+               "the logarithmic law without jitter.\n",
+               known, tasks::far);
 }
 
 std::string predictions_text(const tasks::Profile& profile) {
@@ -195,7 +226,8 @@ std::string predictions_text(const tasks::Profile& profile) {
         const LoadResult& load = result.loads.front();
         if (result.predicted <= 0.0 || load.rounds == 0) continue;
         std::vector<std::string> cells = schedule_cells(result);
-        cells.insert(cells.end(), {fmt::format("{:.2f}", result.predicted), factor(load.speed_up), fmt::format("{:+.1f} %", 100.0 * (result.predicted / load.speed_up - 1.0))});
+        cells.insert(cells.end(), {fmt::format("{:.2f}", result.predicted), factor(load.speed_up),
+                                   fmt::format("{:+.1f} %", 100.0 * (result.predicted / load.speed_up - 1.0))});
         table.add(cells);
     }
     return "Predicted and measured speed-ups (each with its executor's own synchronisation, where all threads came)\n" + table.text();

@@ -9,8 +9,9 @@
 /// its inputs, cancel it, use other simulations in every way, and throw (the exception leaves advance_to()). Stepping or replacing the
 /// state of the same simulation from its own callback is refused (busy).
 ///
-/// Floating-point environment. Everything (scenes read, simulations made, steps, questions) runs in the default environment (round to nearest,
-/// denormals kept, traps off), whatever the host has set, so results do not depend on it; the host's is put back for callbacks and on return.
+/// Floating-point environment. Everything (scenes read, simulations made, steps, questions) runs in the default environment (round to
+/// nearest, denormals kept, traps off), whatever the host has set, so results do not depend on it; the host's is put back for callbacks and
+/// on return.
 
 #include <cstddef>
 #include <cstdint>
@@ -31,45 +32,46 @@ inline namespace v0 {
 
 /// What a host may set between steps; a set value replaces the scene's table from then on.
 enum class Input : int {
-    clamping_driving = 0,   ///< S_1 [N], ≥ 0
-    clamping_driven = 1,    ///< S_2 [N], ≥ 0
-    load_torque = 2,        ///< against the travel of shaft 2 [N·m]
-    drive_torque = 3,       ///< on shaft 1, drive.mode = "torque" [N·m]
-    drive_speed = 4,        ///< of shaft 1, drive.mode = "speed" [rad/s]
-    ratio = 5,              ///< wanted speed ratio, with control.enabled [1]
+    clamping_driving = 0,  ///< S_1 [N], ≥ 0
+    clamping_driven = 1,   ///< S_2 [N], ≥ 0
+    load_torque = 2,       ///< against the travel of shaft 2 [N·m]
+    drive_torque = 3,      ///< on shaft 1, drive.mode = "torque" [N·m]
+    drive_speed = 4,       ///< of shaft 1, drive.mode = "speed" [rad/s]
+    ratio = 5,             ///< wanted speed ratio, with control.enabled [1]
 };
 
 /// What happened since the start; after settling, since t = 0. Part of the state.
 struct Counters {
-    std::int64_t steps = 0;         ///< accepted, truncated ones included
-    std::int64_t evaluations = 0;   ///< of the right-hand side
-    std::int64_t transitions = 0;   ///< changes of a tip's phase
-    std::int64_t truncated = 0;     ///< steps cut at a transition
-    std::int64_t suppressed = 0;    ///< transitions put off because the tip had just changed
+    std::int64_t steps = 0;        ///< accepted, truncated ones included
+    std::int64_t evaluations = 0;  ///< of the right-hand side
+    std::int64_t transitions = 0;  ///< changes of a tip's phase
+    std::int64_t truncated = 0;    ///< steps cut at a transition
+    std::int64_t suppressed = 0;   ///< transitions put off because the tip had just changed
     bool operator==(const Counters&) const = default;
 };
 
 /// Whether results can be believed: the energy balance since the start (after settling, since t = 0).
 struct Energy {
-    double residual = 0.0;          ///< change of the stored energy - work of the inputs + losses [J]
-    double dissipated = 0.0;        ///< [J]
-    double suspicion = 0.0;         ///< |residual| over what an honest integration may leave, the largest of settling, of windows of 5 ms and of all
-    bool reliable = true;           ///< suspicion ≤ 1; else results are wrong: take a shorter step, or run.step = "auto"
+    double residual = 0.0;    ///< change of the stored energy - work of the inputs + losses [J]
+    double dissipated = 0.0;  ///< [J]
+    double suspicion =
+        0.0;               ///< |residual| over what an honest integration may leave, the largest of settling, of windows of 5 ms and of all
+    bool reliable = true;  ///< suspicion ≤ 1; else results are wrong: take a shorter step, or run.step = "auto"
     bool operator==(const Energy&) const = default;
 };
 
 struct ChannelInfo {
-    std::string_view name;          ///< "shaft_1/torque"; all three live as long as the library is loaded and end in 0
-    std::string_view unit;          ///< "N*m", "1" for none
+    std::string_view name;  ///< "shaft_1/torque"; all three live as long as the library is loaded and end in 0
+    std::string_view unit;  ///< "N*m", "1" for none
     std::string_view description;
-    std::size_t width = 1;          ///< number of values
+    std::size_t width = 1;  ///< number of values
 };
 
 /// A change of a tip's phase. Phases: 0 free, 1 touching, 2 sticking, 3 slipping.
 struct Transition {
-    double time;    ///< [s]
-    int pin;        ///< counted from 0
-    int tip;        ///< 4 link + 2 (front half) + (side +z)
+    double time;  ///< [s]
+    int pin;      ///< counted from 0
+    int tip;      ///< 4 link + 2 (front half) + (side +z)
     int from, to;
 };
 
@@ -149,8 +151,8 @@ public:
     /// balance that does not close; threads that were wanted and not to be had (simulations of this process then run on fewer, down to the
     /// caller alone, with the same bits).
     [[nodiscard]] std::vector<std::string> notices() const;
-    /// Longest step with which the scene's method is linearly stable here, chain, pulleys and control alike: some tenths of a second of work for
-    /// leapfrogs and short tables, more for many stages. Infinite if linear stability sets no limit [s].
+    /// Longest step with which the scene's method is linearly stable here, chain, pulleys and control alike: some tenths of a second of
+    /// work for leapfrogs and short tables, more for many stages. Infinite if linear stability sets no limit [s].
     /// @throws Error busy
     [[nodiscard]] double largest_stable_step();
 

@@ -8,7 +8,8 @@ inline namespace v0 {
 ///
 ///   caller()        Everything on the thread that calls advance_to(). Nothing to share, nothing to wait for: for hosts that have many
 ///                   simulations and threads of their own.
-///   present(slots)  On the oneTBB arena in which advance_to() is called (the host writes arena.execute([&] { simulation.advance_to(t); })),
+///   present(slots)  On the oneTBB arena in which advance_to() is called (the host writes arena.execute([&] { simulation.advance_to(t);
+///   })),
 ///                   on so many of its threads, the caller included. The caller runs no task of the host meanwhile (isolated). Threads of
 ///                   this arena that wait for other work may take part and stay until advance_to() is over: give an arena that is there
 ///                   for it, or use own().

@@ -36,11 +36,12 @@ void JobPool::run(const std::function<long(int)>& next, const std::function<void
     TbbSection section(options_.threads, false);
     section.execute([&](oneapi::tbb::task_group_context& context) {
         // One piece per worker; a worker that never arrives finds nothing left to do when its piece is run by another.
-        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<int>(0, options_.threads, 1),
-                                  [&](const auto& range) {
-                                      for (int number = range.begin(); number != range.end(); ++number) worker(number);
-                                  },
-                                  oneapi::tbb::simple_partitioner(), context);
+        oneapi::tbb::parallel_for(
+            oneapi::tbb::blocked_range<int>(0, options_.threads, 1),
+            [&](const auto& range) {
+                for (int number = range.begin(); number != range.end(); ++number) worker(number);
+            },
+            oneapi::tbb::simple_partitioner(), context);
     });
     if (error) std::rethrow_exception(error);
 }
@@ -50,7 +51,7 @@ WriterThread::WriterThread(std::size_t slots, std::size_t row_bytes, std::functi
     try {
         thread_ = std::thread([this] { work(); });
     } catch (const std::system_error&) {
-        note_shortage(2, 1);   // whoever posts a row writes it
+        note_shortage(2, 1);  // whoever posts a row writes it
     }
 }
 
@@ -65,7 +66,7 @@ void WriterThread::work() {
         first_ = (first_ + 1) % ring_.size();
         --count_;
         changed_.notify_all();
-        if (error_) continue;   // rows after a failure are dropped: their cases count as not done
+        if (error_) continue;  // rows after a failure are dropped: their cases count as not done
         hold.unlock();
         std::exception_ptr failed;
         try {
@@ -114,7 +115,9 @@ void WriterThread::finish() {
 
 bool OnceEach::claim(std::uint64_t key) {
     std::unique_lock hold(mutex_);
-    const auto entry_of = [&] { return std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.key == key; }); };
+    const auto entry_of = [&] {
+        return std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) { return each.key == key; });
+    };
     if (entry_of() == entries_.end()) {
         entries_.push_back({key, false});
         return true;

@@ -1,6 +1,6 @@
 #pragma once
-/// Independent jobs side by side on an arena of their own: as many resident workers as threads, each asking for the next job until there is none.
-/// One more thread writes what they hand over.
+/// Independent jobs side by side on an arena of their own: as many resident workers as threads, each asking for the next job until there is
+/// none. One more thread writes what they hand over.
 
 #include <condition_variable>
 #include <cstddef>
@@ -19,7 +19,7 @@ class JobPool {
 public:
     struct Options {
         int threads = 1;
-        bool pin = false;   ///< each worker to a processor of its own
+        bool pin = false;  ///< each worker to a processor of its own
     };
     explicit JobPool(Options options) : options_(options) {}
 
@@ -44,8 +44,8 @@ private:
     std::mutex mutex_;
 };
 
-/// One thread that takes rows of bytes, in the order in which they come. At most `slots` wait; post() then blocks. Nothing is allocated after
-/// construction. Where the system has no thread for it, post() writes.
+/// One thread that takes rows of bytes, in the order in which they come. At most `slots` wait; post() then blocks. Nothing is allocated
+/// after construction. Where the system has no thread for it, post() writes.
 class WriterThread {
 public:
     /// @param write called on the writer's thread; what it throws comes out of the next post() or of finish(), and ends the writing

@@ -36,7 +36,11 @@
 namespace cvtflow::engine {
 
 ResidentBoard::ResidentBoard(Run& run, const ExecutorOptions& options, int first)
-    : run_(run), untried_(options), workers_(options.threads), retreats_(options.wait != Wait::spin), taken_(std::make_unique<Padded[]>(static_cast<std::size_t>(workers_))) {
+    : run_(run),
+      untried_(options),
+      workers_(options.threads),
+      retreats_(options.wait != Wait::spin),
+      taken_(std::make_unique<Padded[]>(static_cast<std::size_t>(workers_))) {
     const TaskGraph& graph = run.graph();
     for (int cycle = 0; cycle < graph.cycles(); ++cycle) {
         first_level_.push_back(levels_.size());

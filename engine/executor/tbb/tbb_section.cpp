@@ -51,7 +51,8 @@ TbbSection::TbbSection(int threads, bool pin, bool present) : grant_(std::min(th
 void TbbSection::try_workers() {
     try {
         execute([&](oneapi::tbb::task_group_context& context) {
-            oneapi::tbb::parallel_for(0, grant_.threads(), [](int) {}, oneapi::tbb::simple_partitioner(), context);
+            oneapi::tbb::parallel_for(
+                0, grant_.threads(), [](int) {}, oneapi::tbb::simple_partitioner(), context);
         });
     } catch (const std::exception&) {
         grant_.refused();

@@ -71,7 +71,7 @@ private:
     }
 
     WorkerGrant grant_;
-    std::optional<oneapi::tbb::task_arena> arena_;   // none: the caller's
+    std::optional<oneapi::tbb::task_arena> arena_;  // none: the caller's
     oneapi::tbb::task_group_context context_{oneapi::tbb::task_group_context::isolated, oneapi::tbb::task_group_context::default_traits |
                                                                                             oneapi::tbb::task_group_context::fp_settings};
     std::unique_ptr<ArenaPins> pins_;

@@ -20,7 +20,8 @@ namespace cvtflow::engine {
 /// plan's degree, then bisection. At most 2 stages² + 10, which no consistent explicit method exceeds.
 /// @param direction of unit length, e.g. -1 or i; a ray of damping ratio ζ is (-ζ, sqrt(1 - ζ²))
 /// @param enough the scan ends there: what is returned may be a little more, and the method stable farther out
-[[nodiscard]] double stability_reach(const StagePlan& plan, std::complex<double> direction, double tolerance, double enough = std::numeric_limits<double>::infinity());
+[[nodiscard]] double stability_reach(const StagePlan& plan, std::complex<double> direction, double tolerance,
+                                     double enough = std::numeric_limits<double>::infinity());
 
 /// Reach along the negative real axis. The tolerance forgives ripple that just touches 1.
 [[nodiscard]] double real_stability(const StagePlan& plan, double tolerance = 1e-6);

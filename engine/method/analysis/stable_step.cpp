@@ -49,7 +49,8 @@ StableStep largest_stable_step(const StagePlan& plan, std::span<const std::compl
     Judge judge(plan, eigenvalues);
     const double stages = static_cast<double>(plan.stages.size());
     double stable = 0.0, unstable = 0.1 / judge.largest();
-    const double longest = (2.0 * stages * stages + 10.0) / judge.largest();   // no consistent explicit method reaches further on the real axis
+    const double longest =
+        (2.0 * stages * stages + 10.0) / judge.largest();  // no consistent explicit method reaches further on the real axis
     std::optional<Complex> limiting;
     while (!(limiting = judge.growing(unstable)) && unstable < longest) stable = unstable, unstable *= 1.01;
     if (!limiting) return {unstable, {}};

@@ -9,13 +9,13 @@
 namespace cvtflow::engine {
 
 struct StableStep {
-    double step = 0.0;                  ///< largest stable step [s]; 0: no step is
-    std::complex<double> limiting{};    ///< the eigenvalue that leaves the region first [1/s]
+    double step = 0.0;                ///< largest stable step [s]; 0: no step is
+    std::complex<double> limiting{};  ///< the eigenvalue that leaves the region first [1/s]
 };
 
 /// A mode may grow this much faster than it does by itself and still count as stable: e-fold in 10 ms, longer than what is simulated.
 /// Without it, hardly damped slow modes would condemn every method whose region lacks the imaginary axis, however slowly they grow.
-inline constexpr double tolerated_growth = 100.0;   ///< [1/s]
+inline constexpr double tolerated_growth = 100.0;  ///< [1/s]
 
 /// The largest h such that no mode grows with any h' ≤ h: log|R(h' λ)|/h' ≤ max(Re λ, 0) + tolerated_growth. Steps are looked at in
 /// ratios of 1.01 from 0.1/max|λ| on, then bisected to 1e-6. Of a pair, the conjugate is not looked at.

@@ -7,8 +7,8 @@
 
 namespace cvtflow::engine {
 
-/// Order 1, R(z) = T_s(w0 + w1 z)/T_s(w0): |R| ≤ 1/cosh(sqrt(2 ε)), about, inside the interval, so that with ε = 3 five sixths of what is stiff
-/// are gone after one step.
+/// Order 1, R(z) = T_s(w0 + w1 z)/T_s(w0): |R| ≤ 1/cosh(sqrt(2 ε)), about, inside the interval, so that with ε = 3 five sixths of what is
+/// stiff are gone after one step.
 /// @param damping ε ≥ 0
 /// @throws std::invalid_argument for fewer than 2 stages or a negative damping
 [[nodiscard]] StagePlan chebyshev(int stages, double damping);

@@ -13,7 +13,9 @@ int basis_slope_slot(int j) { return j == 0 ? 0 : 1 + (j - 1) % 2; }
 }  // namespace
 
 ChebyshevBasis::ChebyshevBasis(int stages, double length)
-    : stages_(stages), w0_(1.0 + rkc_damping / (static_cast<double>(stages) * stages)), w1_((1.0 + w0_) / length),
+    : stages_(stages),
+      w0_(1.0 + rkc_damping / (static_cast<double>(stages) * stages)),
+      w1_((1.0 + w0_) / length),
       t_{{1.0, w0_}, {0.0, 1.0}, {0.0, 0.0}, {0.0, 0.0}} {
     for (std::size_t j = 2; j <= static_cast<std::size_t>(stages); ++j) {
         for (std::size_t p = 0; p < 4; ++p) {
@@ -65,7 +67,14 @@ Stage ChebyshevBasis::row(int j) const {
 }
 
 StagePlan ChebyshevBasis::plan(std::span<const double> alpha) const {
-    StagePlan plan{"fitted", "fitted to a spectrum, on a Chebyshev recurrence", "weights by Lawson's iteration", stages_ + 1, 3, {{{{0, 1.0}}, {}, -1, 0}}, {}, {}};
+    StagePlan plan{"fitted",
+                   "fitted to a spectrum, on a Chebyshev recurrence",
+                   "weights by Lawson's iteration",
+                   stages_ + 1,
+                   3,
+                   {{{{0, 1.0}}, {}, -1, 0}},
+                   {},
+                   {}};
     for (int j = 1; j < stages_; ++j) plan.stages.push_back(row(j));
     // The highest stage is never evaluated; it is written out in the sum.
     const Stage highest = row(stages_);

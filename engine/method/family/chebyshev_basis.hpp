@@ -30,7 +30,7 @@ private:
 
     int stages_;
     double w0_, w1_;
-    std::vector<double> t_[4];   ///< T_j and three derivatives at w0
+    std::vector<double> t_[4];  ///< T_j and three derivatives at w0
 };
 
 }  // namespace cvtflow::engine

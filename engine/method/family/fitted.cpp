@@ -23,14 +23,14 @@ struct Point {
     double bound;
 };
 
-constexpr double inner = 0.3;   ///< |z| below which consistency alone decides
-constexpr double knee = 4.0;    ///< real z beyond which the ripple applies
+constexpr double inner = 0.3;  ///< |z| below which consistency alone decides
+constexpr double knee = 4.0;   ///< real z beyond which the ripple applies
 constexpr int most_iterations = 60;
 constexpr double slimmest = 10.0;  ///< real over imaginary extent of the basis: off a short real interval its polynomials grow too fast
 constexpr int patience = 8;        ///< iterations after which
 constexpr double hopeless = 1.5;   ///< a largest residual beyond this will not come down to 1
 constexpr double margin = 5e-5;
-constexpr double ridge = 1e-2;   ///< keeps the weights small: they multiply rounding and kinks
+constexpr double ridge = 1e-2;  ///< keeps the weights small: they multiply rounding and kinks
 constexpr double least_weight = 1e-14;
 
 double real_bound(const FitRequest& request, double z) { return z < -knee ? request.ripple : 1.0; }
@@ -48,7 +48,8 @@ void add_real_axis(std::vector<Point>& points, const FitRequest& request) {
 void add_sector(std::vector<Point>& points, const FitRequest& request) {
     constexpr int rays = 20;
     const int radii = 12 + 4 * static_cast<int>(std::ceil(request.imaginary));
-    const double widest = static_cast<double>(std::acos(static_cast<long double>(request.damping_ratio)));   // that of doubles differs between processors
+    const double widest =
+        static_cast<double>(std::acos(static_cast<long double>(request.damping_ratio)));  // that of doubles differs between processors
     for (int ray = 0; ray < rays; ++ray) {
         const double angle = widest * (1.0 - static_cast<double>(ray * ray) / (rays * rays));
         for (int i = 1; i <= radii; ++i) {
@@ -72,13 +73,13 @@ std::vector<Point> region(const FitRequest& request, std::span<const Complex> ei
         if (std::abs(held) <= inner) continue;
         points.push_back({held, held.imag() < 1e-3 * std::abs(held) ? real_bound(request, held.real()) : 1.0});
     }
-    add_real_axis(points, request);   // between the eigenvalues too: they move
+    add_real_axis(points, request);  // between the eigenvalues too: they move
     return points;
 }
 
 /// max |R|/bound and each point's share of it.
 struct Residuals {
-    Eigen::VectorXd values;   ///< [points]
+    Eigen::VectorXd values;  ///< [points]
     double largest;
 };
 
@@ -86,7 +87,8 @@ struct Residuals {
 class LawsonFit {
 public:
     LawsonFit(const ChebyshevBasis& basis, const std::vector<Point>& points, int order)
-        : rows_(static_cast<Eigen::Index>(2 * points.size()), basis.stages() + 1), weights_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(points.size()))) {
+        : rows_(static_cast<Eigen::Index>(2 * points.size()), basis.stages() + 1),
+          weights_(Eigen::VectorXd::Ones(static_cast<Eigen::Index>(points.size()))) {
         std::vector<Complex> values(static_cast<std::size_t>(basis.stages()) + 1);
         for (std::size_t i = 0; i < points.size(); ++i) {
             basis.evaluate(points[i].z, values);
@@ -147,7 +149,8 @@ private:
     [[nodiscard]] Residuals measure() const {
         const Eigen::VectorXd parts = rows_ * alpha_;
         Residuals residuals{Eigen::VectorXd(weights_.size()), 0.0};
-        for (Eigen::Index i = 0; i < weights_.size(); ++i) residuals.values(i) = std::sqrt(parts(2 * i) * parts(2 * i) + parts(2 * i + 1) * parts(2 * i + 1));
+        for (Eigen::Index i = 0; i < weights_.size(); ++i)
+            residuals.values(i) = std::sqrt(parts(2 * i) * parts(2 * i) + parts(2 * i + 1) * parts(2 * i + 1));
         residuals.largest = residuals.values.maxCoeff();
         return residuals;
     }
@@ -159,11 +162,13 @@ private:
 
 bool request_within_limits(const FitRequest& r) {
     return r.real >= least_fitted_real && r.real <= most_fitted_real && r.imaginary >= 0.0 && r.imaginary <= most_fitted_imaginary &&
-                      (r.order == 2 || r.order == 3) && r.ripple > 0.0 && r.ripple <= 1.0 && r.damping_ratio >= 0.0 && r.damping_ratio <= 1.0;
+           (r.order == 2 || r.order == 3) && r.ripple > 0.0 && r.ripple <= 1.0 && r.damping_ratio >= 0.0 && r.damping_ratio <= 1.0;
 }
 
 void require_limits(const FitRequest& request) {
-    if (!request_within_limits(request)) throw std::invalid_argument("a fitted method has a real interval of 5 to 8000, an imaginary one up to 50, order 2 or 3 and a ripple of up to 1");
+    if (!request_within_limits(request))
+        throw std::invalid_argument(
+            "a fitted method has a real interval of 5 to 8000, an imaginary one up to 50, order 2 or 3 and a ripple of up to 1");
 }
 
 std::optional<FittedMethod> fit_points(const FitRequest& request, const std::vector<Point>& points, int stages) {

@@ -6,8 +6,8 @@
 ///
 /// The weights alpha minimise max |R(z_i)|/bound_i over points of the spectrum by Lawson's iteration (least squares, weights multiplied by
 /// the residuals), among those that satisfy the order conditions of linear problems. That takes milliseconds, so a method can be made when
-/// it is needed. The other condition of order 3, b·c² = 1/3, then holds to some 1e-6 without being asked for; asking for it, which is nearly
-/// the same condition again, takes weights so large that the real interval falls from 204 to 4 (measured).
+/// it is needed. The other condition of order 3, b·c² = 1/3, then holds to some 1e-6 without being asked for; asking for it, which is
+/// nearly the same condition again, takes weights so large that the real interval falls from 204 to 4 (measured).
 
 #include <complex>
 #include <optional>
@@ -20,19 +20,19 @@ namespace cvtflow::engine {
 
 /// What a fitted method shall be stable for, in units of h λ.
 struct FitRequest {
-    double real = 200.0;            ///< L: the real interval [-L, 0]
-    double imaginary = 2.0;         ///< W: |z| up to W with at least the damping ratio below
-    int order = 3;                  ///< 2 or 3
-    double ripple = 0.2;            ///< |R| allowed on [-L, -4]
-    double damping_ratio = 0.01;    ///< of oscillations, the smallest
+    double real = 200.0;          ///< L: the real interval [-L, 0]
+    double imaginary = 2.0;       ///< W: |z| up to W with at least the damping ratio below
+    int order = 3;                ///< 2 or 3
+    double ripple = 0.2;          ///< |R| allowed on [-L, -4]
+    double damping_ratio = 0.01;  ///< of oscillations, the smallest
 
     bool operator==(const FitRequest&) const = default;
 };
 
 struct FittedMethod {
     StagePlan plan;
-    int iterations = 0;             ///< of Lawson's method
-    double largest = 0.0;           ///< max |R(z_i)|/bound_i at its end: ≤ 1
+    int iterations = 0;    ///< of Lawson's method
+    double largest = 0.0;  ///< max |R(z_i)|/bound_i at its end: ≤ 1
 };
 
 inline constexpr int fewest_fitted_stages = 4;
@@ -50,7 +50,8 @@ inline constexpr double most_fitted_imaginary = 50.0;
 /// Points with a real part above 0 are moved to the imaginary axis: no method can damp them.
 [[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request, std::span<const std::complex<double>> points);
 
-/// fitted-l<L>-w<W>[-s<stages>][-p<order>][-r<ripple>], e.g. fitted-l200-w2; nothing if it is no such name, out of the limits or cannot be met.
+/// fitted-l<L>-w<W>[-s<stages>][-p<order>][-r<ripple>], e.g. fitted-l200-w2; nothing if it is no such name, out of the limits or cannot be
+/// met.
 [[nodiscard]] std::optional<StagePlan> fitted_by_name(std::string_view name);
 
 }  // namespace cvtflow::engine

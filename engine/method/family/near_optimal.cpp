@@ -96,7 +96,8 @@ Defects defects(NearOptimalPolynomial& p) {
     const Taylor at = expansion(p, p.origin);
     p.scale = at[1] / at[0];
     const long double square = p.scale * p.scale;
-    return {2.0L * at[2] / at[0] / square - 1.0L, 6.0L * at[3] / at[0] / (square * p.scale) - 1.0L, 24.0L * at[4] / at[0] / (square * square) - 1.0L};
+    return {2.0L * at[2] / at[0] / square - 1.0L, 6.0L * at[3] / at[0] / (square * p.scale) - 1.0L,
+            24.0L * at[4] / at[0] / (square * square) - 1.0L};
 }
 
 /// R''(0) - 1 for a pair of zeros.
@@ -112,7 +113,9 @@ void require_degree(int degree) {
 
 }  // namespace
 
-long double NearOptimalPolynomial::value(long double z) const noexcept { return expansion(*this, origin + z / scale)[0] / expansion(*this, origin)[0]; }
+long double NearOptimalPolynomial::value(long double z) const noexcept {
+    return expansion(*this, origin + z / scale)[0] / expansion(*this, origin)[0];
+}
 
 std::vector<RecurrenceRow> NearOptimalPolynomial::recurrence() const {
     std::vector<RecurrenceRow> rows;
@@ -168,7 +171,7 @@ NearOptimalPolynomial with_zeros(NearOptimalPolynomial p, const Unknowns& u) {
 
 long double largest(const Defects& f) noexcept { return std::max({std::abs(f[0]), std::abs(f[1]), std::abs(f[2])}); }
 
-using Matrix = std::array<Defects, 3>;   // columns
+using Matrix = std::array<Defects, 3>;  // columns
 
 long double determinant(const Matrix& m) noexcept {
     return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[1][0] * (m[0][1] * m[2][2] - m[0][2] * m[2][1]) +

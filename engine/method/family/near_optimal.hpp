@@ -1,9 +1,9 @@
 #pragma once
 /// Stability polynomials of order 2 and 4 whose real interval is nearly the longest possible: 0.81 degree² and 0.35 degree².
 /// R(z) = w(x) P(x) / (w(a) P(a)) with x = a + z/scale, w of degree 2 or 4 without real zeros and P orthogonal on [-1, 1] with weight
-/// w²/sqrt(1 - x²); then w P oscillates between nearly equal bounds there. Sources: Abdulle, Medovikov, Second order Chebyshev methods based
-/// on orthogonal polynomials, Numer. Math. 90 (2001) 1-18; Abdulle, Fourth order Chebyshev methods with recurrence relation, SIAM J. Sci.
-/// Comput. 23 (2002) 2041-2054. The zeros of w are found here from the order conditions, for any degree.
+/// w²/sqrt(1 - x²); then w P oscillates between nearly equal bounds there. Sources: Abdulle, Medovikov, Second order Chebyshev methods
+/// based on orthogonal polynomials, Numer. Math. 90 (2001) 1-18; Abdulle, Fourth order Chebyshev methods with recurrence relation, SIAM J.
+/// Sci. Comput. 23 (2002) 2041-2054. The zeros of w are found here from the order conditions, for any degree.
 
 #include <vector>
 
@@ -24,10 +24,11 @@ struct RecurrenceRow {
 /// Extended precision: what is left of a long recurrence after rounding has to be of its order to the last digits.
 struct NearOptimalPolynomial {
     int degree = 0;
-    long double origin = 1.0L;                  ///< a > 1: x of z = 0
-    long double scale = 1.0L;                   ///< dz/dx
-    std::vector<ZeroPair> zeros;                ///< of w, as many as half the order
-    std::vector<long double> centre, coupling;  ///< monic recurrence P_j = (x - centre_j) P_{j-1} - coupling_j P_{j-2}, j = 1 … degree - order
+    long double origin = 1.0L;    ///< a > 1: x of z = 0
+    long double scale = 1.0L;     ///< dz/dx
+    std::vector<ZeroPair> zeros;  ///< of w, as many as half the order
+    std::vector<long double> centre,
+        coupling;  ///< monic recurrence P_j = (x - centre_j) P_{j-1} - coupling_j P_{j-2}, j = 1 … degree - order
 
     /// |R| ≤ 1 on [-real_length(), 0]; beyond the first bump, |R| < 0.97 from degree 10 on.
     [[nodiscard]] double real_length() const noexcept { return static_cast<double>(scale * (1.0L + origin)); }

@@ -30,7 +30,8 @@ struct Chebyshev {
     }
 };
 
-/// The recurrence Y_j = (1 - mu - nu) Y_0 + mu Y_{j-1} + nu Y_{j-2} + h mu~ F_{j-1} + h gamma~ F_0; Y_{j-1} has been evaluated in stage j - 1.
+/// The recurrence Y_j = (1 - mu - nu) Y_0 + mu Y_{j-1} + nu Y_{j-2} + h mu~ F_{j-1} + h gamma~ F_0; Y_{j-1} has been evaluated in stage j
+/// - 1.
 class Recurrence {
 public:
     Recurrence(int stages, double damping)

@@ -1,6 +1,6 @@
-/// ROCK4: stages on the three-term recurrence of a near-optimal stability polynomial of order 4, then a finish of four stages that carries its
-/// two pairs of complex zeros and makes the whole of order 4.
-/// Source: Abdulle, SIAM J. Sci. Comput. 23 (2002) 2041-2054. Polynomials and finish are computed here, not taken from the published program.
+/// ROCK4: stages on the three-term recurrence of a near-optimal stability polynomial of order 4, then a finish of four stages that carries
+/// its two pairs of complex zeros and makes the whole of order 4. Source: Abdulle, SIAM J. Sci. Comput. 23 (2002) 2041-2054. Polynomials
+/// and finish are computed here, not taken from the published program.
 
 #include <array>
 #include <cstddef>
@@ -17,7 +17,8 @@ namespace {
 
 using Real = long double;
 
-/// Elementary weights by rooted tree: none; •; [•]; [• •], [[•]]; [• • •], [• [•]], [[• •]], [[[•]]]. Those of the exact flow are 1/density.
+/// Elementary weights by rooted tree: none; •; [•]; [• •], [[•]]; [• • •], [• [•]], [[• •]], [[[•]]]. Those of the exact flow are
+/// 1/density.
 using Series = std::array<Real, 9>;
 
 /// Of h f(g), g a state.
@@ -38,8 +39,8 @@ Series series_of(std::span<const RecurrenceRow> rows) noexcept {
 
 /// What the finish must satisfy on its own: sums over its stages, c times and d = Σ a c.
 struct Moments {
-    Real b, bc, bcc, bd;              ///< orders 1 to 3
-    Real bccc, bcd, bacc, bad;        ///< order 4; Σ b a c², Σ b a d
+    Real b, bc, bcc, bd;        ///< orders 1 to 3
+    Real bccc, bcd, bacc, bad;  ///< order 4; Σ b a c², Σ b a d
 };
 
 /// From the order conditions of the composition, one after the other. @param g of the state where the finish begins
@@ -64,8 +65,8 @@ struct Finish {
     std::array<Real, 5> e;
 };
 
-/// Times of the second and third stage, as shares of the finish. Two of ten coefficients are free; these give the least error of order 5 of those
-/// whose stages do not exceed the step's start (from 12 stages on; 1.7 times at 5).
+/// Times of the second and third stage, as shares of the finish. Two of ten coefficients are free; these give the least error of order 5 of
+/// those whose stages do not exceed the step's start (from 12 stages on; 1.7 times at 5).
 constexpr Real second_time = 0.87L, third_time = 0.56L;
 
 /// Weight of the slope at the result in the error estimate: the embedded method then misses the fourth power of z by a sixteenth.
@@ -80,13 +81,15 @@ std::array<Real, 3> estimate(Real c2, Real c3, Real c4, Real d3, Real d4, std::a
     return {(right[0] - c3 * x3 - c4 * x4) / c2, x3, x4};
 }
 
-/// Solves the eight conditions in closed form: b from the moments of times, then a32 and what a42, a43 sum to from those of d, then a43; the last
-/// condition leaves one equation, linear in each of c2 and c4 and without c3.
+/// Solves the eight conditions in closed form: b from the moments of times, then a32 and what a42, a43 sum to from those of d, then a43;
+/// the last condition leaves one equation, linear in each of c2 and c4 and without c3.
 Finish finish_of(const Moments& m) noexcept {
     const Real c2 = second_time * m.b, c3 = third_time * m.b;
     const Real c4 = (m.bad * m.bccc - m.bad * m.bcc * c2 - m.bacc * m.bcd + c2 * m.bd * m.bcd) /
                     (c2 * m.bd * m.bd - m.bd * m.bacc + m.bad * m.bcc - c2 * m.bad * m.bc);
-    const auto weight = [&](Real at, Real one, Real other) { return (m.bccc - (one + other) * m.bcc + one * other * m.bc) / (at * (at - one) * (at - other)); };
+    const auto weight = [&](Real at, Real one, Real other) {
+        return (m.bccc - (one + other) * m.bcc + one * other * m.bc) / (at * (at - one) * (at - other));
+    };
     const Real b2 = weight(c2, c3, c4), b3 = weight(c3, c2, c4), b4 = weight(c4, c2, c3);
     const Real d3 = (c4 * m.bd - m.bcd) / (b3 * (c4 - c3)), d4 = (m.bd - b3 * d3) / b4;
     Finish f{};

@@ -27,7 +27,8 @@ LongRow chebyshev_coefficients(const NearOptimalPolynomial& p, long double alpha
         const long double angle = std::numbers::pi_v<long double> * (static_cast<long double>(i) + 0.5L) / static_cast<long double>(points);
         const long double value = p.value((std::cos(angle) - 1.0L) / alpha);
         for (std::size_t k = 0; k < points; ++k)
-            coefficients[k] += (k == 0 ? 1.0L : 2.0L) / static_cast<long double>(points) * value * std::cos(static_cast<long double>(k) * angle);
+            coefficients[k] +=
+                (k == 0 ? 1.0L : 2.0L) / static_cast<long double>(points) * value * std::cos(static_cast<long double>(k) * angle);
     }
     return coefficients;
 }

@@ -13,7 +13,9 @@ namespace {
 constexpr std::array<char, 8> seal_mark{'C', 'V', 'T', 'F', 'S', 'E', 'A', 'L'};
 constexpr std::size_t bytes_at_once = std::size_t{1} << 16U;
 
-void put_word(std::array<std::byte, seal_size>& seal, std::size_t place, std::uint64_t word) noexcept { std::memcpy(seal.data() + 8 * place, &word, sizeof word); }
+void put_word(std::array<std::byte, seal_size>& seal, std::size_t place, std::uint64_t word) noexcept {
+    std::memcpy(seal.data() + 8 * place, &word, sizeof word);
+}
 
 }  // namespace
 
@@ -33,7 +35,8 @@ Seal look_at_seal(const InputFile& file) {
     std::memcpy(&length, found.data() + 8, sizeof length);
     std::memcpy(&own, found.data() + 24, sizeof own);
     // What does not agree with itself is no seal: it may be anything at the end of a file.
-    if (std::memcmp(found.data(), seal_mark.data(), seal_mark.size()) != 0 || own != Checksum().add(std::span(found).first(24)).value()) return Seal::none;
+    if (std::memcmp(found.data(), seal_mark.data(), seal_mark.size()) != 0 || own != Checksum().add(std::span(found).first(24)).value())
+        return Seal::none;
     if (length != file.size() - seal_size) return Seal::broken;
     Checksum contents;
     std::vector<std::byte> block(bytes_at_once);
@@ -50,7 +53,8 @@ int write_seal(int descriptor, std::uint64_t length) noexcept {
     Checksum contents;
     std::array<std::byte, 16384> block;
     for (std::uint64_t at = 0; at < length;) {
-        const ssize_t some = pread(descriptor, block.data(), static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), length - at)), static_cast<off_t>(at));
+        const ssize_t some = pread(descriptor, block.data(), static_cast<std::size_t>(std::min<std::uint64_t>(block.size(), length - at)),
+                                   static_cast<off_t>(at));
         if (some < 0 && errno == EINTR) continue;
         if (some <= 0) return some < 0 ? errno : EIO;
         contents.add(std::span(block).first(static_cast<std::size_t>(some)));

@@ -18,8 +18,8 @@ namespace cvtflow::engine {
 inline constexpr std::size_t seal_size = 32;
 
 enum class Seal {
-    whole,    ///< the file is what was sealed
-    broken,   ///< it has changed since
+    whole,   ///< the file is what was sealed
+    broken,  ///< it has changed since
     none,
 };
 

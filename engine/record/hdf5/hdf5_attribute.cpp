@@ -16,15 +16,13 @@ void write(hid_t object, const std::string& name, hid_t type, hid_t space, const
     attribute.close(what);
 }
 
-Handle scalar() {
-    return {H5Screate(H5S_SCALAR), H5Sclose, "cannot make a scalar"};
-}
+Handle scalar() { return {H5Screate(H5S_SCALAR), H5Sclose, "cannot make a scalar"}; }
 
 Handle open_attribute(hid_t object, const std::string& name) {
     return {H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, "cannot read attribute '" + name + "'"};
 }
 
-constexpr std::size_t most_text_bytes = std::size_t{64} << 20U;   ///< of one attribute: a scene, a sweep
+constexpr std::size_t most_text_bytes = std::size_t{64} << 20U;  ///< of one attribute: a scene, a sweep
 
 /// Texts of an attribute of fixed length; nullopt if it is no text. HDF5 keeps texts of variable length where no checksum guards them, and
 /// its release 1.10.8 crashes on damaged ones.
@@ -115,11 +113,9 @@ bool has_attribute(hid_t object, const std::string& name) {
 
 std::vector<Attribute> read_attributes(hid_t object) {
     std::vector<std::string> names;
-    const auto collect = [](hid_t, const char* name, const H5A_info_t*, void* client) -> herr_t {
-        return note_name(name, client);
-    };
+    const auto collect = [](hid_t, const char* name, const H5A_info_t*, void* client) -> herr_t { return note_name(name, client); };
     check(H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), "cannot list attributes");
-    std::sort(names.begin(), names.end());   // as links are (hdf5_series.cpp)
+    std::sort(names.begin(), names.end());  // as links are (hdf5_series.cpp)
     std::vector<Attribute> attributes;
     for (const std::string& name : names) {
         if (auto attribute = read(object, name)) {

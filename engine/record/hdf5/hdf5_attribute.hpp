@@ -18,7 +18,8 @@ void write_attribute(hid_t object, const Attribute& attribute);
 void write_texts(hid_t object, const std::string& name, const std::vector<std::string>& texts);
 
 [[nodiscard]] bool has_attribute(hid_t object, const std::string& name);
-/// All scalar attributes that are text of fixed length, integer or real, by name; others (such as those of dimension scales) are passed over.
+/// All scalar attributes that are text of fixed length, integer or real, by name; others (such as those of dimension scales) are passed
+/// over.
 [[nodiscard]] std::vector<Attribute> read_attributes(hid_t object);
 /// A scalar text, or "" if there is none of that name and kind.
 [[nodiscard]] std::string read_text(hid_t object, const std::string& name);

@@ -8,7 +8,7 @@
 namespace cvtflow::engine::hdf5 {
 namespace {
 
-constexpr std::size_t superblock_size = 44;   ///< of versions 2 and 3 with 8-byte addresses, without the checksum that follows
+constexpr std::size_t superblock_size = 44;  ///< of versions 2 and 3 with 8-byte addresses, without the checksum that follows
 
 struct Lookup3 {
     std::uint32_t a, b, c;
@@ -41,7 +41,7 @@ std::uint32_t metadata_checksum(std::span<const std::byte> bytes) noexcept {
         return state.c;
     }
     std::array<std::uint32_t, 3> words{};
-    for (;; state.mix()) {   // the last block, full or not, is finished instead of mixed
+    for (;; state.mix()) {  // the last block, full or not, is finished instead of mixed
         words = {};
         const std::size_t some = std::min(bytes.size(), sizeof words);
         std::memcpy(words.data(), bytes.data(), some);

@@ -28,9 +28,7 @@ QuietErrors::QuietErrors() noexcept {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-QuietErrors::~QuietErrors() {
-    H5Eset_auto2(H5E_DEFAULT, print_, client_);
-}
+QuietErrors::~QuietErrors() { H5Eset_auto2(H5E_DEFAULT, print_, client_); }
 
 std::string last_reason() {
     std::string reason;

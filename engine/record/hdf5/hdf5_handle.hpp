@@ -93,8 +93,8 @@ decltype(auto) guarded(const std::string& path, Body&& body) {
 /// descriptor is turned to memory: closing succeeds, and the file stays as it was at the first failed write.
 void divert_writes(hid_t file) noexcept;
 
-/// Access properties for reading a file that may be open for writing: what does not have its checksum is read again, as it may be half written,
-/// but not for ever. HDF5 waits 1 ns, 2 ns, 4 ns …: 22 times take 5 ms, its own 100 times the age of the universe.
+/// Access properties for reading a file that may be open for writing: what does not have its checksum is read again, as it may be half
+/// written, but not for ever. HDF5 waits 1 ns, 2 ns, 4 ns …: 22 times take 5 ms, its own 100 times the age of the universe.
 [[nodiscard]] Handle live_access();
 
 /// Access properties of all our files: format of HDF5 1.10 (which single-writer-multiple-reader needs), and none of HDF5's file locks,

@@ -10,7 +10,7 @@
 namespace cvtflow::engine::hdf5 {
 namespace {
 
-constexpr std::size_t memory_to_open = std::size_t{4} << 20U;   ///< HDF5 takes less than 2 MiB to open a file of ours and to read an array
+constexpr std::size_t memory_to_open = std::size_t{4} << 20U;  ///< HDF5 takes less than 2 MiB to open a file of ours and to read an array
 
 /// HDF5 1.10 crashes where it gets no memory, so whether there is some is asked before. (A new expression may be optimised away.)
 void require_memory() { ::operator delete(::operator new(memory_to_open)); }
@@ -42,7 +42,9 @@ Handle open_closed_or_live(const std::string& path) {
     throw Failure(reason);
 }
 
-[[noreturn]] void throw_damaged(const std::string& path, const std::string& reason) { throw RecordError(path + ": damaged HDF5 file (" + reason + ")"); }
+[[noreturn]] void throw_damaged(const std::string& path, const std::string& reason) {
+    throw RecordError(path + ": damaged HDF5 file (" + reason + ")");
+}
 
 [[noreturn]] void throw_unreadable(const std::string& path, const std::string& reason) {
     static const std::regex truncated("truncated file: eof = ([0-9]+), .*stored_eof = ([0-9]+)");

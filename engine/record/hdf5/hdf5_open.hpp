@@ -10,9 +10,9 @@ namespace cvtflow::engine::hdf5 {
 
 /// A kind of file.
 struct FileKind {
-    const char* format;         ///< required value of the attribute `format`, e.g. "cvtflow run"
-    std::int64_t version;       ///< newest `format_version` that can be read
-    bool always_sealed;         ///< written at once: without a seal it is damaged
+    const char* format;    ///< required value of the attribute `format`, e.g. "cvtflow run"
+    std::int64_t version;  ///< newest `format_version` that can be read
+    bool always_sealed;    ///< written at once: without a seal it is damaged
 };
 
 struct OpenFile {

@@ -7,11 +7,11 @@
 namespace cvtflow::engine::hdf5 {
 namespace {
 
-constexpr std::size_t most_row_bytes = std::size_t{1} << 24U;      ///< a state of two million unknowns
-constexpr std::size_t most_chunk_bytes = std::size_t{1} << 26U;    ///< HDF5 takes memory for a chunk whatever is in it
-constexpr std::size_t most_inflated = 1032;                        ///< deflate cannot make more of a byte
+constexpr std::size_t most_row_bytes = std::size_t{1} << 24U;    ///< a state of two million unknowns
+constexpr std::size_t most_chunk_bytes = std::size_t{1} << 26U;  ///< HDF5 takes memory for a chunk whatever is in it
+constexpr std::size_t most_inflated = 1032;                      ///< deflate cannot make more of a byte
 constexpr int deepest_group = 8;
-constexpr std::size_t most_objects = 100'000;                      ///< groups may contain one another
+constexpr std::size_t most_objects = 100'000;  ///< groups may contain one another
 
 /// Throws Failure for filters other than ours. @return how many bytes one byte of the file may become
 std::size_t inflation(hid_t creation, const std::string& what) {
@@ -138,7 +138,8 @@ void Series::require_extent(int most_rank) {
     width_ = sizes[1];
 }
 
-/// Data lie in the file itself, and there is as much of them as the extent says: a file of some kilobytes can promise terabytes of fill values.
+/// Data lie in the file itself, and there is as much of them as the extent says: a file of some kilobytes can promise terabytes of fill
+/// values.
 void Series::require_storage(hid_t file) const {
     const std::string what = "cannot read '" + path_ + "'";
     const Handle type(H5Dget_type(id()), H5Tclose, what);
@@ -184,7 +185,7 @@ void Series::read(hid_t type, std::size_t first, std::size_t count, void* memory
 }
 
 std::vector<double> Series::reals(std::size_t first, std::size_t count) const {
-    if (first > rows_ || count > rows_ - first) {   // before memory is taken
+    if (first > rows_ || count > rows_ - first) {  // before memory is taken
         fail("it has " + std::to_string(rows_) + " rows, not " + std::to_string(first) + " and " + std::to_string(count));
     }
     std::vector<double> values(count * width_);
@@ -196,7 +197,8 @@ bool has_object(hid_t file, const std::string& path) {
     for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
         const std::string part = path.substr(0, end);
         H5L_info_t link{};
-        if (H5Lexists(file, part.c_str(), H5P_DEFAULT) <= 0 || H5Lget_info(file, part.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) {
+        if (H5Lexists(file, part.c_str(), H5P_DEFAULT) <= 0 || H5Lget_info(file, part.c_str(), &link, H5P_DEFAULT) < 0 ||
+            link.type != H5L_TYPE_HARD) {
             return false;
         }
         if (end == std::string::npos) {

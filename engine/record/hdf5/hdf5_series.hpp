@@ -11,12 +11,12 @@ namespace cvtflow::engine::hdf5 {
 
 /// What one extendible dataset is made of.
 struct SeriesShape {
-    std::string path;        ///< "/channels/links/tension"
-    hid_t type = -1;         ///< of one element, in memory and in the file
-    std::size_t width = 1;   ///< elements per row
-    bool flat = true;        ///< [rows]; otherwise [rows, width]
-    int deflate = 0;         ///< 0…9
-    std::size_t chunk = 1;   ///< rows per chunk
+    std::string path;       ///< "/channels/links/tension"
+    hid_t type = -1;        ///< of one element, in memory and in the file
+    std::size_t width = 1;  ///< elements per row
+    bool flat = true;       ///< [rows]; otherwise [rows, width]
+    int deflate = 0;        ///< 0…9
+    std::size_t chunk = 1;  ///< rows per chunk
 };
 
 /// Creates an empty dataset [0…unlimited(, width)] and the groups it is in. Reals that were never written read as NaN. Throws Failure.
@@ -26,13 +26,13 @@ struct SeriesShape {
 [[nodiscard]] Handle open_series(hid_t file, const std::string& path);
 
 /// What an element must be.
-enum class Cells { reals, bytes, records };   ///< float64; 8-bit integers; compounds of 8-byte numbers and texts
+enum class Cells { reals, bytes, records };  ///< float64; 8-bit integers; compounds of 8-byte numbers and texts
 
 /// A dataset of a file that may say anything: nothing is believed, and nothing allocated, that the file's size does not allow.
 class Series {
 public:
-    /// Throws Failure("cannot read '<path>': reason") for what is no dataset reached by hard links, has another type or rank, data elsewhere,
-    /// filters other than shuffle and deflate, or more rows than the file's bytes can hold.
+    /// Throws Failure("cannot read '<path>': reason") for what is no dataset reached by hard links, has another type or rank, data
+    /// elsewhere, filters other than shuffle and deflate, or more rows than the file's bytes can hold.
     /// @param most_rank 1: [rows] only; 2: [rows, width] as well
     Series(hid_t file, std::string path, Cells cells, int most_rank = 1);
 
@@ -62,8 +62,8 @@ private:
 
 /// Whether there is an object of that path, by hard links from group to group.
 [[nodiscard]] bool has_object(hid_t file, const std::string& path);
-/// Paths of all datasets of a group and of the groups in it, relative to it, sorted; empty if it is not there. Throws Failure, also for groups
-/// nested deeper than names of channels are.
+/// Paths of all datasets of a group and of the groups in it, relative to it, sorted; empty if it is not there. Throws Failure, also for
+/// groups nested deeper than names of channels are.
 [[nodiscard]] std::vector<std::string> dataset_names(hid_t file, const std::string& group);
 
 /// Throws Failure for a compound that is made of anything but 8-byte numbers and texts of fixed length. @return its members

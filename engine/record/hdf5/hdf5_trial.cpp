@@ -18,9 +18,9 @@
 namespace cvtflow::engine {
 namespace {
 
-bool files_are_tried = false;   // set by a program's main(), before there are threads
+bool files_are_tried = false;  // set by a program's main(), before there are threads
 
-constexpr int out_of_memory = 3;   ///< exit status of a child
+constexpr int out_of_memory = 3;  ///< exit status of a child
 
 [[nodiscard]] bool single_threaded() {
     std::error_code unknown;
@@ -57,7 +57,7 @@ void limit_child() {
         look();
     } catch (const std::bad_alloc&) {
         status = out_of_memory;
-    } catch (...) {   // what it says, the parent will say
+    } catch (...) {  // what it says, the parent will say
     }
     _exit(status);
 }
@@ -78,8 +78,7 @@ void look_at_series(hid_t file, const std::string& path) {
             for (const std::size_t number : {std::size_t{0}, series.rows() - 1}) {
                 if (series.rows() > 0) series.read(H5T_NATIVE_DOUBLE, number, 1, row.data(), row.size() * sizeof(double));
             }
-        } catch (const Failure&) {
-        }
+        } catch (const Failure&) {}
     }
 }
 
@@ -93,8 +92,7 @@ void look_at_table(hid_t file, const std::string& path) {
         for (const std::size_t number : {std::size_t{0}, series.rows() - 1}) {
             if (series.rows() > 0) series.read(type.id(), number, 1, row.data(), row.size());
         }
-    } catch (const Failure&) {
-    }
+    } catch (const Failure&) {}
 }
 
 }  // namespace
@@ -102,8 +100,7 @@ void look_at_table(hid_t file, const std::string& path) {
 void look_at_everything(hid_t file) {
     try {
         static_cast<void>(read_attributes(file));
-    } catch (const Failure&) {
-    }
+    } catch (const Failure&) {}
     for (const std::string& name : dataset_names(file, "/")) {
         look_at_series(file, "/" + name);
         look_at_table(file, "/" + name);
@@ -113,11 +110,10 @@ void look_at_everything(hid_t file) {
 void survive(const std::function<void()>& look) {
     if (!files_are_tried || !single_threaded()) return;
     const pid_t child = fork();
-    if (child < 0) return;   // no processes to be had: as in a host
+    if (child < 0) return;  // no processes to be had: as in a host
     if (child == 0) be_the_child(look);
     int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
     if (WIFSIGNALED(status)) {
         const bool late = WTERMSIG(status) == SIGALRM || WTERMSIG(status) == SIGPROF;
         throw Failure(late ? "it takes HDF5 too long" : "HDF5 crashes on it");

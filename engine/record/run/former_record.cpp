@@ -19,7 +19,8 @@ void require_rows(const std::string& path, const char* what, std::size_t found, 
 
 void require_same_rows(const std::string& path, const char* what, const RowsWritten& found, const RowsWritten& wanted) {
     if (found == wanted) return;
-    throw RecordError(fmt::format("{}: cannot go on with it: damaged: its {} are not those that were written before the checkpoint", path, what));
+    throw RecordError(
+        fmt::format("{}: cannot go on with it: damaged: its {} are not those that were written before the checkpoint", path, what));
 }
 
 /// @return what was copied
@@ -59,7 +60,12 @@ RowsWritten copy_states(const RunReader& former, std::size_t count, RunFile& fil
 
 void RowsWritten::add(double time, std::span<const double> values, std::span<const std::uint8_t> phases) noexcept {
     ++count;
-    sum = Checksum().add(std::as_bytes(std::span(&sum, 1))).add(std::as_bytes(std::span(&time, 1))).add(std::as_bytes(values)).add(std::as_bytes(phases)).value();
+    sum = Checksum()
+              .add(std::as_bytes(std::span(&sum, 1)))
+              .add(std::as_bytes(std::span(&time, 1)))
+              .add(std::as_bytes(values))
+              .add(std::as_bytes(phases))
+              .value();
 }
 
 void copy_record(const std::string& path, const RecordPosition& until, const RunContents& contents, RunFile& file) {

@@ -24,11 +24,12 @@ struct RowsWritten {
     bool operator==(const RowsWritten&) const = default;
 };
 
-/// How much of a record had been written at a checkpoint, and what. A record that is not finished has no seal: this is what it is compared with.
+/// How much of a record had been written at a checkpoint, and what. A record that is not finished has no seal: this is what it is compared
+/// with.
 struct RecordPosition {
     RowsWritten channels;
     RowsWritten states;
-    std::vector<RowsWritten> tables{};   ///< in the order of RunContents; rows of a table come without time
+    std::vector<RowsWritten> tables{};  ///< in the order of RunContents; rows of a table come without time
 };
 
 /// Copies the first rows of a record into a new one of the same contents, which is then flushed to disk.

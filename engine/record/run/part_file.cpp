@@ -24,8 +24,8 @@ std::string folder_of(const std::string& path) {
     return folder.empty() ? "." : folder;
 }
 
-/// What is under a name and must not be replaced; empty: nothing, or a plain file. A rename would put a file in the place of a device, and of
-/// a link instead of what it points to; a file that is opened through a link is somebody else's.
+/// What is under a name and must not be replaced; empty: nothing, or a plain file. A rename would put a file in the place of a device, and
+/// of a link instead of what it points to; a file that is opened through a link is somebody else's.
 std::string other_than_file(const std::string& path) {
     struct stat file {};
     if (lstat(path.c_str(), &file) != 0 || S_ISREG(file.st_mode)) return "";
@@ -56,7 +56,8 @@ bool still_named(int descriptor, const std::string& path) {
            open_file.st_dev == named_file.st_dev;
 }
 
-/// A new file, or the plain one that a killed run left: never through a link, and none that has a second name elsewhere. @return -1 and errno
+/// A new file, or the plain one that a killed run left: never through a link, and none that has a second name elsewhere. @return -1 and
+/// errno
 int open_part(const std::string& path) {
     constexpr int flags = O_RDWR | O_NOFOLLOW | O_CLOEXEC;
     const int fresh = open(path.c_str(), flags | O_CREAT | O_EXCL, 0666);
@@ -151,9 +152,7 @@ int PartFile::seal() noexcept {
     return fstat(descriptor_, &file) != 0 ? errno : write_seal(descriptor_, static_cast<std::uint64_t>(file.st_size));
 }
 
-int PartFile::sync() noexcept {
-    return fsync(descriptor_) == 0 ? 0 : errno;
-}
+int PartFile::sync() noexcept { return fsync(descriptor_) == 0 ? 0 : errno; }
 
 void PartFile::trim() noexcept {
     struct stat file {};
@@ -194,8 +193,6 @@ std::string set_aside(const std::string& path) {
     return {};
 }
 
-void PartFile::discard() noexcept {
-    unlink(part_path_.c_str());
-}
+void PartFile::discard() noexcept { unlink(part_path_.c_str()); }
 
 }  // namespace cvtflow::engine

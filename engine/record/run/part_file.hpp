@@ -44,12 +44,12 @@ private:
     std::size_t reserved_ = 0;
 };
 
-/// Whether a file may be created at `path`, or a plain file there replaced, with a .part beside it; asked before work whose result goes there.
-/// Errors (RecordError): a folder, a device, pipe or socket, a symbolic link; a missing folder; no permission.
+/// Whether a file may be created at `path`, or a plain file there replaced, with a .part beside it; asked before work whose result goes
+/// there. Errors (RecordError): a folder, a device, pipe or socket, a symbolic link; a missing folder; no permission.
 void require_replaceable(const std::string& path);
 
-/// Takes what a run left under a name out of the way of a new one, to read it: `<path>.before` from now on, or already since an attempt that
-/// was killed. Takes the .part file if there is one, else the finished file.
+/// Takes what a run left under a name out of the way of a new one, to read it: `<path>.before` from now on, or already since an attempt
+/// that was killed. Takes the .part file if there is one, else the finished file.
 /// @return the path to read, empty if there is nothing. Errors (RecordError): a run is still writing it; not allowed.
 [[nodiscard]] std::string set_aside(const std::string& path);
 

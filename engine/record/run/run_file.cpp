@@ -105,9 +105,7 @@ void RunFile::set_attribute(Attribute attribute) {
     impl_->late_attributes.push_back(std::move(attribute));
 }
 
-void RunFile::set_status(std::string status) {
-    impl_->status = std::move(status);
-}
+void RunFile::set_status(std::string status) { impl_->status = std::move(status); }
 
 void RunFile::flush() {
     impl_->require_open();
@@ -121,12 +119,8 @@ void RunFile::close() {
     impl_->part.publish();
 }
 
-std::size_t RunFile::saved_rows() const noexcept {
-    return impl_->channels.written();
-}
+std::size_t RunFile::saved_rows() const noexcept { return impl_->channels.written(); }
 
-const std::string& RunFile::part_path() const noexcept {
-    return impl_->part.path();
-}
+const std::string& RunFile::part_path() const noexcept { return impl_->part.path(); }
 
 }  // namespace cvtflow::engine

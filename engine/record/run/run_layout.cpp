@@ -13,9 +13,7 @@ namespace {
 constexpr std::size_t table_rows = 64;
 
 /// Chunks of about 256 KiB; a chunk is also what a kill can cost between two flushes.
-std::size_t state_rows(std::size_t state_size) {
-    return std::clamp<std::size_t>((std::size_t{1} << 18U) / (8 * state_size), 1, 64);
-}
+std::size_t state_rows(std::size_t state_size) { return std::clamp<std::size_t>((std::size_t{1} << 18U) / (8 * state_size), 1, 64); }
 
 template <class Items>
 void check_names(const Items& items, const std::string& kind, const std::set<std::string>& reserved) {
@@ -73,7 +71,7 @@ void describe_channels(const std::vector<Handle>& datasets, const std::vector<Ch
         write_attribute(dataset, {"description", channels[i].description});
         write_attribute(dataset, {"index", static_cast<std::int64_t>(i)});
         if (channels[i].width > 1 && !channels[i].axis.empty()) {
-            check(H5DSset_label(dataset, 1, channels[i].axis.c_str()), "cannot label '" + channels[i].name + "'");   // for others
+            check(H5DSset_label(dataset, 1, channels[i].axis.c_str()), "cannot label '" + channels[i].name + "'");  // for others
             write_attribute(dataset, {"axis", channels[i].axis});
         }
     }
@@ -116,18 +114,29 @@ RunLayout run_layout(const RunContents& contents, const RunFileOptions& options)
     const auto rows = static_cast<std::size_t>(std::max(1, options.channel_rows));
     layout.channels.rows = rows;
     for (const ChannelInfo& channel : contents.channels) {
-        layout.channels.series.push_back({.path = "/channels/" + channel.name, .type = H5T_NATIVE_DOUBLE,
-            .width = static_cast<std::size_t>(channel.width), .flat = channel.width == 1, .chunk = rows});
+        layout.channels.series.push_back({.path = "/channels/" + channel.name,
+                                          .type = H5T_NATIVE_DOUBLE,
+                                          .width = static_cast<std::size_t>(channel.width),
+                                          .flat = channel.width == 1,
+                                          .chunk = rows});
     }
     layout.channels.series.push_back({.path = "/channels/time", .type = H5T_NATIVE_DOUBLE, .chunk = rows});
     if (contents.state_size > 0) {
         const std::size_t few = state_rows(contents.state_size);
         layout.states.rows = few;
-        layout.states.series.push_back({.path = "/states/y", .type = H5T_NATIVE_DOUBLE, .width = contents.state_size, .flat = false,
-            .deflate = options.deflate_states, .chunk = few});
+        layout.states.series.push_back({.path = "/states/y",
+                                        .type = H5T_NATIVE_DOUBLE,
+                                        .width = contents.state_size,
+                                        .flat = false,
+                                        .deflate = options.deflate_states,
+                                        .chunk = few});
         if (contents.phase_count > 0) {
-            layout.states.series.push_back({.path = "/states/phases", .type = H5T_NATIVE_UINT8, .width = contents.phase_count,
-                .flat = false, .deflate = options.deflate_states, .chunk = few});
+            layout.states.series.push_back({.path = "/states/phases",
+                                            .type = H5T_NATIVE_UINT8,
+                                            .width = contents.phase_count,
+                                            .flat = false,
+                                            .deflate = options.deflate_states,
+                                            .chunk = few});
         }
         layout.states.series.push_back({.path = "/states/time", .type = H5T_NATIVE_DOUBLE, .chunk = few});
     }

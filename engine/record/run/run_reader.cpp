@@ -19,8 +19,8 @@ std::vector<ChannelInfo> read_channels(hid_t file) {
         }
         const hdf5::Series series(file, "/channels/" + name, hdf5::Cells::reals, 2);
         found.push_back({hdf5::read_integer(series.id(), "index", 0),
-            {name, hdf5::read_text(series.id(), "units"), hdf5::read_text(series.id(), "description"), static_cast<int>(series.width()),
-                hdf5::read_text(series.id(), "axis")}});
+                         {name, hdf5::read_text(series.id(), "units"), hdf5::read_text(series.id(), "description"),
+                          static_cast<int>(series.width()), hdf5::read_text(series.id(), "axis")}});
     }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<ChannelInfo> channels;
@@ -44,7 +44,7 @@ TableInfo read_table_info(hid_t file, const std::string& name) {
             throw hdf5::Failure("cannot read table '" + name + "': it has texts");
         }
         table.columns.push_back({column.get(), i < units.size() ? units[i] : "", i < descriptions.size() ? descriptions[i] : "",
-            kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
+                                 kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
     }
     return table;
 }
@@ -78,7 +78,8 @@ struct RunReader::Impl {
     std::size_t rows = 0;
     std::size_t states = 0;
 
-    explicit Impl(const std::string& name) : path(name), opened(hdf5::open_for_reading(name, {hdf5::run_format, hdf5::run_format_version, false})) {
+    explicit Impl(const std::string& name)
+        : path(name), opened(hdf5::open_for_reading(name, {hdf5::run_format, hdf5::run_format_version, false})) {
         hdf5::guarded(path, [this] { read_structure(); });
     }
 
@@ -145,9 +146,7 @@ std::vector<double> RunReader::times() const {
     return hdf5::guarded(impl_->path, [&] { return read_reals(impl_->file.id(), "/channels/time", 0, impl_->rows); });
 }
 
-std::vector<double> RunReader::channel(std::string_view name) const {
-    return impl_->read_channel(name, 0, impl_->rows);
-}
+std::vector<double> RunReader::channel(std::string_view name) const { return impl_->read_channel(name, 0, impl_->rows); }
 
 std::vector<double> RunReader::channel_rows(std::string_view name, std::size_t first, std::size_t count) const {
     return impl_->read_channel(name, first, count);
@@ -163,9 +162,8 @@ std::vector<double> RunReader::last(std::string_view name) const {
 }
 
 std::vector<double> RunReader::state_times() const {
-    return impl_->states == 0 ? std::vector<double>{} : hdf5::guarded(impl_->path, [&] {
-        return read_reals(impl_->file.id(), "/states/time", 0, impl_->states);
-    });
+    return impl_->states == 0 ? std::vector<double>{}
+                              : hdf5::guarded(impl_->path, [&] { return read_reals(impl_->file.id(), "/states/time", 0, impl_->states); });
 }
 
 RecordedState RunReader::last_state() const {

@@ -19,10 +19,10 @@ struct RecordedState {
     bool operator==(const RecordedState&) const = default;
 };
 
-/// All errors are RecordError. At opening, after "path: ": "No such file or directory", "a folder, not a file", "not a regular file", "not an HDF5 file",
-/// "truncated HDF5 file: 2000 bytes of 8200", "damaged HDF5 file (reason)", "an HDF5 file, but not a cvtflow run",
-/// "format version 2 is newer than this program reads (1)"; later for names that are not there and for damaged data.
-/// Rows are those that were there at opening.
+/// All errors are RecordError. At opening, after "path: ": "No such file or directory", "a folder, not a file", "not a regular file", "not
+/// an HDF5 file", "truncated HDF5 file: 2000 bytes of 8200", "damaged HDF5 file (reason)", "an HDF5 file, but not a cvtflow run", "format
+/// version 2 is newer than this program reads (1)"; later for names that are not there and for damaged data. Rows are those that were there
+/// at opening.
 class RunReader {
 public:
     explicit RunReader(const std::string& path);

@@ -21,7 +21,7 @@ struct ChannelInfo {
     std::string name{};         ///< e.g. "strand_tension", or in groups: "links/tension"
     std::string unit{};         ///< e.g. "N"; "1" for a pure number
     std::string description{};  ///< one sentence
-    int width = 1;            ///< numbers per instant; > 1 makes a dataset [time, width]
+    int width = 1;              ///< numbers per instant; > 1 makes a dataset [time, width]
     std::string axis{};         ///< label of the second dimension, e.g. "link"; only used if width > 1
     bool operator==(const ChannelInfo&) const = default;
 };
@@ -50,8 +50,8 @@ struct Attribute {
     bool operator==(const Attribute&) const = default;
 };
 
-/// From now on every file is first looked at by a child process while this one has a single thread, so that a forged file that makes HDF5 crash
-/// is an error like others. For programs of our own: hosts may be in the way of a fork. (hdf5_trial.cpp)
+/// From now on every file is first looked at by a child process while this one has a single thread, so that a forged file that makes HDF5
+/// crash is an error like others. For programs of our own: hosts may be in the way of a fork. (hdf5_trial.cpp)
 void try_files_first() noexcept;
 
 /// Provenance as attributes "program_version", "commit", "compiler", "build_type", "instruction_set", "cpu", "cores", "os", "date",

@@ -34,9 +34,12 @@ std::string hash_of(const SavedState& saved) {
     for (const Attribute& attribute : saved.attributes) {
         add_text(attribute.name);
         hash.add(static_cast<std::uint64_t>(attribute.value.index()));
-        if (const auto* text = std::get_if<std::string>(&attribute.value)) add_text(*text);
-        else if (const auto* real = std::get_if<double>(&attribute.value)) add_reals({real, 1});
-        else hash.add(static_cast<std::uint64_t>(std::get<std::int64_t>(attribute.value)));
+        if (const auto* text = std::get_if<std::string>(&attribute.value))
+            add_text(*text);
+        else if (const auto* real = std::get_if<double>(&attribute.value))
+            add_reals({real, 1});
+        else
+            hash.add(static_cast<std::uint64_t>(std::get<std::int64_t>(attribute.value)));
     }
     for (const NamedArray& array : saved.more) {
         add_text(array.name);
@@ -91,7 +94,7 @@ std::vector<std::byte> image_of(const SavedState& saved, const std::string& name
     const auto size = static_cast<std::size_t>(hdf5::check(H5Fget_file_image(file.id(), nullptr, 0), "cannot build the file in memory"));
     std::vector<std::byte> image(size);
     hdf5::check(H5Fget_file_image(file.id(), image.data(), size), "cannot build the file in memory");
-    hdf5::renew_superblock(image);   // whose flags H5Fget_file_image (1.10.8) clears without renewing its checksum
+    hdf5::renew_superblock(image);  // whose flags H5Fget_file_image (1.10.8) clears without renewing its checksum
     return image;
 }
 

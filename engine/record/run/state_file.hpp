@@ -29,7 +29,7 @@ struct SavedState {
     std::vector<std::uint8_t> phases{};
     std::string fingerprint{};  ///< hash of all that gives the numbers their meaning (parameters, layout); whoever resumes compares it
     std::vector<Attribute> attributes{};
-    std::vector<NamedArray> more{};   ///< come back sorted by name
+    std::vector<NamedArray> more{};  ///< come back sorted by name
     bool operator==(const SavedState&) const = default;
 };
 

@@ -22,7 +22,7 @@ constexpr const char* cases_format = "cvtflow cases";
 constexpr std::int64_t cases_version = 1;
 constexpr std::size_t rows_per_chunk = 64;
 constexpr std::size_t rows_per_write = 16 * rows_per_chunk;
-constexpr std::size_t spare_bytes = 65536;   ///< kept free beyond every write, for HDF5's own tables
+constexpr std::size_t spare_bytes = 65536;  ///< kept free beyond every write, for HDF5's own tables
 
 hdf5::Handle row_type(const RowLayout& layout) {
     hdf5::Handle type(H5Tcreate(H5T_COMPOUND, layout.bytes()), H5Tclose, "cannot make a type");
@@ -82,12 +82,15 @@ RowLayout read_layout(hid_t dataset) {
     const auto units = hdf5::read_texts(dataset, "units");
     const auto descriptions = hdf5::read_texts(dataset, "descriptions");
     const int members = hdf5::require_record_type(type.id(), "cannot read the columns");
-    if (static_cast<std::size_t>(members) != names.size() + 1 || units.size() != names.size() || descriptions.size() != names.size()) throw hdf5::Failure("cannot read the columns: they do not fit");
+    if (static_cast<std::size_t>(members) != names.size() + 1 || units.size() != names.size() || descriptions.size() != names.size())
+        throw hdf5::Failure("cannot read the columns: they do not fit");
     std::vector<CaseColumn> columns;
     for (std::size_t i = 0; i < names.size(); ++i) {
         const hdf5::Handle cell(H5Tget_member_type(type.id(), static_cast<unsigned>(i)), H5Tclose, "cannot read the columns");
         const H5T_class_t kind = H5Tget_class(cell.id());
-        const CaseColumnType what = kind == H5T_STRING ? CaseColumnType::text : kind == H5T_FLOAT ? CaseColumnType::real : CaseColumnType::integer;
+        const CaseColumnType what = kind == H5T_STRING  ? CaseColumnType::text
+                                    : kind == H5T_FLOAT ? CaseColumnType::real
+                                                        : CaseColumnType::integer;
         columns.push_back({names[i], units[i], descriptions[i], what, static_cast<int>(H5Tget_size(cell.id()))});
     }
     return RowLayout(std::move(columns));
@@ -121,7 +124,9 @@ void CaseReader::read(std::size_t first, std::span<std::byte> rows) const {
     hdf5::guarded(path_, [&] {
         impl_->cases->read(impl_->type.id(), first, rows.size() / bytes, rows.data(), rows.size());
         for (std::size_t at = 0; at < rows.size(); at += bytes) {
-            if (!head_.layout.sound(rows.subspan(at, bytes))) throw hdf5::Failure("row " + std::to_string(first + at / bytes) + " is damaged: it does not have the check that it was written with");
+            if (!head_.layout.sound(rows.subspan(at, bytes)))
+                throw hdf5::Failure("row " + std::to_string(first + at / bytes) +
+                                    " is damaged: it does not have the check that it was written with");
         }
     });
 }
@@ -171,12 +176,14 @@ struct CaseWriter::Impl {
     std::size_t row_bytes = 0;
     std::string damage;
 
-    Impl(std::string where, const CaseTable& begin) : path(std::move(where)), part(path, true), rows(begin.size()), row_bytes(begin.layout.bytes()) {
+    Impl(std::string where, const CaseTable& begin)
+        : path(std::move(where)), part(path, true), rows(begin.size()), row_bytes(begin.layout.bytes()) {
         write_part(part, begin, begin.size(), rows_of(begin));
-        part.publish();   // `part` keeps its descriptor: the same file under its new name
+        part.publish();  // `part` keeps its descriptor: the same file under its new name
         hdf5::guarded(path, [&] {
             type = row_type(begin.layout);
-            file = {H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, hdf5::file_access().id()), H5Fclose, "cannot open for writing"};
+            file = {H5Fopen(path.c_str(), H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, hdf5::file_access().id()), H5Fclose,
+                    "cannot open for writing"};
             dataset = hdf5::open_series(file.id(), "/cases");
         });
     }
@@ -222,14 +229,15 @@ void CaseWriter::sync() {
 FolderLock::FolderLock(const std::string& folder) {
     std::error_code error;
     std::filesystem::create_directory(folder, error);
-    if (!std::filesystem::is_directory(folder)) throw RecordError(folder + ": cannot create: " + (error ? error.message() : "a file of that name is in the way"));
+    if (!std::filesystem::is_directory(folder))
+        throw RecordError(folder + ": cannot create: " + (error ? error.message() : "a file of that name is in the way"));
     descriptor_ = open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor_ < 0) throw RecordError(folder + ": cannot write into it: " + std::strerror(errno));
     struct flock whole {};
     whole.l_type = F_WRLCK;
     whole.l_whence = SEEK_SET;
     for (int attempt = 0; fcntl(descriptor_, F_OFD_SETLK, &whole) != 0 && (errno == EAGAIN || errno == EACCES); ++attempt) {
-        if (attempt == 100) {   // a sweep that was killed is gone before that
+        if (attempt == 100) {  // a sweep that was killed is gone before that
             close(descriptor_);
             throw RecordError(folder + ": another sweep is writing into it");
         }

@@ -29,7 +29,7 @@ struct CaseColumn {
     std::string unit{};
     std::string description{};
     CaseColumnType type = CaseColumnType::real;
-    int width = 8;   ///< bytes; of a text, its longest
+    int width = 8;  ///< bytes; of a text, its longest
     bool operator==(const CaseColumn&) const = default;
 };
 
@@ -71,11 +71,13 @@ private:
 /// A table in memory.
 struct CaseTable {
     RowLayout layout;
-    std::vector<Attribute> attributes;   ///< without format and format_version; with status
+    std::vector<Attribute> attributes;  ///< without format and format_version; with status
     std::vector<std::byte> rows;
 
     [[nodiscard]] std::size_t size() const noexcept { return layout.bytes() == 0 ? 0 : rows.size() / layout.bytes(); }
-    [[nodiscard]] std::span<const std::byte> row(std::size_t number) const noexcept { return {rows.data() + number * layout.bytes(), layout.bytes()}; }
+    [[nodiscard]] std::span<const std::byte> row(std::size_t number) const noexcept {
+        return {rows.data() + number * layout.bytes(), layout.bytes()};
+    }
     [[nodiscard]] std::string attribute(std::string_view name) const;
     void set(Attribute attribute);
 };
@@ -109,7 +111,8 @@ private:
 /// Writes a finished table at once: whoever looks sees the former file or the new one. Errors (RecordError).
 void write_cases(const std::string& path, const CaseTable& table);
 /// The same with rows that come a few at a time. @param fill writes rows from `first` on, as many as there is room for
-void write_cases(const std::string& path, const CaseTable& head, std::size_t rows, const std::function<void(std::size_t first, std::span<std::byte> rows)>& fill);
+void write_cases(const std::string& path, const CaseTable& head, std::size_t rows,
+                 const std::function<void(std::size_t first, std::span<std::byte> rows)>& fill);
 
 /// A table that grows.
 class CaseWriter {
@@ -120,8 +123,9 @@ public:
     CaseWriter(const CaseWriter&) = delete;
     CaseWriter& operator=(const CaseWriter&) = delete;
 
-    /// Adds a sealed row and hands it to the operating system. Errors (RecordError): disk full, which is noticed before anything is written:
-    /// "DIR/cases.h5: cannot write: No space left on device; 12 cases are saved". The file stays whole; nothing can be added any more.
+    /// Adds a sealed row and hands it to the operating system. Errors (RecordError): disk full, which is noticed before anything is
+    /// written: "DIR/cases.h5: cannot write: No space left on device; 12 cases are saved". The file stays whole; nothing can be added any
+    /// more.
     void append(std::span<const std::byte> row);
     /// Waits until the rows are on disk.
     void sync();

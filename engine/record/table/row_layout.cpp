@@ -14,7 +14,7 @@ RowLayout::RowLayout(std::vector<CaseColumn> columns) : columns_(std::move(colum
         offsets_.push_back(bytes_);
         bytes_ += static_cast<std::size_t>(column.width);
     }
-    bytes_ += sizeof(std::uint64_t);   // check
+    bytes_ += sizeof(std::uint64_t);  // check
 }
 
 bool RowLayout::has(std::string_view name) const noexcept {
@@ -27,8 +27,12 @@ std::size_t RowLayout::column(std::string_view name) const {
     return static_cast<std::size_t>(found - columns_.begin());
 }
 
-void RowLayout::put(std::span<std::byte> row, std::size_t column, double value) const noexcept { std::memcpy(row.data() + offsets_[column], &value, sizeof value); }
-void RowLayout::put(std::span<std::byte> row, std::size_t column, std::int64_t value) const noexcept { std::memcpy(row.data() + offsets_[column], &value, sizeof value); }
+void RowLayout::put(std::span<std::byte> row, std::size_t column, double value) const noexcept {
+    std::memcpy(row.data() + offsets_[column], &value, sizeof value);
+}
+void RowLayout::put(std::span<std::byte> row, std::size_t column, std::int64_t value) const noexcept {
+    std::memcpy(row.data() + offsets_[column], &value, sizeof value);
+}
 
 void RowLayout::put(std::span<std::byte> row, std::size_t column, std::string_view text) const noexcept {
     const std::size_t width = static_cast<std::size_t>(columns_[column].width);
@@ -63,7 +67,9 @@ std::string RowLayout::cell(std::span<const std::byte> row, std::size_t column) 
     return {};
 }
 
-std::uint64_t RowLayout::check(std::span<const std::byte> row) const noexcept { return Hash().add(row.first(bytes_ - sizeof(std::uint64_t))).value(); }
+std::uint64_t RowLayout::check(std::span<const std::byte> row) const noexcept {
+    return Hash().add(row.first(bytes_ - sizeof(std::uint64_t))).value();
+}
 
 void RowLayout::seal(std::span<std::byte> row) const noexcept {
     const std::uint64_t value = check(row);

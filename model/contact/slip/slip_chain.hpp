@@ -15,16 +15,18 @@ class SlipElimination : public SlipContacts {
 public:
     using F = FloatLanes;
 
-    SlipElimination(const SlipContacts& contacts, std::span<const SlipGroup> groups, SlipChain& chain) noexcept : SlipContacts(contacts), groups_(groups), c_(chain) {}
+    SlipElimination(const SlipContacts& contacts, std::span<const SlipGroup> groups, SlipChain& chain) noexcept
+        : SlipContacts(contacts), groups_(groups), c_(chain) {}
 
     void solve() noexcept {
         for (int joint = 0; joint < length(); ++joint) right_sides(joint);
         copy(groups_[0].element, c_.left);
-        alignas(64) float starts[slip_lanes];   // 1 where a stretch begins at joint 1
+        alignas(64) float starts[slip_lanes];  // 1 where a stretch begins at joint 1
         for (int lane = 0; lane < slip_lanes; ++lane) starts[lane] = groups_[0].present.at(0)[lane] == 0.0 ? 1.0f : 0.0f;
         const F late = load(starts), never(0.0f);
         for (int joint = 1; joint < length(); ++joint) {
-            condense(groups_[static_cast<std::size_t>(joint)].element, side(joint), joint == 1 ? late : never, joint > 1, c_.steps[static_cast<std::size_t>(joint - 1)]);
+            condense(groups_[static_cast<std::size_t>(joint)].element, side(joint), joint == 1 ? late : never, joint > 1,
+                     c_.steps[static_cast<std::size_t>(joint - 1)]);
         }
         if (length() > 1) {
             for (int row = 0; row < size(); ++row) put(c_.sides, row, choose(late, get(c_.sides, size() + row), get(c_.sides, row)));
@@ -35,7 +37,8 @@ public:
             next_lane(c_.unknowns.at(row), c_.unknowns.at(length() * size() + row), c_.stretches.count());
         }
         for (int joint = length() - 1; joint >= 1; --joint) {
-            substitute(c_.steps[static_cast<std::size_t>(joint - 1)], c_.unknowns.at(0), c_.unknowns.at((joint + 1) * size()), joint == 1 ? late : never, c_.unknowns.at(joint * size()));
+            substitute(c_.steps[static_cast<std::size_t>(joint - 1)], c_.unknowns.at(0), c_.unknowns.at((joint + 1) * size()),
+                       joint == 1 ? late : never, c_.unknowns.at(joint * size()));
         }
     }
 
@@ -64,7 +67,8 @@ private:
                 d[k] = narrow(get(g.part, row) + load<slip_lanes>(before) - get(g.slip, row));
             }
             const int root = 4 * this->joint(End::rear, point);
-            for (int i = 0; i < 2; ++i) put(c_.sides, joint * size() + 2 * point + i, get(g.root, root + i) * d[0] + get(g.root, root + 2 + i) * d[1]);
+            for (int i = 0; i < 2; ++i)
+                put(c_.sides, joint * size() + 2 * point + i, get(g.root, root + i) * d[0] + get(g.root, root + 2 + i) * d[1]);
         }
     }
     /// The front parts of the links before.
@@ -92,19 +96,23 @@ private:
         const auto entry = [&](int row, int column) { return panel + (row * width() + column) * slip_lanes; };
         F m[triangle(most, 0)];
         for (int row = 0; row < n; ++row) {
-            for (int column = 0; column <= row; ++column) m[triangle(row, column)] = get(c_.left, element().front() + row * n + column) + get(right, element().rear() + row * n + column);
+            for (int column = 0; column <= row; ++column)
+                m[triangle(row, column)] =
+                    get(c_.left, element().front() + row * n + column) + get(right, element().rear() + row * n + column);
             m[triangle(row, row)] = 1.0f + m[triangle(row, row)];
             for (int column = 0; column < n; ++column) {
                 get(c_.left, element().across() + row * n + column).copy_to(entry(row, column));
                 get(right, element().across() + column * n + row).copy_to(entry(row, n + column));
             }
-            (get(c_.left, element().front_side() + row) + get(right, element().rear_side() + row) + load(side + row * slip_lanes)).copy_to(entry(row, 2 * n));
+            (get(c_.left, element().front_side() + row) + get(right, element().rear_side() + row) + load(side + row * slip_lanes))
+                .copy_to(entry(row, 2 * n));
         }
         factorise(m);
         forward(m, panel);
         for (int k = 0; k < triangle(n, 0); ++k) put(to, k, m[k]);
         for (int row = 0; row < n; ++row) {
-            for (int column = 0; column < width(); ++column) put(c_.scaled, row * width() + column, m[triangle(row, row)] * load(entry(row, column)));
+            for (int column = 0; column < width(); ++column)
+                put(c_.scaled, row * width() + column, m[triangle(row, row)] * load(entry(row, column)));
         }
         reduce(right, panel);
         if (none) return;
@@ -112,8 +120,10 @@ private:
     }
     [[nodiscard]] int width() const noexcept { return 2 * size() + 1; }
     void factorise(F* m) const noexcept {
-        if constexpr (Points > 0) ldl<2 * Points>(m);
-        else ldl(m, size());
+        if constexpr (Points > 0)
+            ldl<2 * Points>(m);
+        else
+            ldl(m, size());
     }
 
     /// L⁻¹ x in place.
@@ -124,7 +134,8 @@ private:
             for (int column = 0; column < width(); ++column) own[column] = load(to + column * slip_lanes);
             for (int k = 0; k < row; ++k) {
                 const F by = m[triangle(row, k)];
-                for (int column = 0; column < width(); ++column) own[column] = own[column] - by * load(x + (k * width() + column) * slip_lanes);
+                for (int column = 0; column < width(); ++column)
+                    own[column] = own[column] - by * load(x + (k * width() + column) * slip_lanes);
             }
             for (int column = 0; column < width(); ++column) own[column].copy_to(to + column * slip_lanes);
         }
@@ -159,7 +170,8 @@ private:
         for (int row = 0; row < size(); ++row) y[row] = get(from, step().panel(row, 2 * size()));
         for (int k = 0; k < size(); ++k) {
             const F x_before = load(before + k * slip_lanes), x_next = load(next + k * slip_lanes);
-            for (int row = 0; row < size(); ++row) y[row] = y[row] - get(from, step().panel(row, k)) * x_before - get(from, step().panel(row, size() + k)) * x_next;
+            for (int row = 0; row < size(); ++row)
+                y[row] = y[row] - get(from, step().panel(row, k)) * x_before - get(from, step().panel(row, size() + k)) * x_next;
         }
         back_substitute(y, size(), [&](int row, int column) { return get(from, step().factor(row, column)); });
         for (int row = 0; row < size(); ++row) choose(missing, load(before + row * slip_lanes), y[row]).copy_to(to + row * slip_lanes);
@@ -169,7 +181,8 @@ private:
     void ring() noexcept {
         float* sides = c_.sides.at(0);
         for (int level = 0; level < c_.levels(); ++level) {
-            const int count = c_.counts[static_cast<std::size_t>(level)], odd = count % 2, fewer = c_.counts[static_cast<std::size_t>(level) + 1];
+            const int count = c_.counts[static_cast<std::size_t>(level)], odd = count % 2,
+                      fewer = c_.counts[static_cast<std::size_t>(level) + 1];
             alignas(64) float between[most * slip_lanes];
             alignas(64) std::int32_t first[slip_lanes], second[slip_lanes];
             for (int lane = 0; lane < slip_lanes; ++lane) {
@@ -220,14 +233,16 @@ private:
 
     /// From the joints of a level to those of the one before.
     void expand(int level) noexcept {
-        const int count = c_.counts[static_cast<std::size_t>(level)], odd = count % 2, fewer = c_.counts[static_cast<std::size_t>(level) + 1];
+        const int count = c_.counts[static_cast<std::size_t>(level)], odd = count % 2,
+                  fewer = c_.counts[static_cast<std::size_t>(level) + 1];
         const float* before = c_.ends.at((level + 1) * size());
         alignas(64) float next[most * slip_lanes], between[most * slip_lanes];
         for (int row = 0; row < size(); ++row) next_lane(before + row * slip_lanes, next + row * slip_lanes, fewer);
         substitute(c_.steps[static_cast<std::size_t>(length() - 1 + level)], before, next, without_first(odd), between);
         for (int row = 0; row < size(); ++row) {
             float* to = c_.ends.at(level * size() + row);
-            for (int lane = 0; lane < count; ++lane) to[lane] = ((lane + odd) % 2 == 0 ? before : between)[row * slip_lanes + (lane + odd) / 2];
+            for (int lane = 0; lane < count; ++lane)
+                to[lane] = ((lane + odd) % 2 == 0 ? before : between)[row * slip_lanes + (lane + odd) / 2];
         }
     }
 

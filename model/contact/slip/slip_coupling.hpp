@@ -26,9 +26,11 @@ public:
             for (int column = 0; column <= row; ++column) {
                 const Row& b = rows_[static_cast<std::size_t>(column)];
                 const bool lateral = a.lateral >= 0 && b.lateral >= 0, axial = a.axial >= 0 && b.axial >= 0;
-                if (!lateral && !axial) continue;   // zero from the beginning
+                if (!lateral && !axial) continue;  // zero from the beginning
                 F value(0.0f);
-                if (lateral) value = static_cast<float>(this->space_.lateral(a.lateral, b.lateral)) * (a.ax * b.ax + a.ay * b.ay) + (a.turning * b.lever + a.lever * b.turned);
+                if (lateral)
+                    value = static_cast<float>(this->space_.lateral(a.lateral, b.lateral)) * (a.ax * b.ax + a.ay * b.ay) +
+                            (a.turning * b.lever + a.lever * b.turned);
                 if (axial) value = value + static_cast<float>(this->space_.axial(a.axial, b.axial)) * (a.along * b.along);
                 put(this->g_.coupling, triangle(a.number, b.number), value);
             }
@@ -40,9 +42,11 @@ private:
     struct Row {
         int number = 0, lateral = -1, axial = -1;
         F ax, ay, lever, along;
-        F turned, turning;   ///< what the turning has of (ax, ay); the same with the lever's own part
+        F turned, turning;  ///< what the turning has of (ax, ay); the same with the lever's own part
 
-        [[nodiscard]] Row scaled(float g) const noexcept { return {number, lateral, axial, g * ax, g * ay, g * lever, g * along, turned, g * turning}; }
+        [[nodiscard]] Row scaled(float g) const noexcept {
+            return {number, lateral, axial, g * ax, g * ay, g * lever, g * along, turned, g * turning};
+        }
     };
     static constexpr std::size_t most = static_cast<std::size_t>(SlipContacts{Points > 0 ? Points : most_joint_lanes}.slips());
 
@@ -83,7 +87,8 @@ private:
             const double sign = end == End::rear ? -1.0 : 1.0;
             for (int number = 0; number < points; ++number) {
                 const int slip = 2 * contacts.joint(end, number), direction = 4 + (end == End::rear ? 0 : points) + number;
-                act(add(slip), direction, -sign * this->point(end, number, Point::normal_y), sign * this->point(end, number, Point::normal_x), this->point(end, number, Point::lever));
+                act(add(slip), direction, -sign * this->point(end, number, Point::normal_y),
+                    sign * this->point(end, number, Point::normal_x), this->point(end, number, Point::lever));
                 add(slip + 1).axial = direction;
             }
         }

@@ -23,9 +23,12 @@ public:
     void slips(double time, LaneRows& own) const noexcept {
         V velocity[at<P>.link_size()];
         for (int row = 0; row < at<P>.link_size(); ++row) velocity[row] = get(g_.velocity, row);
-        each_slip(velocity, [&](int row, const V& slip) { put(own, row, slip); }, [&](int corner, int k, const V& slip) {
-            put(own, 2 * (SlipContacts::first_tip + corner) + k, slip - tip_value(corner, Tip::sheave + k) - time * tip_value(corner, Tip::drift + k));
-        });
+        each_slip(
+            velocity, [&](int row, const V& slip) { put(own, row, slip); },
+            [&](int corner, int k, const V& slip) {
+                put(own, 2 * (SlipContacts::first_tip + corner) + k,
+                    slip - tip_value(corner, Tip::sheave + k) - time * tip_value(corner, Tip::drift + k));
+            });
     }
 
     /// -A⁻¹ Tᵀ λ.
@@ -39,10 +42,12 @@ public:
     void respond(const LaneRows& force, LaneRows& own) const noexcept {
         V acceleration[at<P>.link_size()];
         accelerations(force, acceleration);
-        each_slip(acceleration, [&](int row, const V& change) { put(own, row, get(g_.predicted, row) + g_.step * change); }, [&](int corner, int k, const V& change) {
-            const int row = 2 * (SlipContacts::first_tip + corner) + k;
-            put(own, row, get(g_.predicted, row) + g_.step * change);
-        });
+        each_slip(
+            acceleration, [&](int row, const V& change) { put(own, row, get(g_.predicted, row) + g_.step * change); },
+            [&](int corner, int k, const V& change) {
+                const int row = 2 * (SlipContacts::first_tip + corner) + k;
+                put(own, row, get(g_.predicted, row) + g_.step * change);
+            });
     }
 
 private:
@@ -54,7 +59,9 @@ private:
     using Base::space_;
     using Base::tip_value;
 
-    [[nodiscard]] double basis(int m, int number) const noexcept { return c_.joint_points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(number)]; }
+    [[nodiscard]] double basis(int m, int number) const noexcept {
+        return c_.joint_points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(number)];
+    }
     [[nodiscard]] double position(int number) const noexcept { return c_.joint_points.position[static_cast<std::size_t>(number)]; }
 
     /// T v: calls put(row, slip) for plates and joints, put_tip(corner, k, slip) for tips; a tip where none touches has none.
@@ -63,7 +70,7 @@ private:
         put(0, v[at<P>.z(End::front)] - v[at<P>.z(End::rear)]);
         put(1, v[at<P>.e(End::front)] - v[at<P>.e(End::rear)]);
         const V vx = v[at<P>.x(End::front, 0)] - v[at<P>.x(End::rear, 0)], vy = v[at<P>.y(End::front, 0)] - v[at<P>.y(End::rear, 0)];
-        const V turn = get(g_.frame, 0) * vy - get(g_.frame, 1) * vx;   // |d0| θ'
+        const V turn = get(g_.frame, 0) * vy - get(g_.frame, 1) * vx;  // |d0| θ'
         for (int corner = 0; corner < tips_per_link; ++corner) {
             if (g_.touching) {
                 tip_slips(corner, v, turn, put_tip);
@@ -89,7 +96,9 @@ private:
         const V vz = v[at<P>.z(end)] + s * v[at<P>.e(end)];
         for (int k = 0; k < 2; ++k) {
             const int tangent = Tip::tangent + 3 * k;
-            put(corner, k, tip_value(corner, tangent) * vx + tip_value(corner, tangent + 1) * vy + tip_value(corner, tangent + 2) * vz + tip_value(corner, Tip::lever + k) * turn);
+            put(corner, k,
+                tip_value(corner, tangent) * vx + tip_value(corner, tangent + 1) * vy + tip_value(corner, tangent + 2) * vz +
+                    tip_value(corner, Tip::lever + k) * turn);
         }
     }
 
@@ -138,7 +147,9 @@ private:
         const End end = corner < 2 ? End::rear : End::front;
         const double s = corner % 2 == 0 ? -1.0 : 1.0;
         const V first = get(force, 2 * (SlipContacts::first_tip + corner)), second = get(force, 2 * (SlipContacts::first_tip + corner) + 1);
-        const auto along = [&](int axis) { return tip_value(corner, Tip::tangent + axis) * first + tip_value(corner, Tip::tangent + 3 + axis) * second; };
+        const auto along = [&](int axis) {
+            return tip_value(corner, Tip::tangent + axis) * first + tip_value(corner, Tip::tangent + 3 + axis) * second;
+        };
         const V fx = along(0), fy = along(1), fz = along(2);
         for (int m = 0; m < n; ++m) {
             const double value = m % 2 == 0 ? 1.0 : s;

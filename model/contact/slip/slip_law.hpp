@@ -1,5 +1,6 @@
 #pragma once
-/// The friction law at a contact with two slips: force, its derivative as a product of roots, lanes over links. (model/EQUATIONS.md section 7)
+/// The friction law at a contact with two slips: force, its derivative as a product of roots, lanes over links. (model/EQUATIONS.md section
+/// 7)
 
 #include "model/contact/slip/slip_rows.hpp"
 #include "model/law/friction.hpp"
@@ -41,7 +42,8 @@ private:
         if (contact == SlipContacts::plates) return of_plates<Rooted>(w);
         if (contact < SlipContacts::first_joint) return of_tip<Rooted>(contact - SlipContacts::first_tip, w);
         const int number = contact - SlipContacts::first_joint;
-        const V grip = number < this->points() ? this->point(End::rear, number, Point::grip) : this->point(End::front, number - this->points(), Point::grip);
+        const V grip = number < this->points() ? this->point(End::rear, number, Point::grip)
+                                               : this->point(End::front, number - this->points(), Point::grip);
         return isotropic<Rooted>(this->c_.joint.friction, grip, w, V(0.0));
     }
 
@@ -50,11 +52,13 @@ private:
         V secant, tangent;
     };
     [[nodiscard]] static Slopes slopes(const FrictionCurve& curve, const V& speed) noexcept {
-        return {slip_factor<slip_lanes>(curve, speed), tangent_of(curve, speed, larger<slip_lanes>(speed - curve.proportional_speed, V(0.0)))};
+        return {slip_factor<slip_lanes>(curve, speed),
+                tangent_of(curve, speed, larger<slip_lanes>(speed - curve.proportional_speed, V(0.0)))};
     }
     /// @param beyond the proportional speed
     [[nodiscard]] static V tangent_of(const FrictionCurve& curve, const V& speed, const V& beyond) noexcept {
-        return select_greater<slip_lanes>(speed, V(curve.full_speed), V(0.0), curve.inverse_saturation_speed - 2.0 * curve.curvature * beyond);
+        return select_greater<slip_lanes>(speed, V(curve.full_speed), V(0.0),
+                                          curve.inverse_saturation_speed - 2.0 * curve.curvature * beyond);
     }
 
     /// Along the slip the tangent counts, across it the secant.
@@ -68,7 +72,8 @@ private:
         if constexpr (!Rooted) return {{held * w[0], held * w[1]}, {}};
         const FloatLanes along = sqrt(narrow(grip * s.tangent)), across = sqrt(narrow(held)), rough = narrow(speed), least(1e-30f);
         const FloatLanes inverse = 1.0f / larger(rough, least);
-        const FloatLanes x = select_greater(rough, least, inverse * narrow(w[0]), 1.0f), y = select_greater(rough, least, inverse * narrow(w[1]), 0.0f);
+        const FloatLanes x = select_greater(rough, least, inverse * narrow(w[0]), 1.0f),
+                         y = select_greater(rough, least, inverse * narrow(w[1]), 0.0f);
         return {{held * w[0], held * w[1]}, {along * x, -(across * y), along * y, across * x}};
     }
 
@@ -88,9 +93,10 @@ private:
             const V sliding = w[0] + xi * w[1];
             const V grip = get(this->g_.plates, plate);
             const V speed = abs(sliding), beyond = larger<slip_lanes>(speed - curve.proportional_speed, V(0.0));
-            const V rising = curve.inverse_saturation_speed * speed - curve.curvature * (beyond * beyond);   // s, without a division
+            const V rising = curve.inverse_saturation_speed * speed - curve.curvature * (beyond * beyond);  // s, without a division
             const V share = select_greater<slip_lanes>(speed, V(curve.full_speed), V(1.0), rising);
-            const V force = grip * select_greater<slip_lanes>(sliding, V(0.0), share, -share), tangent = grip * tangent_of(curve, speed, beyond);
+            const V force = grip * select_greater<slip_lanes>(sliding, V(0.0), share, -share),
+                    tangent = grip * tangent_of(curve, speed, beyond);
             all.force[0] += force;
             all.force[1] += xi * force;
             if constexpr (!Rooted) continue;

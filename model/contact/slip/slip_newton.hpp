@@ -46,7 +46,8 @@ public:
 
     /// Forces from the joints' unknowns.
     void substitute(const float* unknowns) noexcept {
-        for (int slip = 0; slip < joint_slips(); slip += 2) step(SlipContacts::first_joint + slip / 2, load(unknowns + slip * slip_lanes), load(unknowns + (slip + 1) * slip_lanes));
+        for (int slip = 0; slip < joint_slips(); slip += 2)
+            step(SlipContacts::first_joint + slip / 2, load(unknowns + slip * slip_lanes), load(unknowns + (slip + 1) * slip_lanes));
         F y[local_end];
         for (int row = 0; row < local(); ++row) y[row] = panel(row, joint_slips());
         for (int k = 0; k < joint_slips(); ++k) {
@@ -101,8 +102,9 @@ private:
     /// R_aᵀ g W R_b of two contacts, a ≥ b. @param to takes row, column and value
     template <class Put>
     void block(int a, int b, const Put& to) const noexcept {
-        const bool joints = b >= SlipContacts::first_joint;   // nothing beside the diagonal then
-        const F r[4] = {root(a, 0, 0), root(a, 0, 1), root(a, 1, 0), root(a, 1, 1)}, s[4] = {root(b, 0, 0), root(b, 0, 1), root(b, 1, 0), root(b, 1, 1)};
+        const bool joints = b >= SlipContacts::first_joint;  // nothing beside the diagonal then
+        const F r[4] = {root(a, 0, 0), root(a, 0, 1), root(a, 1, 0), root(a, 1, 1)},
+                s[4] = {root(b, 0, 0), root(b, 0, 1), root(b, 1, 0), root(b, 1, 1)};
         const F w00 = coupling(2 * a, 2 * b), w11 = coupling(2 * a + 1, 2 * b + 1);
         F t[4] = {r[0] * w00, r[2] * w11, r[1] * w00, r[3] * w11};
         if (!joints) {
@@ -168,7 +170,8 @@ private:
             for (int b = 0; b <= a; ++b) {
                 const int row = a < size / 2 ? 2 * a : 2 * a - size, column = b < size / 2 ? 2 * b : 2 * b - size;
                 const int begin = a < size / 2 ? element.rear() : b < size / 2 ? element.across() : element.front();
-                block(SlipContacts::first_joint + a, SlipContacts::first_joint + b, [&](int i, int j, const F& value) { put(this->g_.element, begin + (row + i) * size + column + j, value); });
+                block(SlipContacts::first_joint + a, SlipContacts::first_joint + b,
+                      [&](int i, int j, const F& value) { put(this->g_.element, begin + (row + i) * size + column + j, value); });
             }
         }
         alignas(64) float scaled[local_end * (most_joint_slips + 1) * slip_lanes];
@@ -178,7 +181,8 @@ private:
         }
         const auto subtract = [&]<bool Lower>(int row, int column, int begin) {
             float* m = entries + begin * slip_lanes;
-            subtract_products<local(), tile_rows<Points>, tile_columns<Points>, Lower>(this->g_.panel.at(row), width, scaled + column * slip_lanes, width, size, size, m, m);
+            subtract_products<local(), tile_rows<Points>, tile_columns<Points>, Lower>(
+                this->g_.panel.at(row), width, scaled + column * slip_lanes, width, size, size, m, m);
         };
         subtract.template operator()<true>(0, 0, element.rear());
         subtract.template operator()<false>(size, 0, element.across());
@@ -204,7 +208,7 @@ private:
             const auto k = static_cast<std::size_t>(link.lane);
             this->g_.slope_before += before[k];
             this->g_.slope_after += after[k];
-            if (!(residual[k] <= this->g_.residual)) this->g_.residual = residual[k];   // keeps what is not a number
+            if (!(residual[k] <= this->g_.residual)) this->g_.residual = residual[k];  // keeps what is not a number
         }
     }
 };

@@ -28,7 +28,9 @@ public:
     [[nodiscard]] int points() const noexcept { return Points > 0 ? Points : space_.contacts().points; }
     [[nodiscard]] SlipContacts contacts() const noexcept { return {points()}; }
     [[nodiscard]] static int tip_row(int corner, int row) noexcept { return Tip::count * corner + row; }
-    [[nodiscard]] int point_row(End end, int point, int row) const noexcept { return Point::count * ((end == End::rear ? 0 : points()) + point) + row; }
+    [[nodiscard]] int point_row(End end, int point, int row) const noexcept {
+        return Point::count * ((end == End::rear ? 0 : points()) + point) + row;
+    }
     [[nodiscard]] V point(End end, int number, int row) const noexcept { return get(g_.joints, point_row(end, number, row)); }
     [[nodiscard]] V tip_value(int corner, int row) const noexcept { return get(g_.tips, tip_row(corner, row)); }
 
@@ -45,14 +47,16 @@ public:
                 const int shift = end == End::rear ? 0 : 1;
                 put(g_.joints, point_row(end, point, Point::normal_x), from(row + Joint::normal_x, shift));
                 put(g_.joints, point_row(end, point, Point::normal_y), from(row + Joint::normal_y, shift));
-                put(g_.joints, point_row(end, point, Point::lever), inverse_length * from(row + (end == End::rear ? Joint::lever_after : Joint::lever_before), shift));
+                put(g_.joints, point_row(end, point, Point::lever),
+                    inverse_length * from(row + (end == End::rear ? Joint::lever_after : Joint::lever_before), shift));
                 put(g_.joints, point_row(end, point, Point::grip), present * from(row + Joint::grip, shift));
             }
         }
         for (int plate = 0; plate < c_.plates.count; ++plate) put(g_.plates, plate, present * from(field.components.plate(plate), 0));
         g_.touching = false;
         for (const SlipGroup::Link& link : g_.links) {
-            for (int corner = 0; corner < tips_per_link; ++corner) g_.touching = g_.touching || phases[tips_per_link * link.number + corner] != Phase::free;
+            for (int corner = 0; corner < tips_per_link; ++corner)
+                g_.touching = g_.touching || phases[tips_per_link * link.number + corner] != Phase::free;
         }
         if (!g_.touching) return;
         for (int corner = 0; corner < tips_per_link; ++corner) tip(field, corner, inverse_length);
@@ -90,11 +94,14 @@ private:
             const V* t = tangents[k];
             for (int axis = 0; axis < 3; ++axis) put(g_.tips, tip_row(corner, Tip::tangent + 3 * k + axis), t[axis]);
             put(g_.tips, tip_row(corner, Tip::lever + k), inverse_length * (t[1] * from(From::lever_x) - t[0] * from(From::lever_y)));
-            put(g_.tips, tip_row(corner, Tip::sheave + k), t[0] * from(From::sheave) + t[1] * from(From::sheave + 1) + t[2] * from(From::sheave + 2));
-            put(g_.tips, tip_row(corner, Tip::drift + k), t[0] * from(From::drift) + t[1] * from(From::drift + 1) + t[2] * from(From::drift + 2));
+            put(g_.tips, tip_row(corner, Tip::sheave + k),
+                t[0] * from(From::sheave) + t[1] * from(From::sheave + 1) + t[2] * from(From::sheave + 2));
+            put(g_.tips, tip_row(corner, Tip::drift + k),
+                t[0] * from(From::drift) + t[1] * from(From::drift + 1) + t[2] * from(From::drift + 2));
         }
         put(g_.tips, tip_row(corner, Tip::grip), get(g_.present, 0) * from(From::grip));
-        put(g_.tips, tip_row(corner, Tip::sticks), space_.friction().by_phase() ? select_greater<slip_lanes>(from(From::most), V(1e100), V(0.0), V(1.0)) : V(0.0));
+        put(g_.tips, tip_row(corner, Tip::sticks),
+            space_.friction().by_phase() ? select_greater<slip_lanes>(from(From::most), V(1e100), V(0.0), V(1.0)) : V(0.0));
     }
 };
 

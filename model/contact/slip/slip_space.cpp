@@ -35,7 +35,8 @@ SlipGroup::SlipGroup(const ChainModel& model, const SlipStretches& stretches, in
     plates = LaneRows(model.coefficients().plates.count);
     coupling = FloatRows(triangle(slips, 0));
     for (LaneRows* rows : {&velocity, &acceleration}) *rows = LaneRows(model.layout().link_size());
-    for (LaneRows* rows : {&predicted, &own, &own_start, &slip, &force, &law_force, &part, &next_slip, &next_force, &solved_slip}) *rows = LaneRows(slips);
+    for (LaneRows* rows : {&predicted, &own, &own_start, &slip, &force, &law_force, &part, &next_slip, &next_force, &solved_slip})
+        *rows = LaneRows(slips);
     root = FloatRows(4 * contacts.count());
     factor = FloatRows(triangle(local, 0));
     panel = FloatRows(local * (joints_slips + 1));
@@ -53,7 +54,8 @@ FrictionCurve curve_of_tips(const Coefficients& c, bool by_phase) {
     return curve;
 }
 
-/// dᵀ A⁻¹ d' of all pairs of directions (columns). In long double, which has no vectors: the same bits whatever processor this is compiled for.
+/// dᵀ A⁻¹ d' of all pairs of directions (columns). In long double, which has no vectors: the same bits whatever processor this is compiled
+/// for.
 std::vector<double> gram(const Eigen::MatrixXd& directions, const MirroredInverse& inverse) {
     const int modes = static_cast<int>(directions.rows()) / 2;
     Eigen::MatrixXd a(2 * modes, 2 * modes);
@@ -75,7 +77,8 @@ Eigen::MatrixXd lateral_directions(const Coefficients& c, const SlipContacts& co
     Eigen::MatrixXd d = Eigen::MatrixXd::Zero(2 * n, 5 + 2 * points);
     for (int m = 0; m < n; ++m) {
         for (int corner = 0; corner < tips_per_link; ++corner) d(corner / 2 * n + m, corner) = corner % 2 == 0 && m % 2 == 1 ? -1.0 : 1.0;
-        for (int g = 0; g < points; ++g) d(m, 4 + g) = d(n + m, 4 + points + g) = c.joint_points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(g)];
+        for (int g = 0; g < points; ++g)
+            d(m, 4 + g) = d(n + m, 4 + points + g) = c.joint_points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(g)];
     }
     d(0, 4 + 2 * points) = -1.0;
     d(n, 4 + 2 * points) = 1.0;
@@ -99,7 +102,9 @@ Eigen::MatrixXd axial_directions(const Coefficients& c, const SlipContacts& cont
 }  // namespace
 
 SlipSpace::SlipSpace(const ChainModel& chain, bool by_phase)
-    : friction_(chain, by_phase), contacts_{chain.coefficients().joint_points.count}, tip_curve_(curve_of_tips(chain.coefficients(), by_phase)),
+    : friction_(chain, by_phase),
+      contacts_{chain.coefficients().joint_points.count},
+      tip_curve_(curve_of_tips(chain.coefficients(), by_phase)),
       lateral_gram_(gram(lateral_directions(chain.coefficients(), contacts_), friction_.lateral_inverse())),
       axial_gram_(gram(axial_directions(chain.coefficients(), contacts_), friction_.axial_inverse())),
       kernels_(kernels_of(chain.isa()).slip(chain.layout().order, contacts_.points)) {}

@@ -1,6 +1,6 @@
 #pragma once
-/// Implicit friction as a convex problem in slips. With contacts frozen (ContactField) and velocities v̂ before friction acts, a stage of an
-/// implicit method solves
+/// Implicit friction as a convex problem in slips. With contacts frozen (ContactField) and velocities v̂ before friction acts, a stage of
+/// an implicit method solves
 ///
 ///     A (v - v̂) + g Σ Tᵀ φ(T v - s) = 0        g = γ h;  T v - s: slip of a contact, two components;  φ: its friction force
 ///
@@ -9,12 +9,12 @@
 ///
 ///     (1 + g Rᵀ W R) x = Rᵀ (ŵ - g W φ(w) - w)      symmetric, all eigenvalues ≥ 1
 ///
-/// Plates and tips are eliminated inside their link, what is left are joints: cyclic block-tridiagonal, two numbers per integration point. Slips
-/// and forces are doubles; matrices are floats, since x vanishes as w converges.
+/// Plates and tips are eliminated inside their link, what is left are joints: cyclic block-tridiagonal, two numbers per integration point.
+/// Slips and forces are doubles; matrices are floats, since x vanishes as w converges.
 ///
-/// Links that are far from each other lie side by side in lanes: lane s holds stretch s of the chain, group k the k-th link of every stretch.
-/// A group works on its links alone. Then one task eliminates the joints inside the stretches, group by group, all stretches side by side; then every
-/// other joint of those at the stretches' ends, and so on until one is left; and back.
+/// Links that are far from each other lie side by side in lanes: lane s holds stretch s of the chain, group k the k-th link of every
+/// stretch. A group works on its links alone. Then one task eliminates the joints inside the stretches, group by group, all stretches side
+/// by side; then every other joint of those at the stretches' ends, and so on until one is left; and back.
 
 #include <array>
 #include <span>
@@ -45,7 +45,8 @@ using FloatRows = RowsOf<float>;
 /// Which links lie side by side. Stretches are as long as possible alike; shorter ones have no link in group 0, where their lane idles.
 class SlipStretches {
 public:
-    explicit SlipStretches(int links) noexcept : links_(links), count_(links < slip_lanes ? links : slip_lanes), length_((links + count_ - 1) / count_) {}
+    explicit SlipStretches(int links) noexcept
+        : links_(links), count_(links < slip_lanes ? links : slip_lanes), length_((links + count_ - 1) / count_) {}
 
     struct Place {
         int group, lane;
@@ -80,7 +81,7 @@ private:
 /// Numbers of a link's contacts. A contact has two slips, rows 2k and 2k + 1: plates as one (gaps z' and e'), tips (two tangents of the
 /// sheave), then points of the rear joint, then of the front joint (across, axial).
 struct SlipContacts {
-    int points;   ///< integration points of a joint
+    int points;  ///< integration points of a joint
     static constexpr int plates = 0, first_tip = 1, first_joint = 5;
 
     [[nodiscard]] constexpr int count() const noexcept { return first_joint + 2 * points; }
@@ -88,15 +89,16 @@ struct SlipContacts {
     [[nodiscard]] constexpr int joint(End end, int point) const noexcept { return first_joint + (end == End::rear ? 0 : points) + point; }
     /// Slips of one joint.
     [[nodiscard]] constexpr int joint_slips() const noexcept { return 2 * points; }
-    static constexpr int local_slips = 2 * first_joint;   ///< those of plates and tips come first
+    static constexpr int local_slips = 2 * first_joint;  ///< those of plates and tips come first
 };
 /// Entry (row, column ≤ row) of a lower triangle stored row by row.
 [[nodiscard]] constexpr int triangle(int row, int column) noexcept { return row * (row + 1) / 2 + column; }
 
 /// What two neighbouring joints have of each other, a link or a row of links between them: rows of floats.
 struct SlipElement {
-    int size;   ///< unknowns of a joint
-    /// First rows of blocks [size][size]: of both ends, of which what is above the diagonal does not count, and of the front joint on the rear one.
+    int size;  ///< unknowns of a joint
+    /// First rows of blocks [size][size]: of both ends, of which what is above the diagonal does not count, and of the front joint on the
+    /// rear one.
     [[nodiscard]] constexpr int rear() const noexcept { return 0; }
     [[nodiscard]] constexpr int across() const noexcept { return size * size; }
     [[nodiscard]] constexpr int front() const noexcept { return 2 * size * size; }
@@ -106,10 +108,13 @@ struct SlipElement {
     [[nodiscard]] constexpr int count() const noexcept { return front_side() + size; }
 };
 
-/// What is kept of a joint that has been eliminated between two others: M = L D Lᵀ, L⁻¹ [on the joint before | on the next | right-hand side].
+/// What is kept of a joint that has been eliminated between two others: M = L D Lᵀ, L⁻¹ [on the joint before | on the next | right-hand
+/// side].
 struct SlipStep {
     int size;
-    [[nodiscard]] constexpr int factor(int row, int column) const noexcept { return triangle(row, column); }   ///< L, and D⁻¹ on its diagonal
+    [[nodiscard]] constexpr int factor(int row, int column) const noexcept {
+        return triangle(row, column);
+    }  ///< L, and D⁻¹ on its diagonal
     [[nodiscard]] constexpr int panel(int row, int column) const noexcept { return triangle(size, 0) + (2 * size + 1) * row + column; }
     [[nodiscard]] constexpr int count() const noexcept { return panel(size, 0); }
 };
@@ -121,13 +126,13 @@ struct SlipChain {
     [[nodiscard]] int levels() const noexcept { return static_cast<int>(counts.size()) - 1; }
 
     SlipStretches stretches;
-    std::vector<int> counts;          ///< joints between stretches that are left [level]
-    std::vector<FloatRows> steps;     ///< [joint inside a stretch - 1, then level] SlipStep
-    FloatRows left, right;            ///< SlipElement at work
-    FloatRows scaled;                 ///< D⁻¹ times the panel at work
-    FloatRows sides;                  ///< [joint][size]: right-hand sides of joints
-    FloatRows unknowns;               ///< x [joint][size]; joints 0 … length of every stretch, the last being the next stretch's first
-    FloatRows ends;                   ///< x at stretches' beginnings, level by level [size]
+    std::vector<int> counts;       ///< joints between stretches that are left [level]
+    std::vector<FloatRows> steps;  ///< [joint inside a stretch - 1, then level] SlipStep
+    FloatRows left, right;         ///< SlipElement at work
+    FloatRows scaled;              ///< D⁻¹ times the panel at work
+    FloatRows sides;               ///< [joint][size]: right-hand sides of joints
+    FloatRows unknowns;            ///< x [joint][size]; joints 0 … length of every stretch, the last being the next stretch's first
+    FloatRows ends;                ///< x at stretches' beginnings, level by level [size]
 };
 
 /// Contacts and unknowns of a group of links.
@@ -137,10 +142,11 @@ struct SlipGroup {
     struct Link {
         int number, lane;
     };
-    std::vector<Link> links;                ///< that do not idle
-    std::array<int, slip_lanes> column{};   ///< of a contact field, for every lane
-    bool touching = false;                  ///< some tip touches
-    /// Rows of a tip: tangents, their levers/|d0|, the sheave's velocity along them and its change over the step, μN, 1 where it must stick.
+    std::vector<Link> links;               ///< that do not idle
+    std::array<int, slip_lanes> column{};  ///< of a contact field, for every lane
+    bool touching = false;                 ///< some tip touches
+    /// Rows of a tip: tangents, their levers/|d0|, the sheave's velocity along them and its change over the step, μN, 1 where it must
+    /// stick.
     struct Tip {
         static constexpr int tangent = 0, lever = 6, sheave = 8, drift = 10, grip = 12, sticks = 13, count = 14;
     };
@@ -148,24 +154,24 @@ struct SlipGroup {
     struct Point {
         static constexpr int normal_x = 0, normal_y = 1, lever = 2, grip = 3, count = 4;
     };
-    LaneRows present;                       ///< 1, or 0 where the lane idles: no contact grips there
-    LaneRows frame, tips, joints, plates;   ///< t; [4 Tip]; [rear, front][points Point]; μN
-    FloatRows coupling;                     ///< g W, triangle
-    double step = 0.0;                      ///< g [s]
-    LaneRows velocity;                      ///< v̂, or whatever slips are asked for [link_size]
-    LaneRows acceleration;                  ///< -A⁻¹ Tᵀ λ [link_size]
-    LaneRows predicted;                     ///< this link's part of ŵ
-    LaneRows own, own_start;                ///< this link's part of a slip; of one where the step begins
-    LaneRows slip, force, law_force;        ///< w, λ at hand, φ(w)
-    LaneRows part;                          ///< ŵ - g W φ(w), this link's part
-    LaneRows next_slip, next_force;         ///< of a whole Newton step
-    LaneRows solved_slip;                   ///< w of the last solution with higher saturation speeds
-    FloatRows root;                         ///< R [contact][4]
-    FloatRows factor, panel;                ///< elimination inside a link: L with D⁻¹ on its diagonal; L⁻¹ [Rᵀ g W R of joints | right-hand side]
-    FloatRows element;                      ///< SlipElement, without right-hand sides of the joints themselves
-    double widening = 1.0;                  ///< saturation speeds are taken so many times as high
-    double slope_before = 0.0, slope_after = 0.0;   ///< of the energy along the Newton step, at its start and where it was looked at
-    double residual = 0.0;                  ///< largest change of slip that a contact's force is off [m/s]
+    LaneRows present;                      ///< 1, or 0 where the lane idles: no contact grips there
+    LaneRows frame, tips, joints, plates;  ///< t; [4 Tip]; [rear, front][points Point]; μN
+    FloatRows coupling;                    ///< g W, triangle
+    double step = 0.0;                     ///< g [s]
+    LaneRows velocity;                     ///< v̂, or whatever slips are asked for [link_size]
+    LaneRows acceleration;                 ///< -A⁻¹ Tᵀ λ [link_size]
+    LaneRows predicted;                    ///< this link's part of ŵ
+    LaneRows own, own_start;               ///< this link's part of a slip; of one where the step begins
+    LaneRows slip, force, law_force;       ///< w, λ at hand, φ(w)
+    LaneRows part;                         ///< ŵ - g W φ(w), this link's part
+    LaneRows next_slip, next_force;        ///< of a whole Newton step
+    LaneRows solved_slip;                  ///< w of the last solution with higher saturation speeds
+    FloatRows root;                        ///< R [contact][4]
+    FloatRows factor, panel;  ///< elimination inside a link: L with D⁻¹ on its diagonal; L⁻¹ [Rᵀ g W R of joints | right-hand side]
+    FloatRows element;        ///< SlipElement, without right-hand sides of the joints themselves
+    double widening = 1.0;    ///< saturation speeds are taken so many times as high
+    double slope_before = 0.0, slope_after = 0.0;  ///< of the energy along the Newton step, at its start and where it was looked at
+    double residual = 0.0;                         ///< largest change of slip that a contact's force is off [m/s]
 };
 
 class SlipSpace;
@@ -188,7 +194,9 @@ public:
     SlipSpace(const ChainModel& chain, bool by_phase);
 
     /// Takes the contacts of a group's links from a field, and makes g W. @param phases of the whole chain
-    void gather(const ContactField& field, const Phase* phases, double g, SlipGroup& group) const noexcept { kernels_.gather(*this, field, phases, g, group); }
+    void gather(const ContactField& field, const Phase* phases, double g, SlipGroup& group) const noexcept {
+        kernels_.gather(*this, field, phases, g, group);
+    }
     /// Each link's part of the slips at group.velocity, into `own`. @param time of the velocities, from the middle of the step, in steps
     void slips(double time, SlipGroup& group, LaneRows& own) const noexcept { kernels_.slips(*this, time, group, own); }
     /// λ = φ(w) at group.slip.
@@ -215,8 +223,8 @@ public:
     [[nodiscard]] const FrictionOperator& friction() const noexcept { return friction_; }
     [[nodiscard]] const SlipContacts& contacts() const noexcept { return contacts_; }
     [[nodiscard]] const FrictionCurve& tip_curve() const noexcept { return tip_curve_; }
-    /// Directions in which contacts act on a link's x or y: ends of halves (corner/2, ±1), rear points, front points, turning; and on z and e:
-    /// corners, rear points, front points, gap z, gap e.
+    /// Directions in which contacts act on a link's x or y: ends of halves (corner/2, ±1), rear points, front points, turning; and on z and
+    /// e: corners, rear points, front points, gap z, gap e.
     [[nodiscard]] int turning() const noexcept { return 4 + 2 * contacts_.points; }
     /// dᵀ A⁻¹ d' of two of them.
     [[nodiscard]] double lateral(int a, int b) const noexcept { return lateral_gram_[static_cast<std::size_t>(a * (turning() + 1) + b)]; }

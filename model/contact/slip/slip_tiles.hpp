@@ -10,7 +10,8 @@
 namespace cvtflow::model {
 namespace {
 
-/// Rows and columns of a tile: divide the unknowns of a joint, and leave registers for its factors (32 of AVX-512, else 16). Points: of a joint, 0: any number.
+/// Rows and columns of a tile: divide the unknowns of a joint, and leave registers for its factors (32 of AVX-512, else 16). Points: of a
+/// joint, 0: any number.
 template <int Points>
 inline constexpr int tile_rows = Points == 3 ? (native_lanes == 8 ? 6 : 3) : 2;
 template <int Points>
@@ -50,7 +51,8 @@ inline void ldl(FloatLanes* m, int size) noexcept {
         m[triangle(pivot, pivot)] = inverse;
         for (int row = size - 1; row > pivot; --row) {
             const FloatLanes by = m[triangle(row, pivot)] * inverse;
-            for (int column = pivot + 1; column <= row; ++column) m[triangle(row, column)] = m[triangle(row, column)] - by * m[triangle(column, pivot)];
+            for (int column = pivot + 1; column <= row; ++column)
+                m[triangle(row, column)] = m[triangle(row, column)] - by * m[triangle(column, pivot)];
             m[triangle(row, pivot)] = by;
         }
     }
@@ -68,7 +70,8 @@ template <class Factor>
 /// to = from - aᵀ b by tiles, rows of floats throughout; Lower: only those that reach below the diagonal. Depth: rows of a and b.
 /// @param from may be `to`; nullptr: zero
 template <int Depth, int Rows, int Columns, bool Lower>
-inline void subtract_products(const float* a, int a_stride, const float* b, int b_stride, int rows, int columns, const float* from, float* to, int depth = Depth) noexcept {
+inline void subtract_products(const float* a, int a_stride, const float* b, int b_stride, int rows, int columns, const float* from,
+                              float* to, int depth = Depth) noexcept {
     using Native = Floats<native_floats>;
     for (int row = 0; row < rows; row += Rows) {
         for (int column = 0; column < (Lower ? row + Rows : columns); column += Columns) {
@@ -78,12 +81,14 @@ inline void subtract_products(const float* a, int a_stride, const float* b, int 
 #pragma GCC unroll 8
                 for (int i = 0; i < Rows; ++i) {
 #pragma GCC unroll 8
-                    for (int j = 0; j < Columns; ++j) tile[i][j] = from == nullptr ? Native(0.0f) : load_floats<native_floats>(from + at(i, j));
+                    for (int j = 0; j < Columns; ++j)
+                        tile[i][j] = from == nullptr ? Native(0.0f) : load_floats<native_floats>(from + at(i, j));
                 }
                 for (int k = 0; k < (Depth > 0 ? Depth : depth); ++k) {
                     Native right[Columns];
 #pragma GCC unroll 8
-                    for (int j = 0; j < Columns; ++j) right[j] = load_floats<native_floats>(b + (k * b_stride + column + j) * slip_lanes + lane);
+                    for (int j = 0; j < Columns; ++j)
+                        right[j] = load_floats<native_floats>(b + (k * b_stride + column + j) * slip_lanes + lane);
 #pragma GCC unroll 8
                     for (int i = 0; i < Rows; ++i) {
                         const Native left = load_floats<native_floats>(a + (k * a_stride + row + i) * slip_lanes + lane);
@@ -110,7 +115,7 @@ inline void permute(const float* from, const std::int32_t* number, [[maybe_unuse
     Numbers numbers;
     __builtin_memcpy(&row, from, sizeof row);
     __builtin_memcpy(&numbers, number, sizeof numbers);
-#if defined(__clang__)   // which has no shuffle by numbers that are known at run time only
+#if defined(__clang__)  // which has no shuffle by numbers that are known at run time only
     row = __builtin_ia32_permvarsf512(row, numbers);
 #else
     row = __builtin_shuffle(row, numbers);

@@ -28,7 +28,8 @@ public:
     static constexpr bool wanted = true;
 
     /// @param real coefficients with friction in them
-    ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, ContactField& field, Columns& push) noexcept
+    ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, ContactField& field,
+                  Columns& push) noexcept
         : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), push_(push) {}
 
     void frame(int own, int count, const LinkFrameOf<V>& frame) const noexcept {
@@ -45,7 +46,8 @@ public:
         put(row + Joint::normal_y, own, count, m.ny);
         put(row + Joint::lever_before, own, count, m.lever_before);
         put(row + Joint::lever_after, own, count, m.lever_after);
-        put(row + Joint::grip, own, count, c_.joint.friction.coefficient * positive_part<W>(line.elastic * (1.0 + c_.joint.damping * closing)));
+        put(row + Joint::grip, own, count,
+            c_.joint.friction.coefficient * positive_part<W>(line.elastic * (1.0 + c_.joint.damping * closing)));
     }
 
     void plate(int own, int count, int plate, const V& tension) const noexcept {
@@ -59,7 +61,8 @@ public:
 
     /// @param sheave of the tip's side for every link, shaft its number
     template <class Geometry>
-    void tip(int own, int count, int corner, const Geometry& g, const TipMotion<V>& m, const V& normal, const SheaveMotionLanes<W>& sheave, const V& shaft) const noexcept {
+    void tip(int own, int count, int corner, const Geometry& g, const TipMotion<V>& m, const V& normal, const SheaveMotionLanes<W>& sheave,
+             const V& shaft) const noexcept {
         const int row = field_.components.tip(corner);
         put(row + Tip::normal, own, count, g.normal.x);
         put(row + Tip::normal + 1, own, count, g.normal.y);
@@ -101,7 +104,9 @@ private:
     void surface(int own, int count, int corner, const Vector3<V>& p, const SheaveMotionLanes<W>& s, const V& shaft) const noexcept {
         const SheaveMotion& first = drift_.change[corner % 2];
         const SheaveMotion& second = drift_.change[2 + corner % 2];
-        const auto change = [&](double SheaveMotion::*number) { return select_greater<W>(shaft, V(0.5), V(second.*number), V(first.*number)); };
+        const auto change = [&](double SheaveMotion::*number) {
+            return select_greater<W>(shaft, V(0.5), V(second.*number), V(first.*number));
+        };
         const V x = s.spin_y * p.z - s.spin_z * p.y, y = s.spin_z * p.x - s.spin_x * p.z, z = s.spin_x * p.y - s.spin_y * p.x;
         const V cx = change(&SheaveMotion::spin_x), cy = change(&SheaveMotion::spin_y), cz = change(&SheaveMotion::spin_z);
         const double h = drift_.step;

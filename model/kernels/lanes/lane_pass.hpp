@@ -26,14 +26,27 @@ public:
     static constexpr int block = at<P>.link_block();
 
     LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads) noexcept
-        : model_(model), c_(model.coefficients()), range_(range), links_(range.last - range.first), slope_(slope), loads_(loads), contacts_{} {}
+        : model_(model),
+          c_(model.coefficients()),
+          range_(range),
+          links_(range.last - range.first),
+          slope_(slope),
+          loads_(loads),
+          contacts_{} {}
     /// With coefficients of its own.
-    LanePass(const ChainModel& model, const Coefficients& coefficients, const ChainRange& range, LinkLoad* loads, const Contacts& contacts) noexcept
-        : model_(model), c_(coefficients), range_(range), links_(range.last - range.first), slope_(nullptr), loads_(loads), contacts_(contacts) {}
+    LanePass(const ChainModel& model, const Coefficients& coefficients, const ChainRange& range, LinkLoad* loads,
+             const Contacts& contacts) noexcept
+        : model_(model),
+          c_(coefficients),
+          range_(range),
+          links_(range.last - range.first),
+          slope_(nullptr),
+          loads_(loads),
+          contacts_(contacts) {}
 
     void run() const noexcept {
-        std::array<Columns, 2> columns;   // of this group and the one before, taking turns
-        std::array<Joints, 2> joints;     // of the pins behind their links
+        std::array<Columns, 2> columns;  // of this group and the one before, taking turns
+        std::array<Joints, 2> joints;    // of the pins behind their links
         std::size_t now = 0;
         read(-W, columns[1]);
         for (int own = 0; own <= links_; own += W) {
@@ -51,7 +64,8 @@ public:
     /// Links own … own + W - 1; lanes outside the window repeat its ends.
     void read(int own, Columns& columns) const noexcept {
         std::array<const double*, W> from;
-        for (int lane = 0; lane < W; ++lane) from[static_cast<std::size_t>(lane)] = range_.window + std::clamp(own + lane + 1, 0, links_ + 1) * block;
+        for (int lane = 0; lane < W; ++lane)
+            from[static_cast<std::size_t>(lane)] = range_.window + std::clamp(own + lane + 1, 0, links_ + 1) * block;
         load_rows<W, block>(from, columns.state.data());
         columns.frame = link_frame<P>(columns.q(), columns.v());
     }
@@ -60,7 +74,8 @@ public:
     [[nodiscard]] Joints joints_between(const Columns& earlier, const Columns& here, [[maybe_unused]] int own = 0) const noexcept {
         const auto& a = earlier.frame;
         const auto& b = here.frame;
-        const JointFrames<V> frames({before(a.tx, b.tx), before(a.ty, b.ty), before(a.inverse_length, b.inverse_length), before(a.turning, b.turning)}, b);
+        const JointFrames<V> frames(
+            {before(a.tx, b.tx), before(a.ty, b.ty), before(a.inverse_length, b.inverse_length), before(a.turning, b.turning)}, b);
         const Difference<P, V> gap = opening(earlier.q(), here.q()), rate = opening(earlier.v(), here.v());
         const auto& points = c_.joint_points;
         JointTerms<P, W> total;
@@ -82,7 +97,7 @@ public:
             return confine<P, W, false>(c_.joint, frames, at_point, V(points.weight[static_cast<std::size_t>(point)]), motion, nullptr);
         };
         pairwise_sum<W>(points.count, points.width, held, total);
-        for (V& row : total) row = select_greater<W>(worst, V(0.0), row, V(0.0));   // of joints that exceed it somewhere
+        for (V& row : total) row = select_greater<W>(worst, V(0.0), row, V(0.0));  // of joints that exceed it somewhere
         out.add(total.data());
         return out;
     }
@@ -136,7 +151,8 @@ public:
         static_assert(sizeof(KindLanes<W>) == numbers * sizeof(V));
         std::array<const double*, W> from;
         for (int lane = 0; lane < W; ++lane) {
-            from[static_cast<std::size_t>(lane)] = reinterpret_cast<const double*>(&c_.kind(range_.first + own + std::min(lane, count - 1)));
+            from[static_cast<std::size_t>(lane)] =
+                reinterpret_cast<const double*>(&c_.kind(range_.first + own + std::min(lane, count - 1)));
         }
         std::array<V, numbers> rows;
         load_rows<W, numbers>(from, rows.data());
@@ -145,7 +161,8 @@ public:
         return kinds;
     }
 
-    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0, [[maybe_unused]] int count = 0) const noexcept {
+    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0,
+                [[maybe_unused]] int count = 0) const noexcept {
         const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
         Difference<P, V> pull;
@@ -153,9 +170,12 @@ public:
             const auto pulled = [&](int plate) noexcept {
                 const std::size_t j = static_cast<std::size_t>(first + plate);
                 if constexpr (Contacts::wanted) {
-                    contacts_.plate(own, count, first + plate, plate_tension<P, W>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j], points.damping[j], d, rate));
+                    contacts_.plate(own, count, first + plate,
+                                    plate_tension<P, W>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j],
+                                                        points.damping[j], d, rate));
                 }
-                return plate_terms<P, W, false>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j], points.damping[j], d, rate, nullptr);
+                return plate_terms<P, W, false>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j],
+                                                points.damping[j], d, rate, nullptr);
             };
             std::array<V, 2 * P + 4> total;
             pairwise_sum<W>(std::min(points.width, points.count - first), points.width, pulled, total);

@@ -1,5 +1,6 @@
 #pragma once
-/// Tips of links side by side against their sheaves, without forces: what detection looks at after every step. (model/kernels/lanes/link_lanes.hpp)
+/// Tips of links side by side against their sheaves, without forces: what detection looks at after every step.
+/// (model/kernels/lanes/link_lanes.hpp)
 
 #include <algorithm>
 
@@ -16,7 +17,8 @@ public:
     using V = Lanes<W>;
     using Columns = LinkColumns<P, W>;
 
-    LaneProbe(const Coefficients& c, const SheaveMotion* sheaves, bool with_slip) noexcept : c_(c), sheaves_(sheaves), with_slip_(with_slip) {}
+    LaneProbe(const Coefficients& c, const SheaveMotion* sheaves, bool with_slip) noexcept
+        : c_(c), sheaves_(sheaves), with_slip_(with_slip) {}
 
     /// @param states blocks of `links` neighbouring links
     void run(const double* states, int links, TipProbe* probes) const noexcept {

@@ -1,5 +1,6 @@
 #pragma once
-/// Tips of links side by side, corner by corner. Links that touch nowhere come along with forces of zero. (model/kernels/lanes/link_lanes.hpp)
+/// Tips of links side by side, corner by corner. Links that touch nowhere come along with forces of zero.
+/// (model/kernels/lanes/link_lanes.hpp)
 
 #include <algorithm>
 
@@ -22,8 +23,14 @@ public:
 
     /// @param count links that the lanes stand for, from the first
     LaneTips(const Coefficients& c, const ChainRange& range, int first, int count, const Contacts& contacts) noexcept
-        : c_(c), range_(range), phases_(range.phases + tips_per_link * first), own_(first - range.first), count_(std::min(count, W)), contacts_(contacts) {
-        for (int link = 0; link < count_; ++link) any_ |= words_[static_cast<std::size_t>(link)] = phase_word(phases_ + tips_per_link * link);
+        : c_(c),
+          range_(range),
+          phases_(range.phases + tips_per_link * first),
+          own_(first - range.first),
+          count_(std::min(count, W)),
+          contacts_(contacts) {
+        for (int link = 0; link < count_; ++link)
+            any_ |= words_[static_cast<std::size_t>(link)] = phase_word(phases_ + tips_per_link * link);
     }
 
     /// Adds forces and moments on the links; reactions of those that touch to loads.
@@ -36,7 +43,7 @@ public:
         const V shaft = pulleys_of<P>(c_, range_.sheaves, columns, sheaves);
         std::array<V, size> share;
         share.fill(V(0.0));
-        std::array<Reaction, 2> rear, front;   // by side
+        std::array<Reaction, 2> rear, front;  // by side
         std::array<V, 2> turning = pair<End::rear>(columns, sheaves, shaft, rear, share);
         const std::array<V, 2> more = pair<End::front>(columns, sheaves, shaft, front, share);
         for (std::size_t side = 0; side < 2; ++side) turning[side] += more[side];
@@ -48,8 +55,8 @@ public:
 private:
     /// Both tips of a half: adds their forces to share, returns their moments.
     template <End end>
-    [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, const V& shaft, std::array<Reaction, 2>& reaction,
-                                        std::array<V, size>& share) const noexcept {
+    [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, const V& shaft,
+                                        std::array<Reaction, 2>& reaction, std::array<V, size>& share) const noexcept {
         const TipPush<V> minus = tip(OneTip<W, end, 0>{}, 2 * static_cast<int>(end), columns, sheaves.data(), shaft, reaction[0]);
         const TipPush<V> plus = tip(OneTip<W, end, 1>{}, 2 * static_cast<int>(end) + 1, columns, sheaves.data(), shaft, reaction[1]);
         load_end<P>(end, minus, plus, share.data());
@@ -57,11 +64,13 @@ private:
     }
 
     template <class Corner>
-    [[nodiscard]] TipPush<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves, [[maybe_unused]] const V& shaft,
-                                  Reaction& reaction) const noexcept {
+    [[nodiscard]] TipPush<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves,
+                                 [[maybe_unused]] const V& shaft, Reaction& reaction) const noexcept {
         const auto own = [&] {
-            if constexpr (Rigid) return rigid_sheaves_at(corner, sheaves);
-            else return sheaves_at(corner, sheaves);
+            if constexpr (Rigid)
+                return rigid_sheaves_at(corner, sheaves);
+            else
+                return sheaves_at(corner, sheaves);
         }();
         const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
         const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
@@ -82,7 +91,9 @@ private:
 
     void write(const std::array<Reaction, 2>& rear, const std::array<Reaction, 2>& front, const V& shaft, LinkLoad* loads) const noexcept {
         constexpr std::size_t numbers = sizeof(SheaveLoad) / sizeof(double);
-        const auto sums = [&](auto part, auto axis) { return std::array{rear[0].*part.*axis + front[0].*part.*axis, rear[1].*part.*axis + front[1].*part.*axis}; };
+        const auto sums = [&](auto part, auto axis) {
+            return std::array{rear[0].*part.*axis + front[0].*part.*axis, rear[1].*part.*axis + front[1].*part.*axis};
+        };
         using Axis = Vector3<V>;
         constexpr auto force = &Reaction::force, moment = &Reaction::moment;
         if constexpr (Rigid) {
@@ -102,7 +113,8 @@ private:
                     rows[row++] = both[1];
                 }
             }
-            scatter(rows, shaft, loads, [](const double* numbers_of_link, SheaveLoad& load) { std::memcpy(&load, numbers_of_link, sizeof load); });
+            scatter(rows, shaft, loads,
+                    [](const double* numbers_of_link, SheaveLoad& load) { std::memcpy(&load, numbers_of_link, sizeof load); });
         }
     }
 
@@ -122,10 +134,10 @@ private:
 
     const Coefficients& c_;
     const ChainRange& range_;
-    const Phase* phases_;                     ///< of the first lane's link
-    int own_;                                 ///< first lane's link, from the range's first
+    const Phase* phases_;  ///< of the first lane's link
+    int own_;              ///< first lane's link, from the range's first
     int count_;
-    std::array<std::uint32_t, W> words_{};    ///< phases of each link, 0 beyond the last
+    std::array<std::uint32_t, W> words_{};  ///< phases of each link, 0 beyond the last
     std::uint32_t any_ = 0;
     const Contacts& contacts_;
 };

@@ -1,6 +1,7 @@
 #pragma once
-/// Links side by side: lanes run over as many links as the processor's vectors hold. Every lane does what model/kernels/chain_parts.hpp does for one
-/// link, in the same order (sums over plates, points and tips in the same trees), so that it gives the same bits whoever its neighbours are.
+/// Links side by side: lanes run over as many links as the processor's vectors hold. Every lane does what model/kernels/chain_parts.hpp
+/// does for one link, in the same order (sums over plates, points and tips in the same trees), so that it gives the same bits whoever its
+/// neighbours are.
 
 #include <array>
 #include <cstring>
@@ -39,7 +40,8 @@ inline void store_rows(const Lanes<W>* rows, const std::array<double*, W>& to, i
     }
     if constexpr (rest != 0) {
         turn(whole, rest);
-        for (std::size_t link = 0; link < static_cast<std::size_t>(links); ++link) std::memcpy(to[link] + whole, &block[link], rest * sizeof(double));
+        for (std::size_t link = 0; link < static_cast<std::size_t>(links); ++link)
+            std::memcpy(to[link] + whole, &block[link], rest * sizeof(double));
     }
 }
 
@@ -52,7 +54,7 @@ inline void add_rows(std::array<Lanes<W>, rows>& total, const std::array<Lanes<W
 /// @param width a power of two ≥ count, at most 16
 template <int W, std::size_t rows, class Body>
 inline void pairwise_sum(int count, int width, const Body& terms_at, std::array<Lanes<W>, rows>& total) noexcept {
-    std::array<std::array<Lanes<W>, rows>, 5> partial;   // of the finished branches, the largest first
+    std::array<std::array<Lanes<W>, rows>, 5> partial;  // of the finished branches, the largest first
     std::array<bool, 5> present{};
     std::size_t height = 0;
     int point = 0;
@@ -68,7 +70,7 @@ inline void pairwise_sum(int count, int width, const Body& terms_at, std::array<
                 if (present[--height]) add_rows<W>(partial[height - 1], partial[height]);
             }
         }
-        int bit = width / 2;   // next in the order of reversed bits
+        int bit = width / 2;  // next in the order of reversed bits
         for (; (point & bit) != 0; bit /= 2) point -= bit;
         point += bit;
     }
@@ -79,7 +81,7 @@ inline void pairwise_sum(int count, int width, const Body& terms_at, std::array<
 template <int P, int W>
 struct LinkColumns {
     static constexpr int size = at<P>.link_size();
-    std::array<Lanes<W>, 2 * size> state;   ///< [q | v]
+    std::array<Lanes<W>, 2 * size> state;  ///< [q | v]
     LinkFrameOf<Lanes<W>> frame;
 
     [[nodiscard]] const Lanes<W>* q() const noexcept { return state.data(); }
@@ -107,7 +109,8 @@ template <int P, int W>
 [[nodiscard]] inline Lanes<W> pulleys_of(const Coefficients& c, const SheaveMotion* motions, const LinkColumns<P, W>& columns,
                                          std::array<SheaveMotionLanes<W>, 2>& sheaves) noexcept {
     using V = Lanes<W>;
-    const V middle = columns.state[static_cast<std::size_t>(at<P>.x(End::rear, 0))] + columns.state[static_cast<std::size_t>(at<P>.x(End::front, 0))];
+    const V middle =
+        columns.state[static_cast<std::size_t>(at<P>.x(End::rear, 0))] + columns.state[static_cast<std::size_t>(at<P>.x(End::front, 0))];
     const auto by_shaft = [&](double first, double second) { return select_greater<W>(V(c.centre_distance), middle, V(first), V(second)); };
     constexpr std::size_t numbers = sizeof(SheaveMotion) / sizeof(double);
     for (std::size_t side = 0; side < 2; ++side) {

@@ -20,10 +20,13 @@ int shard_count(const std::string& folder) {
     std::error_code unreadable;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, unreadable)) {
         int number = 0, of = 0;
-        if (std::sscanf(entry.path().filename().c_str(), "shard-%9d-of-%9d", &number, &of) == 2 && Shard{number, of}.valid()) counts.insert(of);
+        if (std::sscanf(entry.path().filename().c_str(), "shard-%9d-of-%9d", &number, &of) == 2 && Shard{number, of}.valid())
+            counts.insert(of);
     }
     if (counts.empty()) throw SimulationError(folder + ": there are no shards to merge");
-    if (counts.size() > 1) throw SimulationError(fmt::format("{}: shards of several cuts ({}): remove those that do not belong", folder, fmt::join(counts, ", ")));
+    if (counts.size() > 1)
+        throw SimulationError(
+            fmt::format("{}: shards of several cuts ({}): remove those that do not belong", folder, fmt::join(counts, ", ")));
     return *counts.begin();
 }
 
@@ -56,7 +59,8 @@ private:
         const std::size_t number = part.layout.column("case"), status = part.layout.column("status");
         for (std::size_t i = 0; i < part.size(); ++i) {
             const auto row = part.row(i);
-            if (!seen_.insert(part.layout.integer(row, number)).second) throw SimulationError(fmt::format("{}: case {} is in two shards", file, part.layout.integer(row, number)));
+            if (!seen_.insert(part.layout.integer(row, number)).second)
+                throw SimulationError(fmt::format("{}: case {} is in two shards", file, part.layout.integer(row, number)));
             ++report_.statuses[part.layout.text(row, status)];
             table_->rows.insert(table_->rows.end(), row.begin(), row.end());
         }

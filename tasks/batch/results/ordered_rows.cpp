@@ -8,7 +8,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::size_t window_rows = 256;   ///< rows lie nearly in the order of their cases
+constexpr std::size_t window_rows = 256;  ///< rows lie nearly in the order of their cases
 
 }  // namespace
 
@@ -49,7 +49,8 @@ std::string OrderedRows::hash() {
 
 void OrderedRows::fill(std::size_t first, std::span<std::byte> rows) {
     const std::size_t bytes = head().layout.bytes();
-    for (std::size_t i = 0; i < rows.size() / bytes; ++i) std::ranges::copy(row(order_[first + i].second), rows.begin() + static_cast<std::ptrdiff_t>(i * bytes));
+    for (std::size_t i = 0; i < rows.size() / bytes; ++i)
+        std::ranges::copy(row(order_[first + i].second), rows.begin() + static_cast<std::ptrdiff_t>(i * bytes));
 }
 
 }  // namespace cvtflow::tasks

@@ -31,9 +31,9 @@ private:
     [[nodiscard]] std::span<const std::byte> row(std::size_t place);
 
     engine::CaseReader reader_;
-    std::vector<std::pair<long, std::size_t>> order_;   ///< case, row in the file; ascending
+    std::vector<std::pair<long, std::size_t>> order_;  ///< case, row in the file; ascending
     std::map<std::string, long> statuses_;
-    std::vector<std::byte> window_;                     ///< rows from first_ on
+    std::vector<std::byte> window_;  ///< rows from first_ on
     std::size_t first_ = 0;
 };
 

@@ -46,27 +46,35 @@ CaseColumn key_column(const Axis& axis, std::size_t key) {
     const Parameter& parameter = *axis.keys[key];
     const Type type = only_numbers(axis, key) ? type_of(parameter) : Type::text;
     std::size_t width = 8;
-    for (std::size_t row = 0; type == Type::text && row < axis.rows(); ++row) width = std::max(width, axis_text(parameter, axis.at(row, key)).size());
-    return {column_of(parameter), std::string(parameter.unit), std::string(parameter.meaning), type, static_cast<int>(std::min<std::size_t>(width, 256))};
+    for (std::size_t row = 0; type == Type::text && row < axis.rows(); ++row)
+        width = std::max(width, axis_text(parameter, axis.at(row, key)).size());
+    return {column_of(parameter), std::string(parameter.unit), std::string(parameter.meaning), type,
+            static_cast<int>(std::min<std::size_t>(width, 256))};
 }
 
-constexpr std::string_view unsteady[] = {"wall", "threads"};   // columns that differ from run to run
+constexpr std::string_view unsteady[] = {"wall", "threads"};  // columns that differ from run to run
 
 }  // namespace
 
 engine::RowLayout result_layout(const Sweep& sweep) {
-    std::vector<CaseColumn> columns{{"case", "1", "number of the case", Type::integer}, {"status", "", "ok, unreliable, diverged, budget, bad_parameters, crashed or undefined", Type::text, 16}};
+    std::vector<CaseColumn> columns{
+        {"case", "1", "number of the case", Type::integer},
+        {"status", "", "ok, unreliable, diverged, budget, bad_parameters, crashed or undefined", Type::text, 16}};
     for (const Axis& axis : sweep.axes) {
         for (std::size_t key = 0; key < axis.keys.size(); ++key) columns.push_back(key_column(axis, key));
     }
     for (const Scalar& scalar : sweep.scalars) columns.push_back({scalar.column, scalar.unit(), scalar.description()});
     columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on"});
     columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
-    columns.push_back({"energy_suspicion", "1", "residual over what an honest integration may leave, settling included; above 1 the status is unreliable"});
+    columns.push_back({"energy_suspicion", "1",
+                       "residual over what an honest integration may leave, settling included; above 1 the status is unreliable"});
     columns.push_back({"notes", "", "what is odd: gross_slip, control_limit, slack_strand, efficiency, unsteady", Type::text, 64});
     columns.push_back({"start", "", "where the case began: scene, geometric, settled, shared or continued", Type::text, 16});
-    for (const auto& [name, what] : {std::pair{"steps", "accepted steps"}, {"evaluations", "evaluations of the right-hand side"}, {"transitions", "changes of phase of tips"},
-                                     {"truncated", "steps cut at a transition"}, {"settling_evaluations", "evaluations while this case settled"}}) {
+    for (const auto& [name, what] : {std::pair{"steps", "accepted steps"},
+                                     {"evaluations", "evaluations of the right-hand side"},
+                                     {"transitions", "changes of phase of tips"},
+                                     {"truncated", "steps cut at a transition"},
+                                     {"settling_evaluations", "evaluations while this case settled"}}) {
         columns.push_back({name, "1", what, Type::integer});
     }
     columns.push_back({"wall", "s", "wall time of this case, all sessions"});
@@ -89,7 +97,7 @@ std::string model_hash(const Sweep& sweep) {
         model::right_hand_side(variator, 0.0, start.state.data(), phases.data(), slope.data(), scratch);
         return engine::hex(engine::state_hash(slope));
     } catch (const std::invalid_argument&) {
-        return "none";   // the base scene's chain does not close; that of a case may
+        return "none";  // the base scene's chain does not close; that of a case may
     }
 }
 
@@ -112,7 +120,8 @@ engine::CaseTable empty_table(const Sweep& sweep) {
 
 engine::CaseTable read_results(const std::string& path) {
     engine::CaseTable table = engine::read_cases(path);
-    for (const auto& [name, type, kind] : {std::tuple{"case", Type::integer, "integers"}, {"status", Type::text, "texts"}, {"hash", Type::text, "texts"}}) {
+    for (const auto& [name, type, kind] :
+         {std::tuple{"case", Type::integer, "integers"}, {"status", Type::text, "texts"}, {"hash", Type::text, "texts"}}) {
         if (table.layout.has(name) && table.layout.columns()[table.layout.column(name)].type == type) continue;
         throw engine::RecordError(fmt::format("{}: a table, but not of a sweep: it has no column '{}' of {}", path, name, kind));
     }
@@ -139,16 +148,20 @@ void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseRes
         for (std::size_t key = 0; key < axis.keys.size(); ++key, ++column) {
             const AxisValue& value = axis.at(sweep.row(r.number, a), key);
             const Type type = layout.columns()[column].type;
-            if (type == Type::real) layout.put(row, column, std::get<double>(value));
-            else if (type == Type::integer) layout.put(row, column, static_cast<std::int64_t>(std::llround(std::get<double>(value))));
-            else layout.put(row, column, std::string_view(axis_text(*axis.keys[key], value)));
+            if (type == Type::real)
+                layout.put(row, column, std::get<double>(value));
+            else if (type == Type::integer)
+                layout.put(row, column, static_cast<std::int64_t>(std::llround(std::get<double>(value))));
+            else
+                layout.put(row, column, std::string_view(axis_text(*axis.keys[key], value)));
         }
     }
     for (const double scalar : r.scalars) layout.put(row, column++, scalar);
     for (const double number : {r.efficiency, r.residual, r.suspicion}) layout.put(row, column++, number);
     layout.put(row, column++, std::string_view(r.notes));
     layout.put(row, column++, r.start);
-    for (const long count : {r.counters.steps, r.counters.evaluations, r.counters.detected, r.counters.truncated, r.settling.evaluations}) layout.put(row, column++, static_cast<std::int64_t>(count));
+    for (const long count : {r.counters.steps, r.counters.evaluations, r.counters.detected, r.counters.truncated, r.settling.evaluations})
+        layout.put(row, column++, static_cast<std::int64_t>(count));
     layout.put(row, column++, r.wall);
     layout.put(row, column++, static_cast<std::int64_t>(r.threads));
     layout.put(row, column++, std::string_view(engine::hex(r.hash)));
@@ -192,7 +205,9 @@ std::vector<std::size_t> case_order(const engine::CaseTable& table) {
     const std::size_t number = table.layout.column("case");
     std::vector<std::size_t> order(table.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return table.layout.integer(table.row(a), number) < table.layout.integer(table.row(b), number); });
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return table.layout.integer(table.row(a), number) < table.layout.integer(table.row(b), number);
+    });
     return order;
 }
 

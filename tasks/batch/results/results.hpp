@@ -39,8 +39,8 @@ void sort_rows(engine::CaseTable& table);
 /// Everything of a row but wall time and threads.
 void add_result(engine::Hash& hash, const engine::RowLayout& layout, std::span<const std::byte> row);
 
-/// Hash over everything in the rows, in the order of cases, but what differs from run to run: wall time and threads. Equal for every number of threads, shards,
-/// kills and resumptions.
+/// Hash over everything in the rows, in the order of cases, but what differs from run to run: wall time and threads. Equal for every number
+/// of threads, shards, kills and resumptions.
 [[nodiscard]] std::string results_hash(const engine::CaseTable& table);
 
 /// Text for people and CSV of the rows in the order of their cases. @param units whether CSV headings carry them

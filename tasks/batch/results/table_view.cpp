@@ -9,7 +9,8 @@
 
 namespace cvtflow::tasks {
 
-TableView::TableView(std::string name, const Node::Table& table, Position position, const std::vector<std::string>& known, std::vector<Problem>& problems)
+TableView::TableView(std::string name, const Node::Table& table, Position position, const std::vector<std::string>& known,
+                     std::vector<Problem>& problems)
     : name_(std::move(name)), table_(table), position_(position), problems_(problems) {
     for (const Entry& entry : table) {
         if (std::find(known.begin(), known.end(), entry.key) != known.end()) continue;
@@ -17,7 +18,9 @@ TableView::TableView(std::string name, const Node::Table& table, Position positi
     }
 }
 
-void TableView::problem(Position position, const std::string& message) const { problems_.push_back({position, fmt::format("{}.{}", name_, message)}); }
+void TableView::problem(Position position, const std::string& message) const {
+    problems_.push_back({position, fmt::format("{}.{}", name_, message)});
+}
 
 const Node* TableView::find(std::string_view key) const {
     const auto entry = std::find_if(table_.begin(), table_.end(), [&](const Entry& each) { return each.key == key; });
@@ -43,7 +46,8 @@ std::optional<std::int64_t> TableView::integer(std::string_view key, std::int64_
     if (node == nullptr) return {};
     const auto* value = std::get_if<std::int64_t>(&node->value);
     if (value != nullptr && *value >= min && *value <= max) return *value;
-    problem(node->position, value == nullptr ? fmt::format("{}: not an integer", key) : fmt::format("{}: {} is outside [{}, {}]", key, *value, min, max));
+    problem(node->position,
+            value == nullptr ? fmt::format("{}: not an integer", key) : fmt::format("{}: {} is outside [{}, {}]", key, *value, min, max));
     return {};
 }
 
@@ -70,7 +74,8 @@ std::optional<int> TableView::choice(std::string_view key, const std::vector<std
     if (!value) return {};
     const auto found = std::find(choices.begin(), choices.end(), *value);
     if (found != choices.end()) return static_cast<int>(found - choices.begin());
-    problem(node->position, fmt::format("{}: {} is not one of {}{}", key, toml_text(*value), fmt::join(choices, ", "), engine::did_you_mean(engine::closest(*value, choices))));
+    problem(node->position, fmt::format("{}: {} is not one of {}{}", key, toml_text(*value), fmt::join(choices, ", "),
+                                        engine::did_you_mean(engine::closest(*value, choices))));
     return {};
 }
 
@@ -80,7 +85,8 @@ std::optional<double> TableView::time(std::string_view key) const {
     if (const auto* text = std::get_if<std::string>(&node->value)) {
         const auto parsed = parse_quantity(*text);
         const auto* quantity = std::get_if<Quantity>(&parsed);
-        if (quantity != nullptr && quantity->has_unit && quantity->dimension == dimension_of("s") && quantity->value >= 0.0) return quantity->value;
+        if (quantity != nullptr && quantity->has_unit && quantity->dimension == dimension_of("s") && quantity->value >= 0.0)
+            return quantity->value;
     }
     problem(node->position, fmt::format("{}: not a time such as \"1 ms\"", key));
     return {};

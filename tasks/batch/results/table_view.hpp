@@ -13,7 +13,8 @@ class TableView {
 public:
     /// Keys that are not among `known` are problems.
     /// @param name  of the table in messages, e.g. "axes"
-    TableView(std::string name, const Node::Table& table, Position position, const std::vector<std::string>& known, std::vector<Problem>& problems);
+    TableView(std::string name, const Node::Table& table, Position position, const std::vector<std::string>& known,
+              std::vector<Problem>& problems);
 
     [[nodiscard]] const Node* find(std::string_view key) const;
     [[nodiscard]] bool has(std::string_view key) const { return find(key) != nullptr; }

@@ -73,7 +73,7 @@ void apply(const Parameter& parameter, const AxisValue& value, Scene& scene) {
         return;
     }
     const auto parsed = parse_toml("value = " + std::get<std::string>(value));
-    std::vector<Problem> none;   // it was read before
+    std::vector<Problem> none;  // it was read before
     read_value(parameter, std::get<Node::Table>(std::get<Node>(parsed).value).front().node, scene, none);
 }
 
@@ -85,7 +85,8 @@ std::string axis_text(const Parameter& parameter, const AxisValue& value) {
 
 bool continuous(const Parameter& parameter) {
     const Kind kind = parameter.kind();
-    return kind == Kind::number || kind == Kind::auto_number || kind == Kind::integer || kind == Kind::number_list || kind == Kind::time_table;
+    return kind == Kind::number || kind == Kind::auto_number || kind == Kind::integer || kind == Kind::number_list ||
+           kind == Kind::time_table;
 }
 
 std::vector<double> spaced(double from, double to, std::size_t count, bool logarithmic) {
@@ -93,7 +94,7 @@ std::vector<double> spaced(double from, double to, std::size_t count, bool logar
     for (std::size_t i = 0; i < count; ++i) {
         const double share = count == 1 ? 0.0 : static_cast<double>(i) / static_cast<double>(count - 1);
         const double between = logarithmic ? from * model::portable_pow(to / from, share) : from + share * (to - from);
-        values.push_back(i == 0 ? from : i + 1 == count ? to : between);   // ends exactly
+        values.push_back(i == 0 ? from : i + 1 == count ? to : between);  // ends exactly
     }
     return values;
 }
@@ -111,7 +112,8 @@ std::vector<double> latin_hypercube(std::size_t count, std::size_t dimensions, s
     std::vector<std::size_t> order(count);
     for (std::size_t d = 0; d < dimensions; ++d) {
         for (std::size_t i = 0; i < count; ++i) order[i] = i;
-        for (std::size_t i = count; i > 1; --i) std::swap(order[i - 1], order[static_cast<std::size_t>(uniform(generator) * static_cast<double>(i))]);
+        for (std::size_t i = count; i > 1; --i)
+            std::swap(order[i - 1], order[static_cast<std::size_t>(uniform(generator) * static_cast<double>(i))]);
         for (std::size_t i = 0; i < count; ++i) {
             samples[i * dimensions + d] = (static_cast<double>(order[i]) + uniform(generator)) / static_cast<double>(count);
         }

@@ -10,14 +10,15 @@
 
 namespace cvtflow::tasks {
 
-/// A value of a key: a number (also the position of a choice, 0 or 1 for a boolean), or TOML text (texts, lists and tables of several points).
+/// A value of a key: a number (also the position of a choice, 0 or 1 for a boolean), or TOML text (texts, lists and tables of several
+/// points).
 using AxisValue = std::variant<double, std::string>;
 
 /// One factor of the product that a sweep is.
 struct Axis {
-    std::string kind;                      ///< "list", "range", "zip", "random", "latin-hypercube" or "csv", for people
-    std::vector<const Parameter*> keys;    ///< that vary together
-    std::vector<AxisValue> values;         ///< [rows * keys], row by row
+    std::string kind;                    ///< "list", "range", "zip", "random", "latin-hypercube" or "csv", for people
+    std::vector<const Parameter*> keys;  ///< that vary together
+    std::vector<AxisValue> values;       ///< [rows * keys], row by row
 
     [[nodiscard]] std::size_t rows() const noexcept { return keys.empty() ? 0 : values.size() / keys.size(); }
     [[nodiscard]] const AxisValue& at(std::size_t row, std::size_t key) const noexcept { return values[row * keys.size() + key]; }

@@ -22,12 +22,17 @@ public:
 
     Axis read(const Node::Table& table) {
         const std::size_t before = problems_.size();
-        const TableView view("axes", table, position_, {"key", "values", "from", "to", "count", "scale", "zip", "sample", "seed", "keys", "csv"}, problems_);
+        const TableView view("axes", table, position_,
+                             {"key", "values", "from", "to", "count", "scale", "zip", "sample", "seed", "keys", "csv"}, problems_);
         Axis axis;
-        if (view.has("csv")) axis = csv(view);
-        else if (view.has("zip")) axis = zip(view);
-        else if (view.has("sample")) axis = sample(view);
-        else axis = one_key(view);
+        if (view.has("csv"))
+            axis = csv(view);
+        else if (view.has("zip"))
+            axis = zip(view);
+        else if (view.has("sample"))
+            axis = sample(view);
+        else
+            axis = one_key(view);
         return problems_.size() == before ? axis : Axis{};
     }
 
@@ -41,7 +46,9 @@ private:
         if (!view.require("key")) return nullptr;
         const auto name = view.text("key");
         const Parameter* parameter = name ? find_parameter(*name) : nullptr;
-        if (name && parameter == nullptr) view.problem(view.find("key")->position, fmt::format("key: there is no key {}{}", toml_text(*name), engine::did_you_mean(nearest_key(*name))));
+        if (name && parameter == nullptr)
+            view.problem(view.find("key")->position,
+                         fmt::format("key: there is no key {}{}", toml_text(*name), engine::did_you_mean(nearest_key(*name))));
         return parameter;
     }
 
@@ -71,16 +78,20 @@ private:
 
     Interval interval(const TableView& view, const Parameter& parameter) {
         Interval result{&parameter};
-        if (!continuous(parameter)) view.problem(view.position(), fmt::format("from: {} has no values in between; list them", parameter.key));
+        if (!continuous(parameter))
+            view.problem(view.position(), fmt::format("from: {} has no values in between; list them", parameter.key));
         result.logarithmic = view.choice("scale", {"linear", "log"}).value_or(0) == 1;
         for (const auto& [name, end] : {std::pair{"from", &result.from}, std::pair{"to", &result.to}}) {
             if (!view.require(name)) continue;
             const auto value = axis_value(parameter, *view.find(name), problems_);
             if (value.empty()) continue;
-            if (const auto* number = std::get_if<double>(&value.front())) *end = *number;
-            else view.problem(view.find(name)->position, fmt::format("{}: not a single number", name));
+            if (const auto* number = std::get_if<double>(&value.front()))
+                *end = *number;
+            else
+                view.problem(view.find(name)->position, fmt::format("{}: not a single number", name));
         }
-        if (result.logarithmic && !(result.from * result.to > 0.0)) view.problem(view.find("scale")->position, "scale: a logarithmic range cannot reach or cross zero");
+        if (result.logarithmic && !(result.from * result.to > 0.0))
+            view.problem(view.find("scale")->position, "scale: a logarithmic range cannot reach or cross zero");
         return result;
     }
 
@@ -88,7 +99,8 @@ private:
         Axis axis{"range", {&parameter}, {}};
         const Interval ends = interval(view, parameter);
         const auto count = view.require("count") ? view.integer("count", 1, most_rows) : std::nullopt;
-        if (count && problems_.empty()) axis.values = numbers(spaced(ends.from, ends.to, static_cast<std::size_t>(*count), ends.logarithmic));
+        if (count && problems_.empty())
+            axis.values = numbers(spaced(ends.from, ends.to, static_cast<std::size_t>(*count), ends.logarithmic));
         return axis;
     }
 
@@ -104,7 +116,8 @@ private:
             const TableView column("axes.zip", *table, part.position, {"key", "values", "from", "to", "count", "scale"}, problems_);
             columns.push_back(one_key(column));
             if (columns.back().rows() != columns.front().rows()) {
-                view.problem(part.position, fmt::format("zip: {} values beside {} of {}", columns.back().rows(), columns.front().rows(), columns.front().keys.front()->key));
+                view.problem(part.position, fmt::format("zip: {} values beside {} of {}", columns.back().rows(), columns.front().rows(),
+                                                        columns.front().keys.front()->key));
             }
         }
         if (!problems_.empty()) return axis;
@@ -127,7 +140,8 @@ private:
         for (const Interval& ends : box) axis.keys.push_back(ends.parameter);
         for (std::size_t i = 0; i < where.size(); ++i) {
             const Interval& ends = box[i % box.size()];
-            axis.values.emplace_back(ends.logarithmic ? ends.from * model::portable_pow(ends.to / ends.from, where[i]) : ends.from + where[i] * (ends.to - ends.from));
+            axis.values.emplace_back(ends.logarithmic ? ends.from * model::portable_pow(ends.to / ends.from, where[i])
+                                                      : ends.from + where[i] * (ends.to - ends.from));
         }
         return axis;
     }
@@ -161,7 +175,7 @@ Axis read_axis(const Entry& entry, const Node& node, const std::filesystem::path
         problems.push_back({entry.position, "axes: not a table; write [[axes]]"});
         return {};
     }
-    std::vector<Problem> own;   // a range of an axis is read even if another axis is wrong
+    std::vector<Problem> own;  // a range of an axis is read even if another axis is wrong
     Axis axis = AxisReader(node.position, folder, own).read(*table);
     problems.insert(problems.end(), own.begin(), own.end());
     return axis;

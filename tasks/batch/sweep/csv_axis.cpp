@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;   // a million rows of six numbers [byte]
+constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;  // a million rows of six numbers [byte]
 
 std::string trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
@@ -24,10 +24,14 @@ std::vector<std::string> cells_of(const std::string& line) {
     std::vector<std::string> cells(1);
     bool quoted = false;
     for (std::size_t i = 0; i < line.size(); ++i) {
-        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') cells.back() += line[i++];
-        else if (line[i] == '"') quoted = !quoted;
-        else if (line[i] == ',' && !quoted) cells.emplace_back();
-        else cells.back() += line[i];
+        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
+            cells.back() += line[i++];
+        else if (line[i] == '"')
+            quoted = !quoted;
+        else if (line[i] == ',' && !quoted)
+            cells.emplace_back();
+        else
+            cells.back() += line[i];
     }
     for (std::string& cell : cells) cell = trimmed(cell);
     return cells;
@@ -35,7 +39,8 @@ std::vector<std::string> cells_of(const std::string& line) {
 
 class CsvReader {
 public:
-    CsvReader(std::string name, Position position, std::vector<Problem>& problems) : name_(std::move(name)), position_(position), problems_(problems) {}
+    CsvReader(std::string name, Position position, std::vector<Problem>& problems)
+        : name_(std::move(name)), position_(position), problems_(problems) {}
 
     void line(const std::string& text) {
         ++line_;
@@ -58,9 +63,12 @@ private:
             const auto bracket = cells[i].find('[');
             const std::string key = trimmed(std::string_view(cells[i]).substr(0, bracket));
             const auto end = cells[i].find(']');
-            units_.push_back(bracket == std::string::npos || end == std::string::npos ? "" : trimmed(std::string_view(cells[i]).substr(bracket + 1, end - bracket - 1)));
+            units_.push_back(bracket == std::string::npos || end == std::string::npos
+                                 ? ""
+                                 : trimmed(std::string_view(cells[i]).substr(bracket + 1, end - bracket - 1)));
             const Parameter* parameter = find_parameter(key);
-            if (parameter == nullptr) problem(i + 1, fmt::format("there is no key {}{}", toml_text(key), engine::did_you_mean(nearest_key(key))));
+            if (parameter == nullptr)
+                problem(i + 1, fmt::format("there is no key {}{}", toml_text(key), engine::did_you_mean(nearest_key(key))));
             axis_.keys.push_back(parameter);
         }
     }
@@ -70,7 +78,8 @@ private:
         if (parameter == nullptr) return;
         const auto parsed = parse_toml("value = " + text);
         Node node{text + (units_[i].empty() ? "" : " " + units_[i]), {}};
-        if (const auto* document = std::get_if<Node>(&parsed); document != nullptr && units_[i].empty()) node = std::get<Node::Table>(document->value).front().node;
+        if (const auto* document = std::get_if<Node>(&parsed); document != nullptr && units_[i].empty())
+            node = std::get<Node::Table>(document->value).front().node;
         std::vector<Problem> own;
         for (AxisValue& value : axis_value(*parameter, node, own)) axis_.values.push_back(std::move(value));
         for (const Problem& each : own) problem(i + 1, each.message);

@@ -23,8 +23,10 @@ std::string column_name(std::string_view text) {
     std::string name;
     for (const char c : text) {
         const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
-        if (plain) name += c;
-        else if (!name.empty() && name.back() != '_') name += '_';
+        if (plain)
+            name += c;
+        else if (!name.empty() && name.back() != '_')
+            name += '_';
     }
     while (!name.empty() && name.back() == '_') name.pop_back();
     return name;
@@ -75,10 +77,12 @@ private:
             names.emplace_back(channel.name);
             if (channel.name == name_) term_.channel = &channel;
         }
-        if (term_.channel == nullptr) return fmt::format("there is no channel {}{}", toml_text(name_), engine::did_you_mean(engine::closest(name_, names)));
+        if (term_.channel == nullptr)
+            return fmt::format("there is no channel {}{}", toml_text(name_), engine::did_you_mean(engine::closest(name_, names)));
         const bool several = !term_.channel->axis.empty();
         if (several != indexed_)
-            return several ? fmt::format("{0} has several numbers; write {0}[0] … or {0}[*] for all of them", name_) : fmt::format("{} has one number, no elements", name_);
+            return several ? fmt::format("{0} has several numbers; write {0}[0] … or {0}[*] for all of them", name_)
+                           : fmt::format("{} has one number, no elements", name_);
         return {};
     }
 
@@ -98,7 +102,8 @@ private:
         if (term_.reduction != Reduction::at) return when_.empty() ? "" : fmt::format("{} takes no time", how_);
         const auto parsed = parse_quantity(when_);
         const auto* quantity = std::get_if<Quantity>(&parsed);
-        if (quantity == nullptr || !(quantity->dimension == dimension_of("s")) || !quantity->has_unit) return fmt::format("{} is not a time", toml_text(when_));
+        if (quantity == nullptr || !(quantity->dimension == dimension_of("s")) || !quantity->has_unit)
+            return fmt::format("{} is not a time", toml_text(when_));
         term_.time = quantity->value;
         return {};
     }

@@ -1,6 +1,7 @@
 #pragma once
 /// What a case of a sweep is reduced to: a channel and how its course becomes one number, or a quotient of two such. `slip mean`,
-/// `sheaves/axial_force[2] max`, `tips/axial_force[*] max` (of all elements), `ratio at 1 ms`, `shaft_2/chain_torque mean / shaft_1/chain_torque mean`.
+/// `sheaves/axial_force[2] max`, `tips/axial_force[*] max` (of all elements), `ratio at 1 ms`, `shaft_2/chain_torque mean /
+/// shaft_1/chain_torque mean`.
 
 #include <string>
 #include <vector>
@@ -18,15 +19,15 @@ inline constexpr int every_element = -1;
 /// A channel and how its course becomes one number.
 struct ScalarTerm {
     const Channel* channel = nullptr;
-    int element = 0;            ///< of a channel with several numbers, or every_element
+    int element = 0;  ///< of a channel with several numbers, or every_element
     Reduction reduction = Reduction::mean;
-    double time = 0.0;          ///< of `at`: the first output at or after it counts [s]
+    double time = 0.0;  ///< of `at`: the first output at or after it counts [s]
 };
 
 struct Scalar {
-    std::string text;           ///< as written, white space tidied
-    std::string column;         ///< name in the table: letters, digits and _
-    std::vector<ScalarTerm> terms;   ///< one, or dividend and divisor
+    std::string text;               ///< as written, white space tidied
+    std::string column;             ///< name in the table: letters, digits and _
+    std::vector<ScalarTerm> terms;  ///< one, or dividend and divisor
 
     /// Unit of the number; of a quotient "1" or "A/B".
     [[nodiscard]] std::string unit() const;
@@ -39,8 +40,8 @@ struct Scalar {
 /// A term in the making. Sums run in the order of outputs and elements.
 struct TermSum {
     long count = 0;
-    double value = 0.0;            ///< sum, extreme or value found
-    std::vector<double> all;       ///< of a median
+    double value = 0.0;       ///< sum, extreme or value found
+    std::vector<double> all;  ///< of a median
 
     void add(const ScalarTerm& term, double time, double number);
     /// Not a number if no output counted.

@@ -43,7 +43,8 @@ std::string axis_line(const Axis& axis) {
         hash.add(std::string_view(value)).add(std::string_view("\n"));
         if (axis.values.size() <= 24) values.push_back(value);
     }
-    const std::string list = values.empty() ? fmt::format("{} rows, hash {}", axis.rows(), hash.hex()) : fmt::format("{}", fmt::join(values, ", "));
+    const std::string list =
+        values.empty() ? fmt::format("{} rows, hash {}", axis.rows(), hash.hex()) : fmt::format("{}", fmt::join(values, ", "));
     return fmt::format("axes.{} = {}\n", fmt::join(names, "+"), list);
 }
 

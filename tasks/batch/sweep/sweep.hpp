@@ -25,9 +25,9 @@
 ///     steps = 100000
 ///     wall = "10 min"
 ///     [start]
-///     mode = "scene"                     # the scene's own start | "settle": every case settles | "shared": settled once for all cases of one machine
-///     continuation = "clamping.driven"   # key of the last axis: a case starts where its neighbour ended
-///     check = 2                          # so many continued cases also run from their own start; the summary tells the difference. Default 1
+///     mode = "scene"                     # the scene's own start | "settle": every case settles | "shared": settled once for all cases of
+///     one machine continuation = "clamping.driven"   # key of the last axis: a case starts where its neighbour ended check = 2 # so many
+///     continued cases also run from their own start; the summary tells the difference. Default 1
 
 #include <filesystem>
 #include <functional>
@@ -43,18 +43,18 @@ namespace cvtflow::tasks {
 enum class StartMode { scene, settle, shared };
 
 struct Sweep {
-    std::string name;                ///< the file's stem if the sweep does not say
+    std::string name;  ///< the file's stem if the sweep does not say
     std::string description;
-    std::filesystem::path path;      ///< of the file, as given
-    std::string text;                ///< of the file
-    Scene scene;                     ///< with [set] and [budget] applied
+    std::filesystem::path path;  ///< of the file, as given
+    std::string text;            ///< of the file
+    Scene scene;                 ///< with [set] and [budget] applied
     std::vector<Axis> axes;
     std::vector<Scalar> scalars;
-    double from = 0.0;               ///< outputs before this time do not count [s]
+    double from = 0.0;  ///< outputs before this time do not count [s]
     bool records = false;
     StartMode start = StartMode::scene;
-    std::string continuation;        ///< key; empty: none
-    int checked = 1;                 ///< continued cases that also run from their own start
+    std::string continuation;  ///< key; empty: none
+    int checked = 1;           ///< continued cases that also run from their own start
 
     [[nodiscard]] long cases() const noexcept;
     /// Number of cases that follow each other by continuation; 1 without it. Cases [k strand, (k + 1) strand) are one strand.
@@ -69,7 +69,8 @@ struct Sweep {
 
 /// Reads and checks a sweep and its base scene. @param find_scene where a scene of that name or relative path is
 /// @throws SceneError  all problems at once: `sweep.toml:7:1: axes.vlues: unknown key (did you mean "values"?)`
-[[nodiscard]] Sweep read_sweep(const std::filesystem::path& path, const std::function<std::filesystem::path(const std::string&)>& find_scene);
+[[nodiscard]] Sweep read_sweep(const std::filesystem::path& path,
+                               const std::function<std::filesystem::path(const std::string&)>& find_scene);
 
 /// What is wrong with a case's values taken together; empty if nothing.
 [[nodiscard]] std::string violations(const Scene& scene);

@@ -26,12 +26,15 @@ public:
 
     Sweep read() {
         const auto parsed = parse_toml(sweep_.text);
-        if (const auto* wrong = std::get_if<Problem>(&parsed)) problems_.push_back(*wrong);
-        else document(std::get<Node::Table>(std::get<Node>(parsed).value));
+        if (const auto* wrong = std::get_if<Problem>(&parsed))
+            problems_.push_back(*wrong);
+        else
+            document(std::get<Node::Table>(std::get<Node>(parsed).value));
         if (problems_.empty()) return std::move(sweep_);
         std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) { return a.position < b.position; });
         std::vector<std::string> lines;
-        for (const Problem& p : problems_) lines.push_back(fmt::format("{}:{}:{}: {}", sweep_.path.string(), p.position.line, p.position.column, p.message));
+        for (const Problem& p : problems_)
+            lines.push_back(fmt::format("{}:{}:{}: {}", sweep_.path.string(), p.position.line, p.position.column, p.message));
         throw SceneError(fmt::format("{}", fmt::join(lines, "\n")));
     }
 
@@ -40,7 +43,8 @@ private:
         const std::vector<std::string> known{"sweep", "set", "axes", "outputs", "budget", "start"};
         for (const Entry& section : sections) {
             if (std::find(known.begin(), known.end(), section.key) != known.end()) continue;
-            problems_.push_back({section.position, fmt::format("{}: unknown section{}", section.key, engine::did_you_mean(engine::closest(section.key, known)))});
+            problems_.push_back({section.position, fmt::format("{}: unknown section{}", section.key,
+                                                               engine::did_you_mean(engine::closest(section.key, known)))});
         }
         head(sections);
         for (const Entry& section : sections) {
@@ -91,16 +95,20 @@ private:
         if (rows == nullptr) return;
         for (const Entry& row : *rows) {
             const std::string key = section.empty() ? row.key : section + "." + row.key;
-            if (section.empty() && std::holds_alternative<Node::Table>(row.node.value)) settings(row.key, row);
-            else if (const Parameter* parameter = find_parameter(key)) setting(*parameter, row.node);
-            else problems_.push_back({row.position, fmt::format("set.{}: unknown key{}", key, engine::did_you_mean(nearest_key(key)))});
+            if (section.empty() && std::holds_alternative<Node::Table>(row.node.value))
+                settings(row.key, row);
+            else if (const Parameter* parameter = find_parameter(key))
+                setting(*parameter, row.node);
+            else
+                problems_.push_back({row.position, fmt::format("set.{}: unknown key{}", key, engine::did_you_mean(nearest_key(key)))});
         }
     }
 
     void setting(const Parameter& parameter, const Node& node) {
         read_value(parameter, node, sweep_.scene, problems_);
         if (parameter.key != "start.state" || sweep_.scene.state_file.empty()) return;
-        sweep_.scene.state_file = std::filesystem::absolute(sweep_.path.parent_path() / sweep_.scene.state_file).lexically_normal().string();
+        sweep_.scene.state_file =
+            std::filesystem::absolute(sweep_.path.parent_path() / sweep_.scene.state_file).lexically_normal().string();
     }
 
     void axes(const Entry& section) {
@@ -119,7 +127,10 @@ private:
         const Node::Array* list = view.list("scalars");
         for (const Node& node : list != nullptr ? *list : Node::Array{}) {
             const auto* text = std::get_if<std::string>(&node.value);
-            if (text == nullptr) { view.problem(node.position, "scalars: not a text such as \"slip mean\""); continue; }
+            if (text == nullptr) {
+                view.problem(node.position, "scalars: not a text such as \"slip mean\"");
+                continue;
+            }
             sweep_.scalars.push_back(parse_scalar(*text, node.position, problems_));
         }
         sweep_.from = view.time("from").value_or(0.0);
@@ -143,8 +154,11 @@ private:
         const auto key = view.text("continuation");
         if (!key) return;
         sweep_.continuation = *key;
-        const bool last = !sweep_.axes.empty() && std::any_of(sweep_.axes.back().keys.begin(), sweep_.axes.back().keys.end(), [&](const Parameter* p) { return p->key == *key; });
-        if (!last) view.problem(view.find("continuation")->position, fmt::format("continuation: {} is not a key of the last axis", toml_text(*key)));
+        const bool last = !sweep_.axes.empty() && std::any_of(sweep_.axes.back().keys.begin(), sweep_.axes.back().keys.end(),
+                                                              [&](const Parameter* p) { return p->key == *key; });
+        if (!last)
+            view.problem(view.find("continuation")->position,
+                         fmt::format("continuation: {} is not a key of the last axis", toml_text(*key)));
     }
 
     void consistent() {
@@ -154,11 +168,13 @@ private:
         std::vector<std::string_view> seen;
         for (const Axis& axis : sweep_.axes) {
             for (const Parameter* key : axis.keys) {
-                if (std::find(seen.begin(), seen.end(), key->key) != seen.end()) problems_.push_back({{}, fmt::format("axes: {} varies on two axes", key->key)});
+                if (std::find(seen.begin(), seen.end(), key->key) != seen.end())
+                    problems_.push_back({{}, fmt::format("axes: {} varies on two axes", key->key)});
                 seen.push_back(key->key);
             }
         }
-        if (!plan_for(sweep_.scene.run.method)) problems_.push_back({{}, fmt::format("run.method: there is no method {}", toml_text(sweep_.scene.run.method))});
+        if (!plan_for(sweep_.scene.run.method))
+            problems_.push_back({{}, fmt::format("run.method: there is no method {}", toml_text(sweep_.scene.run.method))});
     }
 
     const FindScene& find_scene_;

@@ -18,7 +18,8 @@ AdditiveMethod::AdditiveMethod(Workspace& workspace, AdditiveTable table) : Fric
     for (int stage = 0; stage < table_.stages(); ++stage) {
         const double weight = table_.weights[at(stage)];
         if (weight != 0.0) weights_.push_back({stage + 1, weight});
-        if (!table_.embedded.empty() && weight != table_.embedded[at(stage)]) error_.push_back({stage + 1, weight - table_.embedded[at(stage)]});
+        if (!table_.embedded.empty() && weight != table_.embedded[at(stage)])
+            error_.push_back({stage + 1, weight - table_.embedded[at(stage)]});
     }
     const int size = w_.layout().link_size();
     for (int group = 0; group < solve_.groups(); ++group) {
@@ -61,8 +62,9 @@ int AdditiveMethod::next() {
 }
 
 int AdditiveMethod::after_evaluation() {
-    close_evaluation(w_, w_.time + table_.times[at(stage_)] * w_.h, w_.tail.data(), w_.variator.sheave_forces(w_.phases.data(), w_.loads.data()), slope(stage_));
-    if (stage_ == 0) {   // friction of the first stage is not solved for
+    close_evaluation(w_, w_.time + table_.times[at(stage_)] * w_.h, w_.tail.data(),
+                     w_.variator.sheave_forces(w_.phases.data(), w_.loads.data()), slope(stage_));
+    if (stage_ == 0) {  // friction of the first stage is not solved for
         at_ = At::record;
         return record_cycle;
     }
@@ -88,7 +90,8 @@ int AdditiveMethod::start_stage() {
     const model::ChainLayout& layout = w_.layout();
     for (int k = 0; k < w_.tail_size(); ++k) {
         double sum = 0.0;
-        for (int other = 0; other < stage_; ++other) sum += table_.explicit_part[at(stage_)][at(other)] * slope(other)[layout.pulley_begin() + k];
+        for (int other = 0; other < stage_; ++other)
+            sum += table_.explicit_part[at(stage_)][at(other)] * slope(other)[layout.pulley_begin() + k];
         w_.tail[at(k)] = w_.states[0][layout.pulley_begin() + k] + w_.h * sum;
     }
     if (layout.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
@@ -101,7 +104,7 @@ void AdditiveMethod::stage(int number) noexcept {
     const int size = w_.layout().link_size(), numbers = size * model::slip_lanes;
     Stages& own = stages_[at(number)];
     const std::vector<double>&explicit_row = table_.explicit_part[at(stage_)], &implicit_row = table_.implicit_part[at(stage_)];
-    double* friction = own.explicit_velocity.at(0);   // first: what is implicit of friction instead of explicit
+    double* friction = own.explicit_velocity.at(0);  // first: what is implicit of friction instead of explicit
     std::fill_n(friction, numbers, 0.0);
     for (int other = 0; other < stage_; ++other) {
         const double weight = implicit_row[at(other)] - explicit_row[at(other)], *past = own.friction[at(other)].at(0);
@@ -126,7 +129,9 @@ void AdditiveMethod::stage(int number) noexcept {
     }
 }
 
-void AdditiveMethod::record(int segment) noexcept { record_window(segment, window_of(w_, stage_ == 0 ? w_.states[0] : stage_state(), segment), {}); }
+void AdditiveMethod::record(int segment) noexcept {
+    record_window(segment, window_of(w_, stage_ == 0 ? w_.states[0] : stage_state(), segment), {});
+}
 
 void AdditiveMethod::gather(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
@@ -136,11 +141,12 @@ void AdditiveMethod::gather(int number) noexcept {
     solve_.space().slips(0.0, g, g.own);
 }
 
-/// The first stage that is solved starts from its prediction, unless friction of the stage before is nothing that the implicit part uses: that friction
-/// is then explicit and may be far off.
+/// The first stage that is solved starts from its prediction, unless friction of the stage before is nothing that the implicit part uses:
+/// that friction is then explicit and may be far off.
 bool AdditiveMethod::predicts_from_start() const noexcept { return stage_ == 0 || (stage_ == 1 && table_.implicit_part[1][0] == 0.0); }
 
-/// Friction at the first stage; the slips of the explicit velocities for the solve of any other, which starts from the solution of the stage before.
+/// Friction at the first stage; the slips of the explicit velocities for the solve of any other, which starts from the solution of the
+/// stage before.
 void AdditiveMethod::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Stages& own = stages_[at(number)];

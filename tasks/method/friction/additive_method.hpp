@@ -3,8 +3,9 @@
 ///
 ///     q_i = q + h Σ aE_ij v_j        v_i = v + h Σ (aE_ij (F_j - f_j) + aI_ij f_j) + γ h f_i(v_i)        y⁺ = y + h Σ b_i F_i
 ///
-/// F_i: the whole right-hand side at (q_i, v_i), evaluated as for any other method; f_i: accelerations of the links by friction, with contacts and normal
-/// forces at q_i and at velocities predicted with the friction of the stage before. Pulleys, control and ledger are explicit.
+/// F_i: the whole right-hand side at (q_i, v_i), evaluated as for any other method; f_i: accelerations of the links by friction, with
+/// contacts and normal forces at q_i and at velocities predicted with the friction of the stage before. Pulleys, control and ledger are
+/// explicit.
 ///
 ///     evaluate ─► [record ─► gather] ─► stage ─► record ─► gather ─► solve ─► finish ─► evaluate ─► stage ─► …
 
@@ -37,8 +38,8 @@ private:
 
     /// Lanes of one group.
     struct Stages {
-        model::LaneRows explicit_velocity;        ///< v_i before its own friction acts
-        std::vector<model::LaneRows> friction;    ///< [stage] f_i
+        model::LaneRows explicit_velocity;      ///< v_i before its own friction acts
+        std::vector<model::LaneRows> friction;  ///< [stage] f_i
     };
 
     int evaluate(std::span<const engine::Term> states) noexcept;
@@ -51,8 +52,8 @@ private:
     [[nodiscard]] double* slope(int stage) const noexcept { return w_.slopes[static_cast<std::size_t>(stage) + 1]; }
 
     const AdditiveTable table_;
-    std::vector<engine::Term> weights_, error_;   ///< result and error estimate by slope slots
-    std::vector<Stages> stages_;                  ///< [group]
+    std::vector<engine::Term> weights_, error_;  ///< result and error estimate by slope slots
+    std::vector<Stages> stages_;                 ///< [group]
     At at_ = At::evaluate;
     int stage_ = 0;
 };

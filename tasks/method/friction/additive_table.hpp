@@ -1,6 +1,6 @@
 #pragma once
-/// Additive Runge-Kutta methods: one table for what is taken explicitly, one for what is solved for. Both have the same times and weights, and
-/// the implicit one the same γ in every stage but the first, which is explicit.
+/// Additive Runge-Kutta methods: one table for what is taken explicitly, one for what is solved for. Both have the same times and weights,
+/// and the implicit one the same γ in every stage but the first, which is explicit.
 
 #include <string>
 #include <vector>
@@ -11,10 +11,10 @@ struct AdditiveTable {
     std::string name, source;
     int order;
     double gamma;
-    std::vector<double> times;                                     ///< c [stages]
-    std::vector<std::vector<double>> explicit_part, implicit_part; ///< a_ij, j < i [stages]; the latter without its diagonal
-    std::vector<double> weights;                                   ///< b [stages]
-    std::vector<double> embedded;                                  ///< b̂, empty without an error estimate
+    std::vector<double> times;                                      ///< c [stages]
+    std::vector<std::vector<double>> explicit_part, implicit_part;  ///< a_ij, j < i [stages]; the latter without its diagonal
+    std::vector<double> weights;                                    ///< b [stages]
+    std::vector<double> embedded;                                   ///< b̂, empty without an error estimate
 
     [[nodiscard]] int stages() const noexcept { return static_cast<int>(times.size()); }
 };

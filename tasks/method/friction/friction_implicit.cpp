@@ -8,7 +8,9 @@ namespace cvtflow::tasks {
 
 namespace {
 
-[[nodiscard]] FrictionImplicit& method_of(void* workspace) noexcept { return static_cast<FrictionImplicit&>(*static_cast<Workspace*>(workspace)->method); }
+[[nodiscard]] FrictionImplicit& method_of(void* workspace) noexcept {
+    return static_cast<FrictionImplicit&>(*static_cast<Workspace*>(workspace)->method);
+}
 
 void record_task(void* w, int segment) noexcept { method_of(w).record(segment); }
 void gather_task(void* w, int group) noexcept { method_of(w).gather(group); }
@@ -48,7 +50,8 @@ class GroupAccesses {
 public:
     GroupAccesses(const model::SlipGroup& group, int number) : group_(group), number_(number) {}
     GroupAccesses& links(Field field, bool writes) {
-        for (const model::SlipGroup::Link& link : group_.links) all_.push_back({static_cast<int>(field), link.number, link.number + 1, writes});
+        for (const model::SlipGroup::Link& link : group_.links)
+            all_.push_back({static_cast<int>(field), link.number, link.number + 1, writes});
         return *this;
     }
     GroupAccesses& own(FrictionField field) {
@@ -70,34 +73,65 @@ private:
 }  // namespace
 
 FrictionImplicit::FrictionImplicit(Workspace& workspace)
-    : w_(workspace), solve_(workspace), field_(workspace.variator.chain()), normal_loads_(static_cast<std::size_t>(workspace.layout().links)) {}
+    : w_(workspace),
+      solve_(workspace),
+      field_(workspace.variator.chain()),
+      normal_loads_(static_cast<std::size_t>(workspace.layout().links)) {}
 
-void FrictionImplicit::add_tasks(engine::TaskGraph& graph) {
+void FrictionImplicit::add_recording(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
         graph.add({numbered("record", s), record_cycle, record_task, s,
-                   LinkAccesses(w_, s).with_halo(Field::states_read).with_halo(Field::slopes_read).with_halo(Field::stage_state).own(Field::phase, false)
-                       .segment(Field::window, true).own(Field::contact, true).own(Field::force, true).list()});
+                   LinkAccesses(w_, s)
+                       .with_halo(Field::states_read)
+                       .with_halo(Field::slopes_read)
+                       .with_halo(Field::stage_state)
+                       .own(Field::phase, false)
+                       .segment(Field::window, true)
+                       .own(Field::contact, true)
+                       .own(Field::force, true)
+                       .list()});
     }
+}
+
+void FrictionImplicit::add_tasks(engine::TaskGraph& graph) {
+    add_recording(graph);
     const int groups = solve_.groups();
     const int join = graph.add({"join", iterate_cycle, join_task, 0, {{element_field, 0, groups, false}, {joints_field, 0, 1, true}}});
     std::vector<int> gathers, substitutes;
     for (int k = 0; k < groups; ++k) {
         const auto accesses = [&] { return GroupAccesses(solve_.group(k), k).own(group_field); };
         gathers.push_back(graph.add({numbered("gather", k), gather_cycle, gather_task, k,
-                                     accesses().all(static_cast<int>(Field::contact), w_.layout().links).links(Field::states_read, false).links(Field::slopes_read, false).own(own_field).list()}));
+                                     accesses()
+                                         .all(static_cast<int>(Field::contact), w_.layout().links)
+                                         .links(Field::states_read, false)
+                                         .links(Field::slopes_read, false)
+                                         .own(own_field)
+                                         .list()}));
         const int eliminate = graph.add({numbered("eliminate", k), iterate_cycle, eliminate_task, k, accesses().own(element_field).list()});
-        substitutes.push_back(graph.add({numbered("substitute", k), iterate_cycle, substitute_task, k, accesses().all(joints_field, 1).own(own_field).list()}));
+        substitutes.push_back(graph.add(
+            {numbered("substitute", k), iterate_cycle, substitute_task, k, accesses().all(joints_field, 1).own(own_field).list()}));
         graph.order(eliminate, join);
         graph.order(join, substitutes.back());
         graph.add({numbered("look", k), search_cycle, look_task, k, accesses().list()});
         graph.add({numbered("stage", k), stage_cycle, stage_task, k,
-                   accesses().links(Field::states_read, false).links(Field::slopes_read, false).own(own_field).links(Field::state_kept, true).list()});
+                   accesses()
+                       .links(Field::states_read, false)
+                       .links(Field::slopes_read, false)
+                       .own(own_field)
+                       .links(Field::state_kept, true)
+                       .list()});
         graph.add({numbered("finish", k), finish_cycle, finish_task, k,
                    accesses().links(Field::states_read, false).links(Field::state_kept, true).links(Field::load, true).list()});
     }
-    for (int k = 0; k < groups; ++k) {
+    add_neighbours(graph, gathers, substitutes);
+}
+
+/// What a group does with the results of those beside it.
+void FrictionImplicit::add_neighbours(engine::TaskGraph& graph, const std::vector<int>& gathers, const std::vector<int>& substitutes) {
+    for (int k = 0; k < solve_.groups(); ++k) {
         const std::vector<int> others = near(k, solve_.stretches());
-        std::vector<engine::Access> forces = GroupAccesses(solve_.group(k), k).links(Field::force, false).list(), shared = sharing(k, others);
+        std::vector<engine::Access> forces = GroupAccesses(solve_.group(k), k).links(Field::force, false).list(),
+                                    shared = sharing(k, others);
         forces.insert(forces.end(), shared.begin(), shared.end());
         const int base = graph.add({numbered("base", k), gather_cycle, base_task, k, forces});
         const int look = graph.add({numbered("look", k), iterate_cycle, look_task, k, sharing(k, others)});
@@ -110,7 +144,8 @@ void FrictionImplicit::add_tasks(engine::TaskGraph& graph) {
 
 void FrictionImplicit::record_window(int segment, const double* window, const model::ContactDrift& drift) noexcept {
     const Segment& own = w_.partition[segment];
-    solve_.space().friction().record({own.first, own.last, window, w_.sheaves, w_.phases.data()}, drift, field_, normal_loads_.data() + own.first);
+    solve_.space().friction().record({own.first, own.last, window, w_.sheaves, w_.phases.data()}, drift, field_,
+                                     normal_loads_.data() + own.first);
 }
 
 void FrictionImplicit::read(const double* vector, int offset, int number, model::LaneRows& rows) noexcept {

@@ -35,22 +35,42 @@ constexpr int first_iterations = 50, next_iterations = 4;
 
 }  // namespace
 
-FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, Kick kick)
-    : w_(workspace), frame_(workspace), system_(workspace), tables_(kick) {}
+FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, Kick kick) : w_(workspace), frame_(workspace), system_(workspace), tables_(kick) {}
 
 void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
         const auto own = [&] { return LinkAccesses(w_, s); };
         graph.add({"push" + number, push_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).push(segment); }, s,
-                   own().with_halo(Field::states_read).with_halo(Field::slopes_read).own(Field::phase, false).segment(Field::window, true).own(Field::contact, true)
-                       .own(Field::velocity_read, true).own(Field::force, true).list()});
+                   own()
+                       .with_halo(Field::states_read)
+                       .with_halo(Field::slopes_read)
+                       .own(Field::phase, false)
+                       .segment(Field::window, true)
+                       .own(Field::contact, true)
+                       .own(Field::velocity_read, true)
+                       .own(Field::force, true)
+                       .list()});
         graph.add({"friction" + number, kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).stage(segment); }, s,
-                   own().with_halo(Field::contact).with_halo(Field::velocity_read).own(Field::force, false).own(Field::phase, false)
-                       .own(Field::velocity_kept, true).own(Field::velocity_slope, true).own(Field::impulse, true).list()});
+                   own()
+                       .with_halo(Field::contact)
+                       .with_halo(Field::velocity_read)
+                       .own(Field::force, false)
+                       .own(Field::phase, false)
+                       .own(Field::velocity_kept, true)
+                       .own(Field::velocity_slope, true)
+                       .own(Field::impulse, true)
+                       .list()});
         graph.add({"finish" + number, finish_kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).finish(segment); }, s,
-                   own().own(Field::velocity_read, false).own(Field::impulse, false).own(Field::contact, false)
-                       .own(Field::phase, false).own(Field::states_read, false).own(Field::state_kept, true).own(Field::load, true).list()});
+                   own()
+                       .own(Field::velocity_read, false)
+                       .own(Field::impulse, false)
+                       .own(Field::contact, false)
+                       .own(Field::phase, false)
+                       .own(Field::states_read, false)
+                       .own(Field::state_kept, true)
+                       .own(Field::load, true)
+                       .list()});
     }
 }
 
@@ -70,7 +90,7 @@ int FrictionLeapfrog::begin() {
         state_ = State::pushing;
         return push_cycle;
     }
-    state_ = State::evaluating;   // accounts need the forces with friction
+    state_ = State::evaluating;  // accounts need the forces with friction
     return evaluate_cycle;
 }
 

@@ -7,8 +7,8 @@
 ///     q ← q + h/2 v
 ///
 /// Friction is stiff, so velocities follow whatever it is tied to, and what is held constant over the step makes them late by half a step.
-/// Two things are therefore let go on within it: the sheaves' surface under a tip turns with the tip (a tenth of the saturation speed in 1 µs),
-/// and G(t) = G + (t/h - 1/2) ΔG, with ΔG its change since the step before, which leaves the impulse of G and so the leapfrog alone.
+/// Two things are therefore let go on within it: the sheaves' surface under a tip turns with the tip (a tenth of the saturation speed in 1
+/// µs), and G(t) = G + (t/h - 1/2) ΔG, with ΔG its change since the step before, which leaves the impulse of G and so the leapfrog alone.
 
 #include "tasks/method/friction/friction_system.hpp"
 #include "tasks/method/friction/kick_tables.hpp"
@@ -32,7 +32,7 @@ public:
     void repartitioned() override { system_.repartition(w_.partition); }
     [[nodiscard]] bool retakes() const noexcept override { return true; }
     void restart() noexcept override;
-    void transition() noexcept override {}   // history stays good: nothing jumps
+    void transition() noexcept override {}  // history stays good: nothing jumps
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;
     [[nodiscard]] Fault fault() const noexcept override { return fault_; }
@@ -52,13 +52,13 @@ private:
     LeapfrogFrame frame_;
     FrictionSystem system_;
     const KickTables tables_;
-    const KickTable* table_ = nullptr;   ///< of the step at hand
+    const KickTable* table_ = nullptr;  ///< of the step at hand
     State state_ = State::evaluating;
     int stage_ = 0;
     KickRow row_{};
-    double lean_ = 0.0;           ///< G at the stage at hand, in units of the difference between the last two
+    double lean_ = 0.0;  ///< G at the stage at hand, in units of the difference between the last two
     long steps_ = 0;
-    double radius_ = 0.0;         ///< spectral radius of friction [1/s]
+    double radius_ = 0.0;  ///< spectral radius of friction [1/s]
     Fault fault_;
 };
 

@@ -39,20 +39,33 @@ std::unique_ptr<StepMap> linear_step(const LinearChain& chain) {
 
 template <auto table>
 std::unique_ptr<StepMap> linear_step_with(const LinearChain& chain) {
-    if constexpr (std::is_same_v<decltype(table()), DirkTable>) return leapfrog_step(chain, table());
-    else return additive_step(chain, table());
+    if constexpr (std::is_same_v<decltype(table()), DirkTable>)
+        return leapfrog_step(chain, table());
+    else
+        return additive_step(chain, table());
 }
 
 template <auto table>
 ProgramStability stability_of() {
-    if constexpr (std::is_same_v<decltype(table()), DirkTable>) return leapfrog_stability(table());
-    else return additive_stability(table());
+    if constexpr (std::is_same_v<decltype(table()), DirkTable>)
+        return leapfrog_stability(table());
+    else
+        return additive_stability(table());
 }
 
 template <AdditiveTable (*table)()>
 MethodProgram additive(const char* description, const char* solves) {
     const AdditiveTable t = table();
-    return {t.name, description, t.source, t.order, t.stages(), AdditiveMethod::state_slots, AdditiveMethod::slope_slots(t), make_additive<table>, solves, stability_of<table>,
+    return {t.name,
+            description,
+            t.source,
+            t.order,
+            t.stages(),
+            AdditiveMethod::state_slots,
+            AdditiveMethod::slope_slots(t),
+            make_additive<table>,
+            solves,
+            stability_of<table>,
             linear_step_with<table>};
 }
 
@@ -62,14 +75,18 @@ std::vector<MethodProgram> friction_methods() {
     constexpr int states = FrictionLeapfrog::state_slots, slopes = FrictionLeapfrog::slope_slots;
     constexpr int own_states = ImplicitLeapfrog::state_slots, own_slopes = ImplicitLeapfrog::slope_slots;
     return {
-        {"leapfrog-rkc", "leapfrog, friction inside the step by damped RKC stages on velocities alone", "this project (tasks/method/friction)", 2, 1, states, slopes,
-         make<Kick::rkc>, "none", stability<Kick::rkc>, linear_step<Kick::rkc>},
-        {"leapfrog-chebyshev", "the same with fewer, first-order stages that leave nothing stiff behind", "this project (tasks/method/friction)", 1, 1, states, slopes,
-         make<Kick::chebyshev>, "none", stability<Kick::chebyshev>, linear_step<Kick::chebyshev>},
-        {"leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone", "this project (tasks/method/friction)", 1, 1, own_states, own_slopes,
-         make_implicit<backward_euler>, "1 a step, for friction", stability_of<backward_euler>, linear_step_with<backward_euler>},
-        {"leapfrog-sdirk2", "the same with two stages of order 2 (SDIRK2)", "this project (tasks/method/friction); R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006-1021", 2, 1,
-         own_states, own_slopes, make_implicit<sdirk2>, "2 a step, for friction", stability_of<sdirk2>, linear_step_with<sdirk2>},
+        {"leapfrog-rkc", "leapfrog, friction inside the step by damped RKC stages on velocities alone",
+         "this project (tasks/method/friction)", 2, 1, states, slopes, make<Kick::rkc>, "none", stability<Kick::rkc>,
+         linear_step<Kick::rkc>},
+        {"leapfrog-chebyshev", "the same with fewer, first-order stages that leave nothing stiff behind",
+         "this project (tasks/method/friction)", 1, 1, states, slopes, make<Kick::chebyshev>, "none", stability<Kick::chebyshev>,
+         linear_step<Kick::chebyshev>},
+        {"leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone",
+         "this project (tasks/method/friction)", 1, 1, own_states, own_slopes, make_implicit<backward_euler>, "1 a step, for friction",
+         stability_of<backward_euler>, linear_step_with<backward_euler>},
+        {"leapfrog-sdirk2", "the same with two stages of order 2 (SDIRK2)",
+         "this project (tasks/method/friction); R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006-1021", 2, 1, own_states, own_slopes,
+         make_implicit<sdirk2>, "2 a step, for friction", stability_of<sdirk2>, linear_step_with<sdirk2>},
         additive<ark436>("ARK4(3)6L[2]SA, additive Runge-Kutta: friction implicit, all else explicit", "5 a step, for friction"),
         additive<ars343>("ARS(3,4,3), additive Runge-Kutta: friction implicit, all else explicit", "3 a step, for friction"),
     };

@@ -17,8 +17,8 @@ constexpr double flat = 0.5;
 constexpr int most_searches = 12;
 /// Where in the bracket a share may lie.
 constexpr double margin = 0.05;
-/// Iterations after which saturation speeds are changed: by which factor upwards, and how far at most; by which at first downwards. A stride
-/// that fails is repeated shorter and with twice the iterations.
+/// Iterations after which saturation speeds are changed: by which factor upwards, and how far at most; by which at first downwards. A
+/// stride that fails is repeated shorter and with twice the iterations.
 constexpr int first_patience = 10, most_patience = 320;
 constexpr double widening_step = 10.0, most_widening = 1e5, first_stride = 2.0, least_stride = 1.01;
 /// A stride that took no more iterations than these is followed by a longer one.
@@ -29,15 +29,18 @@ constexpr double longer = 1.3;
 
 std::string text(const SolveStatistics& s) {
     const double solves = s.solves > 0 ? static_cast<double>(s.solves) : 1.0;
-    std::string line = fmt::format("{:.2f} iterations per friction solve (most {}), {:.2f} searches", static_cast<double>(s.iterations) / solves, s.most,
-                                   static_cast<double>(s.searches) / solves);
+    std::string line = fmt::format("{:.2f} iterations per friction solve (most {}), {:.2f} searches",
+                                   static_cast<double>(s.iterations) / solves, s.most, static_cast<double>(s.searches) / solves);
     if (s.widened > 0) line += fmt::format(", {} solves by way of higher saturation speeds", s.widened);
-    if (s.unconverged > 0) line += fmt::format("; {} of {} solves did not converge and went on with the last iterate (residual up to {:.2g} m/s)", s.unconverged, s.solves, s.worst);
+    if (s.unconverged > 0)
+        line += fmt::format("; {} of {} solves did not converge and went on with the last iterate (residual up to {:.2g} m/s)",
+                            s.unconverged, s.solves, s.worst);
     return line;
 }
 
 FrictionSolve::FrictionSolve(const Workspace& w)
-    : space_(w.variator.chain(), w.parameters.detail.stick_slip), joints_(model::SlipStretches(w.layout().links), space_.contacts().joint_slips()) {
+    : space_(w.variator.chain(), w.parameters.detail.stick_slip),
+      joints_(model::SlipStretches(w.layout().links), space_.contacts().joint_slips()) {
     for (int k = 0; k < stretches().length(); ++k) groups_.emplace_back(w.variator.chain(), stretches(), k);
 }
 
@@ -83,7 +86,8 @@ int FrictionSolve::next() noexcept {
         (after > 0.0 ? slope_high_ : slope_low_) = after;
     }
     // The first step starts from slips that belong to no forces: it is taken whole.
-    const bool good = residual_ <= tolerance_ || (tries_ == 1 && !searching_) || std::abs(after) <= flat * std::abs(before) || (after <= 0.0 && !searching_);
+    const bool good = residual_ <= tolerance_ || (tries_ == 1 && !searching_) || std::abs(after) <= flat * std::abs(before) ||
+                      (after <= 0.0 && !searching_);
     return good || searches_ >= most_searches ? accept() : judge();
 }
 
@@ -169,7 +173,9 @@ void FrictionSolve::keep_forces(int number) noexcept {
     const double ratio = widening_ / widened_before_;
     for (int contact = 0; contact < space_.contacts().count(); ++contact) {
         const bool joint = contact >= model::SlipContacts::first_joint;
-        const model::FrictionCurve& curve = joint ? c.joint.friction : contact == model::SlipContacts::plates ? c.plate_friction : space_.tip_curve();
+        const model::FrictionCurve& curve = joint                                    ? c.joint.friction
+                                            : contact == model::SlipContacts::plates ? c.plate_friction
+                                                                                     : space_.tip_curve();
         const double stuck = widened_before_ * curve.saturation_speed;
         for (int lane = 0; lane < model::slip_lanes; ++lane) {
             double &first = g.slip.at(2 * contact)[lane], &second = g.slip.at(2 * contact + 1)[lane];
@@ -195,19 +201,21 @@ void FrictionSolve::eliminate(int number) noexcept {
     space_.eliminate(group(number));
 }
 
-void FrictionSolve::substitute(int number) noexcept { space_.substitute(joints_.unknowns.at(number * space_.contacts().joint_slips()), group(number)); }
+void FrictionSolve::substitute(int number) noexcept {
+    space_.substitute(joints_.unknowns.at(number * space_.contacts().joint_slips()), group(number));
+}
 
 void FrictionSolve::look(int number) noexcept {
     if (!searching_) share(number, group(number).next_slip);
     space_.look(share_, group(number));
 }
 
-void FrictionSolve::share(int number, model::LaneRows& slips, model::LaneRows model::SlipGroup::* parts) noexcept {
+void FrictionSolve::share(int number, model::LaneRows& slips, model::LaneRows model::SlipGroup::*parts) noexcept {
     const model::SlipContacts& contacts = space_.contacts();
     const int size = contacts.joint_slips(), rear = 2 * contacts.joint(model::End::rear, 0), front = rear + size;
     const model::LaneRows& own = group(number).*parts;
     std::copy_n(own.at(0), model::slip_lanes * model::SlipContacts::local_slips, slips.at(0));
-    const double *before[model::slip_lanes], *after[model::slip_lanes];   // the neighbours' first rows
+    const double *before[model::slip_lanes], *after[model::slip_lanes];  // the neighbours' first rows
     for (int lane = 0; lane < model::slip_lanes; ++lane) {
         const int stretch = std::min(lane, stretches().count() - 1);
         const model::SlipStretches::Place rearward = stretches().before({number, stretch}), forward = stretches().after({number, stretch});

@@ -5,8 +5,8 @@
 ///     iterate   eliminate[group] ─► join ─► substitute[group] ─► look[group]     one whole Newton step, and what it is worth
 ///     search    look[group]                                                     a share of it
 ///
-/// Where saturation speeds are so low that this does not get there (the energy is almost one with kinks), they are taken ten times as high, a
-/// hundred times and so on, until it does; from there they are brought back in strides, each solution being the start of the next solve.
+/// Where saturation speeds are so low that this does not get there (the energy is almost one with kinks), they are taken ten times as high,
+/// a hundred times and so on, until it does; from there they are brought back in strides, each solution being the start of the next solve.
 /// Groups belong to the chain, not to segments or threads: the same bits for every schedule. A solve that does not converge goes on with
 /// the best it has and is counted.
 
@@ -23,11 +23,11 @@ namespace cvtflow::tasks {
 struct SolveStatistics {
     long solves = 0;
     long iterations = 0;
-    long most = 0;          ///< iterations of the worst solve
-    long searches = 0;      ///< shares of steps that were tried
-    long widened = 0;       ///< solves that got there by way of higher saturation speeds
+    long most = 0;      ///< iterations of the worst solve
+    long searches = 0;  ///< shares of steps that were tried
+    long widened = 0;   ///< solves that got there by way of higher saturation speeds
     long unconverged = 0;
-    double worst = 0.0;     ///< largest residual that was gone on with [m/s]
+    double worst = 0.0;  ///< largest residual that was gone on with [m/s]
 };
 
 /// One line: "1.02 iterations per solve (most 7), …".
@@ -35,8 +35,8 @@ struct SolveStatistics {
 
 class FrictionSolve {
 public:
-    /// A contact's force may be off by what changes its slip by this much in one step of `usual_step` or more [m/s]. Errors of all methods at
-    /// 2 µs are the same with a hundredth of it.
+    /// A contact's force may be off by what changes its slip by this much in one step of `usual_step` or more [m/s]. Errors of all methods
+    /// at 2 µs are the same with a hundredth of it.
     static constexpr double usual_tolerance = 1e-5, least_tolerance = 1e-9;
     static constexpr double usual_step = 2e-6;
     static constexpr int most_iterations = 2000;
@@ -50,7 +50,8 @@ public:
     [[nodiscard]] const model::SlipSpace& space() const noexcept { return space_; }
     [[nodiscard]] const model::SlipStretches& stretches() const noexcept { return joints_.stretches; }
 
-    /// Begins a solve from group.predicted (this link's part of ŵ) and group.slip (where to start): the first cycle to run. @param step h [s]
+    /// Begins a solve from group.predicted (this link's part of ŵ) and group.slip (where to start): the first cycle to run. @param step h
+    /// [s]
     [[nodiscard]] int begin(double step) noexcept;
     /// After each of its cycles: the next one, or StepMethod::done, or StepMethod::failed where forces are no numbers.
     [[nodiscard]] int next() noexcept;
@@ -64,7 +65,7 @@ public:
     /// Takes the share of the Newton step that was settled on; to be called for every group in the cycle after the solve.
     void settle(int group) noexcept;
     /// Slips of a group's contacts from the `own` parts, or others like them, of the group and its neighbours.
-    void share(int group, model::LaneRows& slips, model::LaneRows model::SlipGroup::* parts = &model::SlipGroup::own) noexcept;
+    void share(int group, model::LaneRows& slips, model::LaneRows model::SlipGroup::*parts = &model::SlipGroup::own) noexcept;
 
 private:
     [[nodiscard]] int judge() noexcept;
@@ -81,18 +82,18 @@ private:
     SolveStatistics statistics_;
     double tolerance_ = least_tolerance;
     int iterations_ = 0, searches_ = 0;
-    int tries_ = 0;                          ///< iterations with the saturation speeds at hand
-    double widening_ = 1.0;                  ///< of the saturation speeds
-    double widened_before_ = 1.0;            ///< that slips belong to
-    double solved_ = 0.0;                    ///< lowest widening that has been solved with, 0: none yet
-    double stride_ = 1.0;                    ///< from there to the next
-    int patience_ = 0;                       ///< iterations after which saturation speeds are changed
-    bool keeps_ = false, returns_ = false;   ///< the iteration that begins follows a solution, or goes back to it
+    int tries_ = 0;                         ///< iterations with the saturation speeds at hand
+    double widening_ = 1.0;                 ///< of the saturation speeds
+    double widened_before_ = 1.0;           ///< that slips belong to
+    double solved_ = 0.0;                   ///< lowest widening that has been solved with, 0: none yet
+    double stride_ = 1.0;                   ///< from there to the next
+    int patience_ = 0;                      ///< iterations after which saturation speeds are changed
+    bool keeps_ = false, returns_ = false;  ///< the iteration that begins follows a solution, or goes back to it
     bool searching_ = false;
-    bool steps_ = false;                     ///< a Newton step has not been settled yet
-    double share_ = 1.0;                     ///< of the Newton step that is looked at
-    double settled_ = 1.0;                   ///< of the last one, that was taken
-    double low_ = 0.0, high_ = 1.0, slope_low_ = 0.0, slope_high_ = 0.0;   ///< bracket of the search
+    bool steps_ = false;                                                  ///< a Newton step has not been settled yet
+    double share_ = 1.0;                                                  ///< of the Newton step that is looked at
+    double settled_ = 1.0;                                                ///< of the last one, that was taken
+    double low_ = 0.0, high_ = 1.0, slope_low_ = 0.0, slope_high_ = 0.0;  ///< bracket of the search
     double residual_ = 0.0;
 };
 
@@ -127,7 +128,11 @@ protected:
     Workspace& w_;
     FrictionSolve solve_;
     model::ContactField field_;
-    std::vector<model::LinkLoad> normal_loads_;   ///< [links]
+    std::vector<model::LinkLoad> normal_loads_;  ///< [links]
+
+private:
+    void add_recording(engine::TaskGraph& graph);
+    void add_neighbours(engine::TaskGraph& graph, const std::vector<int>& gathers, const std::vector<int>& substitutes);
 };
 
 }  // namespace cvtflow::tasks

@@ -18,9 +18,9 @@ constexpr int undisturbed = -1;
 /// One kick, h = 1: v' = push + lean(t) change - friction v.
 struct Kicked {
     double velocity, push, change, friction;
-    int disturbed = undisturbed;   ///< the stage whose velocity is off by 1
-    double largest = 0.0;          ///< velocity of a stage, afterwards
-    int stages = 0;                ///< afterwards
+    int disturbed = undisturbed;  ///< the stage whose velocity is off by 1
+    double largest = 0.0;         ///< velocity of a stage, afterwards
+    int stages = 0;               ///< afterwards
 };
 
 /// Velocity at the end.
@@ -86,8 +86,8 @@ double implicit_kick(const DirkTable& table, Kicked& kicked) {
     return figures;
 }
 
-/// Largest h ω with that friction, 0 < h c: where the step has the eigenvalue -1, h²ω² = 2 (1 + R)/(B + 2 C), with R, B, C what a kick makes of
-/// the velocity, of the push and of its change.
+/// Largest h ω with that friction, 0 < h c: where the step has the eigenvalue -1, h²ω² = 2 (1 + R)/(B + 2 C), with R, B, C what a kick
+/// makes of the velocity, of the push and of its change.
 [[nodiscard]] double oscillation_limit(const KickFunction& kick, double friction) {
     Kicked velocity{1.0, 0.0, 0.0, friction}, push{0.0, 1.0, 0.0, friction}, change{0.0, 0.0, 1.0, friction};
     return std::sqrt(2.0 * (1.0 + kick(velocity)) / (kick(push) + 2.0 * kick(change)));
@@ -95,7 +95,7 @@ double implicit_kick(const DirkTable& table, Kicked& kicked) {
 
 /// @param kick that of a step which has stages for `stiffest`
 [[nodiscard]] FrictionLimit oscillation_limit_up_to(const KickFunction& kick, double stiffest) {
-    FrictionLimit limit{2.0, 0.0};   // without friction
+    FrictionLimit limit{2.0, 0.0};  // without friction
     constexpr double least = 1e-2, ratio = 1.15;
     for (double friction = least; friction < ratio * stiffest; friction *= ratio) {
         const double here = std::min(friction, stiffest), oscillation = oscillation_limit(kick, here);
@@ -117,8 +117,8 @@ double implicit_kick(const DirkTable& table, Kicked& kicked) {
 /// One additive step of the oscillator, h = 1, from (q, v).
 struct AdditiveStep {
     double oscillation, friction;
-    int disturbed = undisturbed;   ///< the stage whose velocity is off by 1 before its friction acts
-    double largest = 0.0;          ///< velocity of a stage, afterwards
+    int disturbed = undisturbed;  ///< the stage whose velocity is off by 1 before its friction acts
+    double largest = 0.0;         ///< velocity of a stage, afterwards
 
     [[nodiscard]] Eigen::Vector2d from(const AdditiveTable& table, const Eigen::Vector2d& begin);
 };
@@ -129,7 +129,8 @@ Eigen::Vector2d AdditiveStep::from(const AdditiveTable& table, const Eigen::Vect
     for (int stage = 0; stage < table.stages(); ++stage) {
         Eigen::Vector2d y = begin;
         for (int other = 0; other < stage; ++other)
-            y += table.explicit_part[at(stage)][at(other)] * elastic[at(other)] + table.implicit_part[at(stage)][at(other)] * frictional[at(other)];
+            y += table.explicit_part[at(stage)][at(other)] * elastic[at(other)] +
+                 table.implicit_part[at(stage)][at(other)] * frictional[at(other)];
         if (stage == disturbed) y(1) += 1.0;
         if (stage > 0) y(1) /= 1.0 + table.gamma * friction;
         largest = std::max(largest, std::abs(y(1)));
@@ -177,7 +178,8 @@ ProgramStability additive_stability(const AdditiveTable& table) {
         for (int k = 0; k < 2; ++k) step.col(k) = AdditiveStep{x, y}.from(table, Eigen::Vector2d::Unit(k));
         return spectral_radius(step);
     };
-    return {TestEquation::oscillator, radius, [table](double decay) { return stage_figures(table, decay); }, std::numeric_limits<double>::infinity()};
+    return {TestEquation::oscillator, radius, [table](double decay) { return stage_figures(table, decay); },
+            std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace cvtflow::tasks

@@ -10,7 +10,8 @@
 
 namespace cvtflow::tasks {
 
-FrictionSystem::FrictionSystem(const Workspace& w) : friction_(w.variator.chain(), w.parameters.detail.stick_slip), field_(w.variator.chain()) {
+FrictionSystem::FrictionSystem(const Workspace& w)
+    : friction_(w.variator.chain(), w.parameters.detail.stick_slip), field_(w.variator.chain()) {
     const int rows = w.layout().link_size();
     const int columns = w.layout().links + 2;
     for (model::Columns& slot : states_) slot = model::Columns(rows, columns);
@@ -23,13 +24,13 @@ FrictionSystem::FrictionSystem(const Workspace& w) : friction_(w.variator.chain(
 
 void FrictionSystem::restart() noexcept {
     const model::ChainLayout& layout = friction_.chain().layout();
-    for (int row = 0; row < layout.link_size(); ++row) {   // a mode without symmetry, to begin with
+    for (int row = 0; row < layout.link_size(); ++row) {  // a mode without symmetry, to begin with
         for (int link = 0; link < layout.links; ++link) *mode_.at(row, link + 1) = model::portable_sin(1.0 + 0.7 * row + 2.399 * link);
     }
 }
 
 void FrictionSystem::repartition(const Partition& partition) {
-    const auto size = at(friction_.scratch_size(friction_.chain().layout().links));   // borders move without allocation
+    const auto size = at(friction_.scratch_size(friction_.chain().layout().links));  // borders move without allocation
     while (scratch_.size() < at(partition.size())) scratch_.emplace_back(size, 0.0);
 }
 
@@ -52,7 +53,8 @@ void FrictionSystem::push(Workspace& w, const model::ContactDrift& drift, int se
     const Segment& own = w.partition[segment];
     double* window = w.windows[at(segment)].data();
     fill_window(w, own, window);
-    friction_.record_and_push({own.first, own.last, window, w.sheaves, w.phases.data()}, drift, field_, base_, normal_loads_.data() + own.first);
+    friction_.record_and_push({own.first, own.last, window, w.sheaves, w.phases.data()}, drift, field_, base_,
+                              normal_loads_.data() + own.first);
 }
 
 void FrictionSystem::begin_from(const Workspace& w, const double* state, int segment) noexcept {
@@ -93,7 +95,8 @@ void FrictionSystem::react(Workspace& w, int segment) const noexcept {
         const model::TipArms& p = field_.arms[at(link)];
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             if (w.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
-            const double fx = *impulses_.at(3 * corner, link + 1), fy = *impulses_.at(3 * corner + 1, link + 1), fz = *impulses_.at(3 * corner + 2, link + 1);
+            const double fx = *impulses_.at(3 * corner, link + 1), fy = *impulses_.at(3 * corner + 1, link + 1),
+                         fz = *impulses_.at(3 * corner + 2, link + 1);
             load.add(corner % 2, -fx, -fy, -fz, p.x[corner], p.y[corner], p.z[corner]);
         }
     }

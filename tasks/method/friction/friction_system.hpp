@@ -29,8 +29,8 @@ public:
 
     /// Notes the contacts of a segment's links at the stage state of workspace.row, and all other forces there.
     void push(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
-    /// One row of a chained table: evaluates at the velocities of its slot, with lean times the difference between base and that of the step before
-    /// added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
+    /// One row of a chained table: evaluates at the velocities of its slot, with lean times the difference between base and that of the
+    /// step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
     void stage(const Workspace& workspace, const KickRow& row, double h, double lean, int segment) noexcept;
     /// Begins an integration from the velocities in a state: takes them into slot 0 and forgets the impulses.
     void begin_from(const Workspace& workspace, const double* state, int segment) noexcept;
@@ -48,16 +48,16 @@ public:
     [[nodiscard]] const model::Columns& result() const noexcept { return result_; }
 
 private:
-
-    [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::Columns& velocity, int segment) noexcept;
+    [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::Columns& velocity,
+                                                int segment) noexcept;
     void repeat(const Workspace& workspace, model::Columns& field, int segment) noexcept;
 
     model::FrictionOperator friction_;
     model::ContactField field_;
     std::array<model::Columns, kick_state_slots> states_;
     model::Columns result_, first_slope_, base_, base_before_, impulses_, mode_, image_;
-    std::vector<model::LinkLoad> normal_loads_;   ///< [links]
-    std::vector<model::LineVector<double>> scratch_;   ///< of segments
+    std::vector<model::LinkLoad> normal_loads_;       ///< [links]
+    std::vector<model::LineVector<double>> scratch_;  ///< of segments
 };
 
 }  // namespace cvtflow::tasks

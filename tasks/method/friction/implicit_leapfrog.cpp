@@ -10,7 +10,9 @@
 
 namespace cvtflow::tasks {
 
-double DirkTable::weight(int stage) const noexcept { return stage + 1 < static_cast<int>(times.size()) ? weights.back()[at(stage)] : gamma; }
+double DirkTable::weight(int stage) const noexcept {
+    return stage + 1 < static_cast<int>(times.size()) ? weights.back()[at(stage)] : gamma;
+}
 
 double DirkTable::centre() const noexcept {
     double sum = 0.0;
@@ -30,10 +32,15 @@ DirkTable sdirk2() {
     return {2, gamma, {gamma, 1.0}, {{}, {1.0 - gamma}}};
 }
 
-ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table) : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)), push_(w_.layout().link_size(), w_.layout().links + 2) {
+ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table)
+    : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)), push_(w_.layout().link_size(), w_.layout().links + 2) {
     const int size = w_.layout().link_size(), slips = solve_.space().contacts().slips();
     for (int k = 0; k < solve_.groups(); ++k) {
-        kicks_.push_back({model::LaneRows(size), model::LaneRows(size), model::LaneRows(size), {}, model::LaneRows(slips),
+        kicks_.push_back({model::LaneRows(size),
+                          model::LaneRows(size),
+                          model::LaneRows(size),
+                          {},
+                          model::LaneRows(slips),
                           model::LaneRows(2 * model::tips_per_link)});
         for (std::size_t stage = 0; stage < table_.times.size(); ++stage) kicks_.back().slopes.emplace_back(size);
     }
@@ -47,7 +54,7 @@ int ImplicitLeapfrog::begin() {
     frame_.begin();
     stage_ = 0;
     at_ = w_.layout().ledger ? At::evaluate : At::record;
-    if (w_.layout().ledger) return evaluate_cycle;   // accounts need the forces with friction
+    if (w_.layout().ledger) return evaluate_cycle;  // accounts need the forces with friction
     return record_cycle;
 }
 
@@ -79,7 +86,8 @@ void ImplicitLeapfrog::record(int segment) noexcept {
     const Segment& own = w_.partition[segment];
     double* window = w_.windows[at(segment)].data();
     fill_window(w_, own, window);
-    solve_.space().friction().record_and_push({own.first, own.last, window, w_.sheaves, w_.phases.data()}, frame_.drift(), field_, push_, normal_loads_.data() + own.first);
+    solve_.space().friction().record_and_push({own.first, own.last, window, w_.sheaves, w_.phases.data()}, frame_.drift(), field_, push_,
+                                              normal_loads_.data() + own.first);
 }
 
 /// Contacts, and the slips of the velocities with which the other forces were evaluated and of those with which the step begins.
@@ -92,7 +100,8 @@ void ImplicitLeapfrog::gather(int number) noexcept {
     solve_.space().slips(-0.5, g, g.own_start);
     read(w_.slopes[1], w_.layout().link_size(), number, g.velocity);
     for (int row = 0; row < w_.layout().link_size(); ++row) {
-        for (int lane = 0; lane < model::slip_lanes; ++lane) g.velocity.at(row)[lane] = start.at(row)[lane] + 0.5 * w_.h * g.velocity.at(row)[lane];
+        for (int lane = 0; lane < model::slip_lanes; ++lane)
+            g.velocity.at(row)[lane] = start.at(row)[lane] + 0.5 * w_.h * g.velocity.at(row)[lane];
     }
     solve_.space().slips(0.0, g, g.own);
 }
@@ -103,7 +112,8 @@ void ImplicitLeapfrog::base(int number) noexcept {
     Kick& kick = kicks_[at(number)];
     solve_.share(number, g.slip);
     solve_.share(number, kick.begun, &model::SlipGroup::own_start);
-    guess(number, std::min(2.0 * table_.times[0], 1.0));   // slips at hand belong to the middle; beyond it they are no better when extrapolated
+    guess(number,
+          std::min(2.0 * table_.times[0], 1.0));  // slips at hand belong to the middle; beyond it they are no better when extrapolated
     for (int row = 0; row < w_.layout().link_size(); ++row) {
         for (const auto& [link, lane] : g.links) kick.base.at(row)[lane] = *push_.at(row, link + 1);
     }
@@ -151,7 +161,8 @@ void ImplicitLeapfrog::end_stage(int number) noexcept {
     }
     const double weight = table_.weight(solved);
     for (int row = 0; row < 2 * model::tips_per_link; ++row) {
-        for (int lane = 0; lane < model::slip_lanes; ++lane) kick.impulses.at(row)[lane] += weight * g.force.at(2 * model::SlipContacts::first_tip + row)[lane];
+        for (int lane = 0; lane < model::slip_lanes; ++lane)
+            kick.impulses.at(row)[lane] += weight * g.force.at(2 * model::SlipContacts::first_tip + row)[lane];
     }
 }
 
@@ -188,8 +199,10 @@ void ImplicitLeapfrog::react(int number) noexcept {
             if (w_.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
             const int row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
             const double first = impulses.at(2 * corner)[lane], second = impulses.at(2 * corner + 1)[lane];
-            const auto along = [&, k = lane](int axis) { return g.tips.at(row + axis)[k] * first + g.tips.at(row + 3 + axis)[k] * second; };   // clang 14 captures no binding
-            load.add(corner % 2, along(0), along(1), along(2), p.x[corner], p.y[corner], p.z[corner]);   // on the sheave
+            const auto along = [&, k = lane](int axis) {
+                return g.tips.at(row + axis)[k] * first + g.tips.at(row + 3 + axis)[k] * second;
+            };                                                                                          // clang 14 captures no binding
+            load.add(corner % 2, along(0), along(1), along(2), p.x[corner], p.y[corner], p.z[corner]);  // on the sheave
         }
     }
 }

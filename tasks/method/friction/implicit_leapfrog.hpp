@@ -16,8 +16,8 @@ namespace cvtflow::tasks {
 struct DirkTable {
     int order;
     double gamma;
-    std::vector<double> times;                   ///< c [h]
-    std::vector<std::vector<double>> weights;    ///< a_sj, j < s
+    std::vector<double> times;                 ///< c [h]
+    std::vector<std::vector<double>> weights;  ///< a_sj, j < s
 
     /// Σ b c: where a slope that is linear in time has its mean.
     [[nodiscard]] double centre() const noexcept;
@@ -55,10 +55,10 @@ private:
 
     /// What a group remembers beside its contacts.
     struct Kick {
-        model::LaneRows start, base, before;    ///< v; accelerations by all but friction, of this step and of the one before
-        std::vector<model::LaneRows> slopes;    ///< [stage]
-        model::LaneRows begun;                  ///< slips where the step begins
-        model::LaneRows impulses;               ///< mean force of the tips' friction along their tangents [8]
+        model::LaneRows start, base, before;  ///< v; accelerations by all but friction, of this step and of the one before
+        std::vector<model::LaneRows> slopes;  ///< [stage]
+        model::LaneRows begun;                ///< slips where the step begins
+        model::LaneRows impulses;             ///< mean force of the tips' friction along their tangents [8]
     };
 
     int after_solve(int cycle);
@@ -69,8 +69,8 @@ private:
 
     LeapfrogFrame frame_;
     const DirkTable table_;
-    model::Columns push_;                       ///< accelerations by all but friction; column = link + 1
-    std::vector<Kick> kicks_;                   ///< [group]
+    model::Columns push_;      ///< accelerations by all but friction; column = link + 1
+    std::vector<Kick> kicks_;  ///< [group]
     At at_ = At::evaluate;
     int stage_ = 0;
 };

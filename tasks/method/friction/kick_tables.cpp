@@ -37,7 +37,8 @@ KickTable table(Kick kind, int stages) {
     double centre = 0.0;
     for (std::size_t k = 0; k < tableau.weights.size(); ++k) centre += tableau.weights[k] * tableau.times[k];
     const engine::CompiledPlan compiled(plan);
-    return {compiled, tableau.weights, centre, first_order ? engine::chebyshev_reach(stages, chebyshev_damping) : engine::rkc_reach(stages, rkc_damping),
+    return {compiled, tableau.weights, centre,
+            first_order ? engine::chebyshev_reach(stages, chebyshev_damping) : engine::rkc_reach(stages, rkc_damping),
             keeps_first_slope(compiled)};
 }
 

@@ -9,31 +9,31 @@ namespace cvtflow::tasks {
 
 /// Which family of tables.
 enum class Kick {
-    chebyshev,   ///< order 1, strongly damped: what friction holds is at rest after one step
-    rkc,         ///< order 2, damped more than usual
+    chebyshev,  ///< order 1, strongly damped: what friction holds is at rest after one step
+    rkc,        ///< order 2, damped more than usual
 };
 
 /// One stage with the row that follows it: a stage, or the result.
 struct KickRow {
     engine::PlanStep here, next;
-    double weight = 0.0;       ///< of the stage in the result
+    double weight = 0.0;  ///< of the stage in the result
     bool keeps_slope = false;
 };
 
 /// One table with what a kick needs to know of it.
 struct KickTable {
     engine::CompiledPlan plan;
-    std::vector<double> weights;   ///< of its stages in the result
-    double centre;                 ///< Σ weight × time of the stages: where a slope that is linear in time has its mean
-    double reach;                  ///< |h λ| on the real axis up to which it is stable
-    bool keeps_first_slope;        ///< whether rows after the second use the slope of stage 0
+    std::vector<double> weights;  ///< of its stages in the result
+    double centre;                ///< Σ weight × time of the stages: where a slope that is linear in time has its mean
+    double reach;                 ///< |h λ| on the real axis up to which it is stable
+    bool keeps_first_slope;       ///< whether rows after the second use the slope of stage 0
 
-    /// A slope at a stage's time, in units of the difference between its last two values: without an impulse, and half a rise at the end of the
-    /// step. @param rise how much it changes over the step, in the same units
+    /// A slope at a stage's time, in units of the difference between its last two values: without an impulse, and half a rise at the end of
+    /// the step. @param rise how much it changes over the step, in the same units
     [[nodiscard]] double lean(double time, double rise) const noexcept { return 0.5 * rise * (time - centre) / (1.0 - centre); }
     [[nodiscard]] KickRow row(int stage) const noexcept {
-        return {plan.stage(stage), stage + 1 < plan.stages() ? plan.stage(stage + 1) : plan.result(), weights[static_cast<std::size_t>(stage)],
-                stage == 0 && keeps_first_slope};
+        return {plan.stage(stage), stage + 1 < plan.stages() ? plan.stage(stage + 1) : plan.result(),
+                weights[static_cast<std::size_t>(stage)], stage == 0 && keeps_first_slope};
     }
 };
 
@@ -47,7 +47,7 @@ public:
     [[nodiscard]] double longest_reach() const noexcept { return tables_.back().reach; }
 
 private:
-    std::vector<KickTable> tables_;   ///< ascending
+    std::vector<KickTable> tables_;  ///< ascending
 };
 
 /// State and slope slots that any plan of either family uses.

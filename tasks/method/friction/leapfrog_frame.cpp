@@ -32,7 +32,7 @@ void LeapfrogFrame::restart() noexcept {
 /// Slope slot 1: [v | mean acceleration of the step before], the acceleration zero where there is none.
 void LeapfrogFrame::extrapolate() {
     if (continues_) {
-        std::swap(w_.slopes[1], w_.end_slope);   // made by the last detect cycle
+        std::swap(w_.slopes[1], w_.end_slope);  // made by the last detect cycle
         return;
     }
     const model::ChainLayout& at = w_.layout();
@@ -71,7 +71,8 @@ void LeapfrogFrame::end() {
     const int begin = at.pulley_begin(), half = at.pulley_size;
     close_evaluation(w_, w_.time + 0.5 * w_.h, w_.tail.data(), w_.variator.sheave_forces(w_.phases.data(), w_.loads.data()), w_.slopes[2]);
     for (int k = begin + half; k < at.size(); ++k) w_.states[1][k] = w_.states[0][k] + w_.h * w_.slopes[2][k];
-    for (int k = begin; k < begin + half; ++k) w_.states[1][k] = w_.states[0][k] + 0.5 * w_.h * (w_.states[0][k + half] + w_.states[1][k + half]);
+    for (int k = begin; k < begin + half; ++k)
+        w_.states[1][k] = w_.states[0][k] + 0.5 * w_.h * (w_.states[0][k + half] + w_.states[1][k + half]);
     static constexpr engine::Term end{1, 1.0};
     w_.row = {{&end, 1}, {}, -1, -1, 1.0};
 }

@@ -39,12 +39,14 @@ void Broyden::add(const double* s, const double* w) noexcept {
 
 void Broyden::save(std::vector<double>& memory) const {
     memory.push_back(count_);
-    for (const std::vector<double>* part : {&steps_, &updates_}) memory.insert(memory.end(), part->begin(), part->begin() + count_ * unknowns_);
+    for (const std::vector<double>* part : {&steps_, &updates_})
+        memory.insert(memory.end(), part->begin(), part->begin() + count_ * unknowns_);
 }
 
 std::span<const double> Broyden::load(std::span<const double> memory) {
     count_ = whole_taken(memory, 0, static_cast<int>(steps_.size()) / std::max(1, unknowns_));
-    for (std::vector<double>* part : {&steps_, &updates_}) std::ranges::copy(taken(memory, static_cast<std::size_t>(count_ * unknowns_)), part->begin());
+    for (std::vector<double>* part : {&steps_, &updates_})
+        std::ranges::copy(taken(memory, static_cast<std::size_t>(count_ * unknowns_)), part->begin());
     return memory;
 }
 

@@ -18,7 +18,8 @@ public:
 
     /// x ← B⁻¹ B_0 x. @param from leave out the updates before this one
     void apply(double* x, int from = 0) const noexcept;
-    /// After a step s = λ d that turned the residual r into r⁺:  u = (s - w)/(s·w), w = B⁻¹ (r⁺ - r). Ignored if s·w vanishes or no room is left.
+    /// After a step s = λ d that turned the residual r into r⁺:  u = (s - w)/(s·w), w = B⁻¹ (r⁺ - r). Ignored if s·w vanishes or no room is
+    /// left.
     void add(const double* s, const double* w) noexcept;
 
     /// The updates, appended to `memory` / taken back from its front. @return what is left
@@ -27,7 +28,7 @@ public:
 
 private:
     int unknowns_, most_, count_ = 0;
-    std::vector<double> steps_, updates_;   ///< [most][unknowns]
+    std::vector<double> steps_, updates_;  ///< [most][unknowns]
 };
 
 }  // namespace cvtflow::tasks

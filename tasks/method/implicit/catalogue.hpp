@@ -10,7 +10,7 @@ namespace cvtflow::tasks {
 
 /// One variant of the trapezoidal rule.
 struct NewtonVariant {
-    const char* name;          ///< trapezoidal-…
+    const char* name;  ///< trapezoidal-…
     const char* description;
     NewtonOptions options;
 };

@@ -1,6 +1,7 @@
 #pragma once
-/// The Jacobian by differences, many columns per evaluation (Curtis, Powell, Reid 1974): links that share no neighbour have one colour and are
-/// moved together. Three colours where the number of links is divisible by three, else up to five; each pulley coordinate is a group of its own.
+/// The Jacobian by differences, many columns per evaluation (Curtis, Powell, Reid 1974): links that share no neighbour have one colour and
+/// are moved together. Three colours where the number of links is divisible by three, else up to five; each pulley coordinate is a group of
+/// its own.
 ///
 ///     groups = colours x link_size x {q, v}  +  2 pulley_size  +  control
 ///
@@ -15,19 +16,19 @@ namespace cvtflow::tasks {
 
 /// Where the derivative is taken, with what an evaluation there has left.
 struct BasePoint {
-    double time = 0.0;                        ///< [s]
-    const double* state = nullptr;            ///< [layout.size()]
-    const double* slope = nullptr;            ///< its slope
-    const model::Phase* phases = nullptr;     ///< [4 links]
-    const model::LinkLoad* loads = nullptr;   ///< [links]
-    const model::Account* accounts = nullptr; ///< [links * account_parts], only with a ledger
+    double time = 0.0;                         ///< [s]
+    const double* state = nullptr;             ///< [layout.size()]
+    const double* slope = nullptr;             ///< its slope
+    const model::Phase* phases = nullptr;      ///< [4 links]
+    const model::LinkLoad* loads = nullptr;    ///< [links]
+    const model::Account* accounts = nullptr;  ///< [links * account_parts], only with a ledger
 };
 
 class ColouredJacobian {
 public:
     /// One-sided differences: small against contact depths (µm) and saturation speeds (mm/s), large against rounding.
-    static constexpr double position_step = 1e-9;   ///< [m] or [rad]
-    static constexpr double velocity_step = 1e-6;   ///< [m/s] or [rad/s]
+    static constexpr double position_step = 1e-9;  ///< [m] or [rad]
+    static constexpr double velocity_step = 1e-6;  ///< [m/s] or [rad/s]
 
     /// @param batches shares that are worked on side by side, each with memory of its own   @param variator must outlive this
     ColouredJacobian(const model::Variator& variator, int batches);
@@ -45,7 +46,7 @@ private:
         explicit Scratch(const model::ChainLayout& layout);
         model::EvaluationScratch evaluation;
         std::vector<double> slope, tail;
-        std::vector<double> zero, reaction;   ///< pulleys at rest; what reactions of a link do to them
+        std::vector<double> zero, reaction;  ///< pulleys at rest; what reactions of a link do to them
     };
 
     [[nodiscard]] int chain_groups() const noexcept { return 2 * colours_ * layout_.link_size(); }
@@ -53,7 +54,8 @@ private:
     void chain_group(int group, const BasePoint& base, Scratch& own, model::AccelerationJacobian& out) const noexcept;
     void pulley_group(int column, const BasePoint& base, Scratch& own, model::AccelerationJacobian& out) const noexcept;
     void move_colour(int colour, int offset, double step, const BasePoint& base, Scratch& own) const noexcept;
-    void reaction_column(int link, int column, model::With with, double step, const BasePoint& base, Scratch& own, model::AccelerationJacobian& out) const noexcept;
+    void reaction_column(int link, int column, model::With with, double step, const BasePoint& base, Scratch& own,
+                         model::AccelerationJacobian& out) const noexcept;
 
     const model::Variator& variator_;
     model::ChainLayout layout_;

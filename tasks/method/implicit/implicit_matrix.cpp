@@ -17,13 +17,14 @@ constexpr int links_per_chunk = 8;
 void enter_block(int rows, int columns, double theta, const double* d, const double* k, double* out, int stride) noexcept {
     const double square = theta * theta;
     for (int row = 0; row < rows; ++row) {
-        for (int column = 0; column < columns; ++column) out[row * stride + column] = -theta * d[row * columns + column] - square * k[row * columns + column];
+        for (int column = 0; column < columns; ++column)
+            out[row * stride + column] = -theta * d[row * columns + column] - square * k[row * columns + column];
     }
 }
 
 [[nodiscard]] bool same(const model::SheaveMotion& a, const model::SheaveMotion& b) noexcept {
-    return a.x == b.x && a.y == b.y && a.z == b.z && a.tilt_x == b.tilt_x && a.tilt_y == b.tilt_y && a.vx == b.vx && a.vy == b.vy && a.vz == b.vz &&
-           a.spin_x == b.spin_x && a.spin_y == b.spin_y && a.spin_z == b.spin_z;
+    return a.x == b.x && a.y == b.y && a.z == b.z && a.tilt_x == b.tilt_x && a.tilt_y == b.tilt_y && a.vx == b.vx && a.vy == b.vy &&
+           a.vz == b.vz && a.spin_x == b.spin_x && a.spin_y == b.spin_y && a.spin_z == b.spin_z;
 }
 
 }  // namespace
@@ -35,8 +36,11 @@ int ContactMap::shaft(int link) const noexcept {
 }
 
 ImplicitMatrix::ImplicitMatrix(const model::Variator& variator)
-    : links_(variator.layout().links), size_(variator.layout().link_size()), border_(variator.layout().pulley_size + (variator.layout().control ? 1 : 0)),
-      system_(links_, size_, border_, std::max(1, links_ / links_per_chunk)), sound_(static_cast<std::size_t>(system_.chunks() + 1), 0),
+    : links_(variator.layout().links),
+      size_(variator.layout().link_size()),
+      border_(variator.layout().pulley_size + (variator.layout().control ? 1 : 0)),
+      system_(links_, size_, border_, std::max(1, links_ / links_per_chunk)),
+      sound_(static_cast<std::size_t>(system_.chunks() + 1), 0),
       lists_(static_cast<std::size_t>(system_.chunks() * border_)) {
     if (variator.layout().pulley_size != 0) find_seen(variator);
 }
@@ -53,7 +57,8 @@ void ImplicitMatrix::find_seen(const model::Variator& variator) {
         variator.pulleys().motions(block.data(), moved);
         block[k] = block[k + static_cast<std::size_t>(half)] = 0.0;
         for (std::size_t shaft = 0; shaft < 2; ++shaft) {
-            if (!same(moved[2 * shaft], rest[2 * shaft]) || !same(moved[2 * shaft + 1], rest[2 * shaft + 1])) seen_[shaft].push_back(coordinate);
+            if (!same(moved[2 * shaft], rest[2 * shaft]) || !same(moved[2 * shaft + 1], rest[2 * shaft + 1]))
+                seen_[shaft].push_back(coordinate);
         }
     }
 }
@@ -73,7 +78,9 @@ int ImplicitMatrix::list_border(int chunk, const int* shafts, int* list) const n
 
 void ImplicitMatrix::enter(int link, double theta, const AccelerationJacobian& j, bool touching) noexcept {
     const engine::CyclicBorder::Block block = system_.block(link);
-    const auto part = [&](Near near, double* out) { enter_block(size_, size_, theta, j.link(link, near, With::velocity), j.link(link, near, With::position), out, size_); };
+    const auto part = [&](Near near, double* out) {
+        enter_block(size_, size_, theta, j.link(link, near, With::velocity), j.link(link, near, With::position), out, size_);
+    };
     part(Near::before, block.lower);
     part(Near::same, block.diagonal);
     for (int k = 0; k < size_; ++k) block.diagonal[k * size_ + k] += 1.0;
@@ -83,7 +90,8 @@ void ImplicitMatrix::enter(int link, double theta, const AccelerationJacobian& j
         const int unknown = block.border[c], own = static_cast<int>(c);
         for (int row = 0; row < size_; ++row) {
             const int at = row * border_ + unknown;
-            block.columns[row * block.columns_stride + own] = -theta * j.columns(link, With::velocity)[at] - square * j.columns(link, With::position)[at];
+            block.columns[row * block.columns_stride + own] =
+                -theta * j.columns(link, With::velocity)[at] - square * j.columns(link, With::position)[at];
         }
         const int at = unknown * size_;
         enter_block(1, size_, theta, j.rows(link, With::velocity) + at, j.rows(link, With::position) + at, block.rows + own * size_, size_);
@@ -97,9 +105,10 @@ void ImplicitMatrix::eliminate(int chunk, double theta, const AccelerationJacobi
     const auto& own = range(chunk);
     const auto enter_upper = [&](int link) {
         const engine::CyclicBorder::Block block = system_.block(link);
-        enter_block(size_, size_, theta, j.link(link, Near::after, With::velocity), j.link(link, Near::after, With::position), block.upper, block.upper_stride);
+        enter_block(size_, size_, theta, j.link(link, Near::after, With::velocity), j.link(link, Near::after, With::position), block.upper,
+                    block.upper_stride);
     };
-    enter_upper(own.first == 0 ? links_ - 1 : own.first - 1);   // of the separator before
+    enter_upper(own.first == 0 ? links_ - 1 : own.first - 1);  // of the separator before
     for (int link = own.first; link < own.last; ++link) {
         enter(link, theta, j, shafts[link] >= 0);
         if (link + 1 < own.last) enter_upper(link);

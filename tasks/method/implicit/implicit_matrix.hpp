@@ -14,8 +14,8 @@ namespace cvtflow::tasks {
 
 /// Which links see which sheaves: those that touch, by the shaft that their tips were computed with.
 struct ContactMap {
-    const model::Phase* phases;      ///< [4 links]
-    const model::LinkLoad* loads;    ///< [links]
+    const model::Phase* phases;    ///< [4 links]
+    const model::LinkLoad* loads;  ///< [links]
     /// Shaft whose sheaves a link touches, or -1.
     [[nodiscard]] int shaft(int link) const noexcept;
 };
@@ -50,8 +50,8 @@ private:
     int links_, size_, border_;
     engine::CyclicBorder system_;
     std::array<std::vector<int>, 2> seen_;
-    std::vector<char> sound_;                ///< [chunks + 1]
-    std::vector<int> lists_;                 ///< [chunks][border]
+    std::vector<char> sound_;  ///< [chunks + 1]
+    std::vector<int> lists_;   ///< [chunks][border]
 };
 
 }  // namespace cvtflow::tasks

@@ -12,7 +12,9 @@ namespace {
 /// Shares of a Jacobian: coarse tasks, some more than there are cores in a workstation.
 constexpr int most_batches = 32;
 
-[[nodiscard]] ImplicitMethod& method_of(void* workspace) noexcept { return static_cast<ImplicitMethod&>(*static_cast<Workspace*>(workspace)->method); }
+[[nodiscard]] ImplicitMethod& method_of(void* workspace) noexcept {
+    return static_cast<ImplicitMethod&>(*static_cast<Workspace*>(workspace)->method);
+}
 
 void prepare_segment(void* workspace, int segment) noexcept {
     const Segment& own = static_cast<Workspace*>(workspace)->partition[segment];
@@ -38,9 +40,18 @@ enum ImplicitField { jacobian_field = 1000, chunk_field, joint_field, right_side
 }  // namespace
 
 ImplicitMethod::ImplicitMethod(Workspace& workspace)
-    : w_(workspace), size_(w_.layout().link_size()), half_(w_.layout().pulley_size), border_size_(half_ + (w_.layout().control ? 1 : 0)),
-      q_tail_(w_.layout().pulley_begin()), jacobian_(w_.layout()), matrix_(w_.variator), shafts_(static_cast<std::size_t>(w_.layout().links), -1), right_side_(static_cast<std::size_t>(matrix_.unknowns())),
-      solution_(right_side_), differences_(w_.variator, most_batches), derivatives_(w_.variator) {}
+    : w_(workspace),
+      size_(w_.layout().link_size()),
+      half_(w_.layout().pulley_size),
+      border_size_(half_ + (w_.layout().control ? 1 : 0)),
+      q_tail_(w_.layout().pulley_begin()),
+      jacobian_(w_.layout()),
+      matrix_(w_.variator),
+      shafts_(static_cast<std::size_t>(w_.layout().links), -1),
+      right_side_(static_cast<std::size_t>(matrix_.unknowns())),
+      solution_(right_side_),
+      differences_(w_.variator, most_batches),
+      derivatives_(w_.variator) {}
 
 void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
     const int links = w_.layout().links, batches = differences_.batches(), chunks = matrix_.chunks();
@@ -50,16 +61,32 @@ void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
         graph.add({numbered("update", s), update_cycle, update_segment, s, {{jacobian_field, own.first, own.last, true}}});
     }
     const int corner = graph.add({"corner", jacobian_cycle, corner_task, 0, {{jacobian_field, 0, links, true}}});
-    for (int b = 0; b < batches; ++b) graph.order(graph.add({numbered("jacobian", b), jacobian_cycle, jacobian_task, b, {{jacobian_field, b, b + 1, true}}}), corner);
+    for (int b = 0; b < batches; ++b)
+        graph.order(graph.add({numbered("jacobian", b), jacobian_cycle, jacobian_task, b, {{jacobian_field, b, b + 1, true}}}), corner);
     const int join = graph.add({"join", factor_cycle, join_task, 0, {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
-    const int join_solution = graph.add({"join", solve_cycle, join_solution_task, 0, {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
+    const int join_solution =
+        graph.add({"join", solve_cycle, join_solution_task, 0, {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
     for (int c = 0; c < chunks; ++c) {
         const auto& own = matrix_.range(c);
-        graph.order(graph.add({numbered("eliminate", c), factor_cycle, eliminate_task, c, {{jacobian_field, 0, links, false}, {chunk_field, c, c + 1, true}}}), join);
-        graph.order(graph.add({numbered("forward", c), solve_cycle, forward_task, c, {{right_side_field, own.first, own.last, false}, {chunk_field, c, c + 1, true}}}),
+        graph.order(graph.add({numbered("eliminate", c),
+                               factor_cycle,
+                               eliminate_task,
+                               c,
+                               {{jacobian_field, 0, links, false}, {chunk_field, c, c + 1, true}}}),
+                    join);
+        graph.order(graph.add({numbered("forward", c),
+                               solve_cycle,
+                               forward_task,
+                               c,
+                               {{right_side_field, own.first, own.last, false}, {chunk_field, c, c + 1, true}}}),
                     join_solution);
-        graph.order(join_solution, graph.add({numbered("backward", c), solve_cycle, backward_task, c,
-                                              {{chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, own.first, own.last, true}}}));
+        graph.order(
+            join_solution,
+            graph.add({numbered("backward", c),
+                       solve_cycle,
+                       backward_task,
+                       c,
+                       {{chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, own.first, own.last, true}}}));
     }
 }
 
@@ -107,7 +134,9 @@ int ImplicitMethod::evaluate(std::span<const engine::Term> states, double c, int
     return evaluate_cycle;
 }
 
-void ImplicitMethod::close_evaluate() noexcept { close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.sheave_forces(), w_.slope_out); }
+void ImplicitMethod::close_evaluate() noexcept {
+    close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.sheave_forces(), w_.slope_out);
+}
 
 int ImplicitMethod::take_jacobian(double c, int state_slot, int slope_slot) noexcept {
     base_ = {w_.time + c * w_.h, state(state_slot), slope(slope_slot), w_.phases.data(), w_.loads.data(), w_.accounts.data()};

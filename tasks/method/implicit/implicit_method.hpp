@@ -67,16 +67,16 @@ protected:
     [[nodiscard]] double* border(std::vector<double>& of) const noexcept { return of.data() + w_.layout().links * size_; }
 
     Workspace& w_;
-    const int size_, half_, border_size_;   ///< coordinates of a link, of the pulleys; the latter with control
-    const int q_tail_;                      ///< first pulley coordinate in the state
+    const int size_, half_, border_size_;  ///< coordinates of a link, of the pulleys; the latter with control
+    const int q_tail_;                     ///< first pulley coordinate in the state
     model::AccelerationJacobian jacobian_;
     ImplicitMatrix matrix_;
-    std::vector<int> shafts_;                     ///< [links] ContactMap::shaft() at the last factorisation
-    std::vector<double> right_side_, solution_;   ///< [matrix_.unknowns()]
+    std::vector<int> shafts_;                    ///< [links] ContactMap::shaft() at the last factorisation
+    std::vector<double> right_side_, solution_;  ///< [matrix_.unknowns()]
     long jacobians_ = 0, factorisations_ = 0, solves_ = 0;
-    double theta_ = 0.0;                    ///< of the matrix [s]
-    bool exact_ = false;                    ///< Jacobian by the model's derivatives, not by differences
-    bool finish_in_tasks_ = true;           ///< finish() is called by the backward tasks
+    double theta_ = 0.0;           ///< of the matrix [s]
+    bool exact_ = false;           ///< Jacobian by the model's derivatives, not by differences
+    bool finish_in_tasks_ = true;  ///< finish() is called by the backward tasks
 
 private:
     ColouredJacobian differences_;

@@ -15,8 +15,8 @@ using Complex = std::complex<double>;
 /// One step of u' = λ u, h = 1.
 struct LinearStep {
     Complex z;
-    int disturbed = -1;     ///< the stage whose state is off by 1
-    double largest = 0.0;   ///< state of a stage, afterwards
+    int disturbed = -1;    ///< the stage whose state is off by 1
+    double largest = 0.0;  ///< state of a stage, afterwards
 
     [[nodiscard]] Complex from(const LinearPlan& plan, Complex start);
 };
@@ -58,7 +58,11 @@ ProgramStability trapezoidal_stability() {
     const auto factor = [](Complex z) { return (1.0 + 0.5 * z) / (1.0 - 0.5 * z); };
     // What an iteration leaves of the residual is damped as much as the implicit half.
     const auto figures = [factor](double decay) { return StageFigures{1.0, 1.0 / (1.0 + 0.5 * decay), std::abs(factor(-decay))}; };
-    return {TestEquation::linear, [factor](double x, double y) { return std::abs(factor({x, y})); }, figures, std::numeric_limits<double>::infinity()};
+    return {TestEquation::linear,
+            [factor](double x, double y) {
+                return std::abs(factor({x, y}));
+            },
+            figures, std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace cvtflow::tasks

@@ -28,8 +28,12 @@ void add_product(int rows, int columns, double factor, const double* a, const do
 }  // namespace
 
 LinearMethod::LinearMethod(Workspace& workspace, const LinearPlan& plan)
-    : ImplicitMethod(workspace), plan_(plan), times_(times_of(plan)), result_(by_slot(plan.result, true)),
-      right_q_(static_cast<std::size_t>(w_.layout().coordinates())), reactions_(static_cast<std::size_t>(w_.layout().links * border_size_)) {
+    : ImplicitMethod(workspace),
+      plan_(plan),
+      times_(times_of(plan)),
+      result_(by_slot(plan.result, true)),
+      right_q_(static_cast<std::size_t>(w_.layout().coordinates())),
+      reactions_(static_cast<std::size_t>(w_.layout().links * border_size_)) {
     for (const LinearStage& stage : plan_.stages) {
         states_.push_back(by_slot(stage.states, true));
         rights_.push_back(by_slot(stage.right, false));
@@ -159,6 +163,8 @@ int LinearMethod::finish_stage() noexcept {
     return done;
 }
 
-std::string LinearMethod::report() const { return fmt::format("{} Jacobians, {} factorisations, {} solves", jacobians_, factorisations_, solves_); }
+std::string LinearMethod::report() const {
+    return fmt::format("{} Jacobians, {} factorisations, {} solves", jacobians_, factorisations_, solves_);
+}
 
 }  // namespace cvtflow::tasks

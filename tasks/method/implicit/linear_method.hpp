@@ -41,14 +41,14 @@ private:
 
     const LinearPlan plan_;
     const LinearTimes times_;
-    std::vector<std::vector<engine::Term>> states_, rights_;   ///< [stage] in state slots
+    std::vector<std::vector<engine::Term>> states_, rights_;  ///< [stage] in state slots
     std::vector<engine::Term> result_;
     At at_ = At::evaluate;
     std::size_t stage_ = 0;
     bool has_jacobian_ = false;
     double time_of_jacobian_ = 0.0;
-    std::vector<double> right_q_;        ///< r_q, link by link, then pulleys
-    std::vector<double> reactions_;      ///< [links][border]: K r_q of the pulleys' rows
+    std::vector<double> right_q_;    ///< r_q, link by link, then pulleys
+    std::vector<double> reactions_;  ///< [links][border]: K r_q of the pulleys' rows
 };
 
 }  // namespace cvtflow::tasks

@@ -6,7 +6,7 @@
 namespace cvtflow::tasks {
 
 LinearTimes times_of(const LinearPlan& plan) {
-    std::vector<double> increment;   // of time, in units of h: an unknown whose slope is 1 and that J knows nothing of
+    std::vector<double> increment;  // of time, in units of h: an unknown whose slope is 1 and that J knows nothing of
     const auto sum = [&](const std::vector<engine::Term>& terms) {
         double total = 0.0;
         for (const engine::Term& term : terms) total += term.factor * increment[static_cast<std::size_t>(term.slot)];
@@ -58,14 +58,9 @@ LinearPlan ros34pw2() {
     constexpr double g = 0.435866521508459;
     Eigen::MatrixXd alpha(4, 4), gamma(4, 4);
     Eigen::RowVectorXd weights(4);
-    alpha << 0, 0, 0, 0,
-        0.871733043016918, 0, 0, 0,
-        0.8445706001536942, -0.11299064236484185, 0, 0,
-        0, 0, 1, 0;
-    gamma << g, 0, 0, 0,
-        -0.871733043016918, g, 0, 0,
-        -0.9033805701304408, 0.054180672388095326, g, 0,
-        0.24212380706095346, -1.2232505839045147, 0.5452602553351021, g;
+    alpha << 0, 0, 0, 0, 0.871733043016918, 0, 0, 0, 0.8445706001536942, -0.11299064236484185, 0, 0, 0, 0, 1, 0;
+    gamma << g, 0, 0, 0, -0.871733043016918, g, 0, 0, -0.9033805701304408, 0.054180672388095326, g, 0, 0.24212380706095346,
+        -1.2232505839045147, 0.5452602553351021, g;
     weights << 0.24212380706095346, -1.2232505839045147, 1.545260255335102, g;
     LinearPlan plan = transformed(alpha, gamma, weights);
     plan.name = "ros34pw2";
@@ -91,7 +86,8 @@ namespace {
 LinearPlan extrapolated_w(int order) {
     LinearPlan plan;
     plan.name = "w-x" + std::to_string(order);
-    plan.description = "linearly implicit Euler with Richardson extrapolation over 1 … " + std::to_string(order) + " substeps, order " + std::to_string(order) + " for any Jacobian";
+    plan.description = "linearly implicit Euler with Richardson extrapolation over 1 … " + std::to_string(order) + " substeps, order " +
+                       std::to_string(order) + " for any Jacobian";
     plan.source = "E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, section IV.9";
     plan.order = order;
     for (int n = 1; n <= order; ++n) {

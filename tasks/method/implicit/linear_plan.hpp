@@ -14,16 +14,16 @@
 namespace cvtflow::tasks {
 
 struct LinearStage {
-    double gamma;                        ///< θ/h of its matrix
-    std::vector<engine::Term> states;    ///< a: increments in the stage's state
-    std::vector<engine::Term> right;     ///< c: increments on the right-hand side
+    double gamma;                      ///< θ/h of its matrix
+    std::vector<engine::Term> states;  ///< a: increments in the stage's state
+    std::vector<engine::Term> right;   ///< c: increments on the right-hand side
 };
 
 struct LinearPlan {
     std::string name, description, source;
-    int order;                           ///< for any J
+    int order;  ///< for any J
     std::vector<LinearStage> stages;
-    std::vector<engine::Term> result;    ///< m
+    std::vector<engine::Term> result;  ///< m
 };
 
 /// Times of the stages [h], derived; and Σ m τ, which is 1 for a consistent method.

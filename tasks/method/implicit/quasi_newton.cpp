@@ -22,7 +22,7 @@ void TrapezoidalMethod::broyden_direction() noexcept {
     broyden_.apply(x);
     if (direction_) {
         const int known = broyden_.count();
-        for (std::size_t k = 0; k < step_.size(); ++k) step_[k] -= x[k];   // w = B⁻¹ (r⁺ - r)
+        for (std::size_t k = 0; k < step_.size(); ++k) step_[k] -= x[k];  // w = B⁻¹ (r⁺ - r)
         broyden_.add(change_.data(), step_.data());
         broyden_.apply(x, known);
     }
@@ -64,7 +64,8 @@ void TrapezoidalMethod::update(int first, int last) noexcept {
                 for (int k = 0; k < size_; ++k) d[k] -= factor * velocities(change_, near[n])[k];
             }
             if (shaft < 0) continue;
-            for (const int k : matrix_.seen(shaft)) jacobian_.columns(link, model::With::velocity)[row * border_size_ + k] -= factor * border(change_)[k];
+            for (const int k : matrix_.seen(shaft))
+                jacobian_.columns(link, model::With::velocity)[row * border_size_ + k] -= factor * border(change_)[k];
         }
         if (shaft >= 0) update_border_rows(link, shaft);
     }

@@ -24,9 +24,15 @@ constexpr int most_updates = 30;
 }  // namespace
 
 TrapezoidalMethod::TrapezoidalMethod(Workspace& workspace, const NewtonOptions& options)
-    : ImplicitMethod(workspace), options_(options), link_mass_(model::link_mass(workspace.parameters)),
-      broyden_(matrix_.unknowns(), options.matrix == NewtonMatrix::broyden ? most_updates : 0), energies_(static_cast<std::size_t>(w_.layout().links)),
-      residual_(right_side_), residual_before_(right_side_), step_(right_side_), change_(right_side_) {
+    : ImplicitMethod(workspace),
+      options_(options),
+      link_mass_(model::link_mass(workspace.parameters)),
+      broyden_(matrix_.unknowns(), options.matrix == NewtonMatrix::broyden ? most_updates : 0),
+      energies_(static_cast<std::size_t>(w_.layout().links)),
+      residual_(right_side_),
+      residual_before_(right_side_),
+      step_(right_side_),
+      change_(right_side_) {
     exact_ = options.exact;
     finish_in_tasks_ = options.matrix != NewtonMatrix::broyden;
 }
@@ -47,7 +53,7 @@ void TrapezoidalMethod::save(std::vector<double>& memory) const {
 }
 
 void TrapezoidalMethod::load(std::span<const double> memory) {
-    if (memory.empty()) return;   // nothing has begun
+    if (memory.empty()) return;  // nothing has begun
     const auto flags = taken(memory, 2);
     end_slope_ = flags[0] != 0.0;
     const bool has_jacobian = flags[1] != 0.0;
@@ -61,7 +67,7 @@ int TrapezoidalMethod::begin() {
     ++statistics_.steps;
     iterations_ = 0;
     refreshed_ = false;
-    const bool again = start_slope_ && w_.time == time_of_start_;   // retaken, only shorter
+    const bool again = start_slope_ && w_.time == time_of_start_;  // retaken, only shorter
     time_of_start_ = w_.time;
     if (again) return predict();
     if (std::exchange(end_slope_, false)) {
@@ -124,52 +130,6 @@ void TrapezoidalMethod::prepare(int first, int last) noexcept {
 }
 
 /// Start of the iteration: v⁺ = v, or v + h a.
-void TrapezoidalMethod::start_link(int link) noexcept {
-    const int q = w_.layout().link_begin(link), v = q + size_;
-    const double share = options_.start == NewtonStart::euler ? w_.h : 0.0;
-    double* out = state(iterate_);
-    for (int k = 0; k < size_; ++k) {
-        const double before = state(0)[v + k];
-        out[v + k] = before + share * slope(start_slope)[v + k];
-        out[q + k] = state(0)[q + k] + theta() * (before + out[v + k]);
-    }
-}
-
-void TrapezoidalMethod::start_tail() noexcept {
-    double* out = state(iterate_);
-    const double share = options_.start == NewtonStart::euler ? w_.h : 0.0;
-    std::copy(state(0) + q_tail_, state(0) + w_.layout().size(), out + q_tail_);
-    for (int k = q_tail_; k < q_tail_ + half_; ++k) {
-        out[k + half_] += share * slope(start_slope)[k + half_];
-        out[k] += theta() * (state(0)[k + half_] + out[k + half_]);
-    }
-}
-
-/// Residual of the trial, its energy, and the right-hand side of the next solve.
-void TrapezoidalMethod::residual_of_link(int link) noexcept {
-    const int v = w_.layout().link_begin(link) + size_;
-    double* r = velocities(residual_, link);
-    double* f = velocities(right_side_, link);
-    for (int k = 0; k < size_; ++k) {
-        r[k] = state(trial_)[v + k] - state(0)[v + k] - theta() * (slope(start_slope)[v + k] + slope(trial_slope)[v + k]);
-        f[k] = -r[k];
-    }
-    energies_[static_cast<std::size_t>(link)] = link_energy(r);
-}
-
-/// The same behind the links; the integral has no energy. @return its energy
-double TrapezoidalMethod::residual_of_tail() noexcept {
-    double energy = 0.0;
-    for (int k = 0; k < border_size_; ++k) {
-        const int v = q_tail_ + half_ + k;
-        const double r = state(trial_)[v] - state(0)[v] - theta() * (slope(start_slope)[v] + slope(trial_slope)[v]);
-        border(residual_)[k] = r;
-        border(right_side_)[k] = -r;
-        if (k < half_) energy += w_.variator.pulleys().inertia(k) * r * r;
-    }
-    return energy;
-}
-
 int TrapezoidalMethod::judge() noexcept {
     double energy = residual_of_tail();
     for (const double part : energies_) energy += part;
@@ -200,14 +160,15 @@ int TrapezoidalMethod::accept_trial(double norm) noexcept {
 
 /// The matrix of the next iteration, by the variant's rule.
 int TrapezoidalMethod::iterate() noexcept {
-    const bool by_rule = options_.matrix == NewtonMatrix::every_iteration || (options_.matrix == NewtonMatrix::once_per_step && iterations_ == 0);
+    const bool by_rule =
+        options_.matrix == NewtonMatrix::every_iteration || (options_.matrix == NewtonMatrix::once_per_step && iterations_ == 0);
     if (by_rule || !has_jacobian_) return begin_jacobian();
     const int patience = keeps_over_steps() ? patience_with_old : patience_with_new;
     const bool poor = since_jacobian_ > 0 && iterations_ >= patience && contraction_ > poor_contraction;
     refreshed_ = refreshed_ || poor;
     if (poor || (options_.matrix == NewtonMatrix::broyden && broyden_.full())) return begin_jacobian();
     if (options_.matrix == NewtonMatrix::schubert && direction_) return begin_update();
-    if (std::abs(theta_ - theta()) <= 1e-9 * theta()) return begin_solve();   // the grid of times rounds
+    if (std::abs(theta_ - theta()) <= 1e-9 * theta()) return begin_solve();  // the grid of times rounds
     broyden_.clear();
     direction_ = false;
     return begin_factor();
@@ -277,7 +238,8 @@ int TrapezoidalMethod::give_up() noexcept {
 
 int TrapezoidalMethod::finish_step() noexcept {
     const int ledger = w_.layout().ledger_begin();
-    for (int k = ledger; k < w_.layout().size(); ++k) state(iterate_)[k] = state(0)[k] + theta() * (slope(start_slope)[k] + slope(trial_slope)[k]);
+    for (int k = ledger; k < w_.layout().size(); ++k)
+        state(iterate_)[k] = state(0)[k] + theta() * (slope(start_slope)[k] + slope(trial_slope)[k]);
     statistics_.iterations += iterations_;
     statistics_.refreshed += refreshed_ ? 1 : 0;
     statistics_.most = std::max<long>(statistics_.most, iterations_);

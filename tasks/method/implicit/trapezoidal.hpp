@@ -15,15 +15,15 @@ namespace cvtflow::tasks {
 
 class TrapezoidalMethod final : public ImplicitMethod {
 public:
-    static constexpr int state_slots = 4;   ///< start, iterate, increment, trial
-    static constexpr int slope_slots = 3;   ///< of the controller, of the trial, of the start
+    static constexpr int state_slots = 4;  ///< start, iterate, increment, trial
+    static constexpr int slope_slots = 3;  ///< of the controller, of the trial, of the start
 
     TrapezoidalMethod(Workspace& workspace, const NewtonOptions& options);
 
     [[nodiscard]] int begin() override;
     [[nodiscard]] int next() override;
     void restart() noexcept override;
-    void transition() noexcept override { start_slope_ = end_slope_ = false; }   // a kept Jacobian may still serve
+    void transition() noexcept override { start_slope_ = end_slope_ = false; }  // a kept Jacobian may still serve
     /// Slope at the end of the last step; with a matrix that is kept over steps, its Jacobian and updates.
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;
@@ -67,24 +67,24 @@ private:
     NewtonStatistics statistics_;
     Broyden broyden_;
     At at_ = At::predict;
-    int iterate_ = 1, trial_ = 3;            ///< state slots; slot 2 holds the increment
+    int iterate_ = 1, trial_ = 3;  ///< state slots; slot 2 holds the increment
     engine::Term terms_[2]{};
     double time_of_start_ = 0.0;
-    bool start_slope_ = false;               ///< slope slot 2 is that of the last step's start …
-    bool end_slope_ = false;                 ///< … and slope slot 1 that of its end
+    bool start_slope_ = false;  ///< slope slot 2 is that of the last step's start …
+    bool end_slope_ = false;    ///< … and slope slot 1 that of its end
     bool has_jacobian_ = false;
-    bool renew_ = false;                     ///< the iterate is evaluated once more for a new Jacobian
-    bool first_ = true;                      ///< the trial is the start of the iteration
-    bool direction_ = false;                 ///< step_ belongs to the matrix at hand
-    bool refreshed_ = false;                 ///< a Jacobian beyond the rule in this step
+    bool renew_ = false;      ///< the iterate is evaluated once more for a new Jacobian
+    bool first_ = true;       ///< the trial is the start of the iteration
+    bool direction_ = false;  ///< step_ belongs to the matrix at hand
+    bool refreshed_ = false;  ///< a Jacobian beyond the rule in this step
     int iterations_ = 0, since_jacobian_ = 0;
     double norm_ = 0.0, lambda_ = 1.0, contraction_ = 0.0;
-    std::vector<double> energies_;           ///< [links] of the residual
-    std::vector<double> residual_;           ///< of the trial, [unknowns]
-    std::vector<double> residual_before_;    ///< of the iterate before
-    std::vector<double> step_;               ///< Newton direction
-    std::vector<double> change_;             ///< step taken
-    double squares_[3]{};                    ///< of the change: links on shaft 0, on shaft 1, border
+    std::vector<double> energies_;         ///< [links] of the residual
+    std::vector<double> residual_;         ///< of the trial, [unknowns]
+    std::vector<double> residual_before_;  ///< of the iterate before
+    std::vector<double> step_;             ///< Newton direction
+    std::vector<double> change_;           ///< step taken
+    double squares_[3]{};                  ///< of the change: links on shaft 0, on shaft 1, border
 };
 
 }  // namespace cvtflow::tasks

@@ -18,14 +18,14 @@ void add(double factor, const double* from, int count, double* to) {
 
 /// One step of friction on the links' velocities: what is given, and what comes out.
 struct LinkKick {
-    const double* velocity;     ///< h v at the start
-    const double* push;         ///< h² a by everything but friction
-    const double* change;       ///< of it since the step before
-    const double* grip;         ///< h² a by friction, of what does not change within the step
-    const double* drift;        ///< what is added to it over the step by the sheaves' motion
-    double* result;             ///< h v at the end
-    double* mean;               ///< mean velocity in the sense of friction's impulse
-    double mean_time = 0.0;     ///< mean time of it, from the middle
+    const double* velocity;  ///< h v at the start
+    const double* push;      ///< h² a by everything but friction
+    const double* change;    ///< of it since the step before
+    const double* grip;      ///< h² a by friction, of what does not change within the step
+    const double* drift;     ///< what is added to it over the step by the sheaves' motion
+    double* result;          ///< h v at the end
+    double* mean;            ///< mean velocity in the sense of friction's impulse
+    double mean_time = 0.0;  ///< mean time of it, from the middle
 };
 
 /// Friction of the step at hand.
@@ -113,7 +113,8 @@ public:
             add(1.0, k.grip, count, slope.data());
             add(time, k.drift, count, slope.data());
             Numbers right(k.velocity, k.velocity + count);
-            for (int other = 0; other < stage; ++other) add(table_.weights[at(stage)][at(other)], slopes_[at(other)].data(), count, right.data());
+            for (int other = 0; other < stage; ++other)
+                add(table_.weights[at(stage)][at(other)], slopes_[at(other)].data(), count, right.data());
             add(table_.gamma, slope.data(), count, right.data());
             solver_->solve(right.data(), k.result);
             chain_->add_link_friction(h_, k.result, slope.data());
@@ -135,7 +136,8 @@ class Leapfrog final : public StepMap {
 public:
     Leapfrog(const LinearChain& chain, std::unique_ptr<Kicker> kicker)
         : chain_(chain), kicker_(std::move(kicker)), n_(chain.coordinates()), m_(chain.velocities()), links_(chain.link_velocities()) {
-        for (Numbers* field : {&middle_, &velocity_, &push_, &change_, &grip_, &drift_, &surface_, &mean_, &pulleys_}) field->assign(at(m_), 0.0);
+        for (Numbers* field : {&middle_, &velocity_, &push_, &change_, &grip_, &drift_, &surface_, &mean_, &pulleys_})
+            field->assign(at(m_), 0.0);
     }
     bool prepare(double h) override {
         h_ = h;
@@ -175,8 +177,7 @@ private:
         std::fill(pulleys_.begin(), pulleys_.end(), 0.0);
         std::fill(mean_.begin() + links_, mean_.end(), 0.0);
         chain_.add_friction(h_, mean_.data(), pulleys_.data());
-        for (int k = links_; k < m_; ++k)
-            v_end[k] = v[k] + push_[at(k)] + grip_[at(k)] + kick.mean_time * drift_[at(k)] + pulleys_[at(k)];
+        for (int k = links_; k < m_; ++k) v_end[k] = v[k] + push_[at(k)] + grip_[at(k)] + kick.mean_time * drift_[at(k)] + pulleys_[at(k)];
     }
 
     const LinearChain& chain_;
@@ -244,7 +245,7 @@ private:
     const int n_, m_, links_;
     double h_ = 0.0;
     std::unique_ptr<LinearSolver> solver_;
-    std::vector<Numbers> slopes_, friction_;   ///< [stage]; of the whole, and of friction alone, of which links' rows are used
+    std::vector<Numbers> slopes_, friction_;  ///< [stage]; of the whole, and of friction alone, of which links' rows are used
 };
 
 }  // namespace
@@ -257,6 +258,8 @@ std::unique_ptr<StepMap> leapfrog_step(const LinearChain& chain, const DirkTable
     return std::make_unique<Leapfrog>(chain, std::make_unique<ImplicitKicker>(table));
 }
 
-std::unique_ptr<StepMap> additive_step(const LinearChain& chain, const AdditiveTable& table) { return std::make_unique<Additive>(chain, table); }
+std::unique_ptr<StepMap> additive_step(const LinearChain& chain, const AdditiveTable& table) {
+    return std::make_unique<Additive>(chain, table);
+}
 
 }  // namespace cvtflow::tasks

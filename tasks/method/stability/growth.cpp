@@ -15,7 +15,8 @@ constexpr Eigen::Index between_judgements = 10;
 /// A direction that has a share of every eigenvector, the same every time.
 [[nodiscard]] Eigen::VectorXd share_of_all(Eigen::Index size) {
     Eigen::VectorXd start(size);
-    for (Eigen::Index k = 0; k < size; ++k) start[k] = std::sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
+    for (Eigen::Index k = 0; k < size; ++k)
+        start[k] = std::sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
     return start.normalized();
 }
 
@@ -35,7 +36,7 @@ public:
     /// One more dimension; false: the map could not be applied.
     [[nodiscard]] bool grow(const LinearMap& map) {
         if (!map(basis_.col(dimension_).data(), next_.data()) || !next_.allFinite()) return false;
-        for (int pass = 0; pass < 2; ++pass) {   // twice is enough
+        for (int pass = 0; pass < 2; ++pass) {  // twice is enough
             const Eigen::VectorXd shares = basis_.leftCols(dimension_ + 1).transpose() * next_;
             next_ -= basis_.leftCols(dimension_ + 1) * shares;
             hessenberg_.col(dimension_).head(dimension_ + 1) += shares;

@@ -11,17 +11,17 @@ namespace cvtflow::tasks {
 using LinearMap = std::function<bool(const double* from, double* to)>;
 
 struct Growth {
-    double factor = 0.0;                       ///< spectral radius; infinite where the map cannot be applied or is not finite
-    std::complex<double> multiplier;           ///< the eigenvalue that has it, of positive imaginary part or real
-    std::vector<double> real, imaginary;       ///< its eigenvector [size]
+    double factor = 0.0;                  ///< spectral radius; infinite where the map cannot be applied or is not finite
+    std::complex<double> multiplier;      ///< the eigenvalue that has it, of positive imaginary part or real
+    std::vector<double> real, imaginary;  ///< its eigenvector [size]
     int applications = 0;
 };
 
 struct GrowthSettings {
     /// Multipliers nearer to 1 do not count: what a step resolves so well grows by itself if it grows, whatever the method.
     double from_one = 0.1;
-    int most = 160;               ///< dimension of the Krylov space
-    double settled = 1e-4;        ///< change of the factor over the last ten directions
+    int most = 160;         ///< dimension of the Krylov space
+    double settled = 1e-4;  ///< change of the factor over the last ten directions
 };
 
 /// The same result every time. @param start first direction; of another length: one that has a share of everything

@@ -37,12 +37,13 @@ void add_block(Entries& entries, const double* block, int rows, int columns, int
     Entries entries;
     for (int link = 0; link < layout.links; ++link) {
         const int near[3] = {layout.previous(link), link, layout.next(link)};
-        for (int n = 0; n < 3; ++n) add_block(entries, jacobian.link(link, static_cast<model::Near>(n), with), size, size, link * size, near[n] * size);
+        for (int n = 0; n < 3; ++n)
+            add_block(entries, jacobian.link(link, static_cast<model::Near>(n), with), size, size, link * size, near[n] * size);
         add_block(entries, jacobian.columns(link, with), size, border, link * size, tail);
         add_block(entries, jacobian.rows(link, with), border, size, tail, link * size);
     }
     if (border != 0) add_block(entries, jacobian.corner(with), border, border, tail, tail);
-    Sparse matrix(tail + border, tail + border);   // I has no coordinate: a column of zeros
+    Sparse matrix(tail + border, tail + border);  // I has no coordinate: a column of zeros
     matrix.setFromTriplets(entries.begin(), entries.end());
     return matrix;
 }
@@ -61,7 +62,8 @@ struct Derivatives {
 }
 
 /// With friction coefficients and saturation speeds so many times as large.
-[[nodiscard]] Derivatives derivatives_with(const model::Variator& variator, model::Parameters parameters, const FrozenStart& start, double coefficient, double speed) {
+[[nodiscard]] Derivatives derivatives_with(const model::Variator& variator, model::Parameters parameters, const FrozenStart& start,
+                                           double coefficient, double speed) {
     for (model::Friction* friction : frictions_of(parameters)) {
         friction->coefficient *= coefficient;
         friction->saturation_speed *= speed;
@@ -100,8 +102,12 @@ struct LinearChain::Parts {
 };
 
 LinearChain::LinearChain(const model::Variator& variator, const model::Parameters& parameters, const FrozenStart& start)
-    : variator_(variator), start_(start), coordinates_(variator.layout().coordinates()), velocities_(coordinates_ + (variator.layout().control ? 1 : 0)),
-      link_velocities_(variator.layout().links * variator.layout().link_size()), parts_(std::make_unique<Parts>()) {
+    : variator_(variator),
+      start_(start),
+      coordinates_(variator.layout().coordinates()),
+      velocities_(coordinates_ + (variator.layout().control ? 1 : 0)),
+      link_velocities_(variator.layout().links * variator.layout().link_size()),
+      parts_(std::make_unique<Parts>()) {
     const Derivatives all = derivatives_of(variator, start);
     const Derivatives smooth = derivatives_with(variator, parameters, start, 0.0, 1.0);
     const Derivatives stuck = derivatives_with(variator, parameters, start, 1.0, all_stick);
@@ -110,7 +116,8 @@ LinearChain::LinearChain(const model::Variator& variator, const model::Parameter
     parts_->damping = smooth.by_velocity;
     parts_->friction = all.by_velocity - smooth.by_velocity;
     parts_->link_friction = parts_->friction.block(0, 0, link_velocities_, link_velocities_);
-    stiffest_friction_ = all_stick * radius_of(Sparse((stuck.by_velocity - smooth.by_velocity).block(0, 0, link_velocities_, link_velocities_)));
+    stiffest_friction_ =
+        all_stick * radius_of(Sparse((stuck.by_velocity - smooth.by_velocity).block(0, 0, link_velocities_, link_velocities_)));
     for (Sparse* part : {&parts_->elastic, &parts_->sliding, &parts_->damping, &parts_->friction, &parts_->link_friction}) part->prune(0.0);
 }
 
@@ -119,8 +126,12 @@ LinearChain::~LinearChain() = default;
 void LinearChain::add_elastic(double factor, const double* q, double* out) const {
     WriteVector(out, velocities_) += factor * (parts_->elastic.leftCols(coordinates_) * ReadVector(q, coordinates_));
 }
-void LinearChain::add_damping(double factor, const double* v, double* out) const { WriteVector(out, velocities_) += factor * (parts_->damping * ReadVector(v, velocities_)); }
-void LinearChain::add_friction(double factor, const double* v, double* out) const { WriteVector(out, velocities_) += factor * (parts_->friction * ReadVector(v, velocities_)); }
+void LinearChain::add_damping(double factor, const double* v, double* out) const {
+    WriteVector(out, velocities_) += factor * (parts_->damping * ReadVector(v, velocities_));
+}
+void LinearChain::add_friction(double factor, const double* v, double* out) const {
+    WriteVector(out, velocities_) += factor * (parts_->friction * ReadVector(v, velocities_));
+}
 void LinearChain::add_link_friction(double factor, const double* v, double* out) const {
     WriteVector(out, link_velocities_) += factor * (parts_->link_friction * ReadVector(v, link_velocities_));
 }

@@ -3,8 +3,8 @@
 ///
 ///     a = K q + C v + F v        K: forces by coordinates;  C: damping by velocities;  F: friction by velocities
 ///
-/// Unknowns here: q of all links, one after the other, and of the pulleys; v likewise, and behind them the control integral where there is one (its
-/// "acceleration" is its rate). Exact derivatives, in sparse matrices.
+/// Unknowns here: q of all links, one after the other, and of the pulleys; v likewise, and behind them the control integral where there is
+/// one (its "acceleration" is its rate). Exact derivatives, in sparse matrices.
 
 #include <memory>
 #include <vector>

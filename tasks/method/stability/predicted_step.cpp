@@ -59,8 +59,10 @@ using AddPart = void (LinearChain::*)(double, const double*, double*) const;
     double links = 0.0, pulleys = 0.0;
     for (const std::vector<double>* half : {&growth.real, &growth.imaginary}) {
         const double* v = half->data() + chain.coordinates();
-        for (int link = 0; link < layout.links; ++link) links += energy_of(variator.chain().inertia(), 2 * layout.lateral(), v + link * layout.link_size());
-        for (int k = 0; k < layout.pulley_size; ++k) pulleys += variator.pulleys().inertia(k) * v[chain.link_velocities() + k] * v[chain.link_velocities() + k];
+        for (int link = 0; link < layout.links; ++link)
+            links += energy_of(variator.chain().inertia(), 2 * layout.lateral(), v + link * layout.link_size());
+        for (int k = 0; k < layout.pulley_size; ++k)
+            pulleys += variator.pulleys().inertia(k) * v[chain.link_velocities() + k] * v[chain.link_velocities() + k];
     }
     return pulleys / (links + pulleys);
 }
@@ -86,13 +88,20 @@ StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method
         expected = bound.limit().step;
     }
     const MethodProgram* program = find_program(method);
-    if (program != nullptr && program->stability == nullptr && std::isinf(expected)) expected = without_expectation;   // it has one, but only tables know it
-    Growth beyond;   // at the shortest unstable step so far
+    if (program != nullptr && program->stability == nullptr && std::isinf(expected))
+        expected = without_expectation;  // it has one, but only tables know it
+    Growth beyond;                       // at the shortest unstable step so far
     bool refused = false;
     const auto stable = [&](double h) {
         refused = !map->prepare(h);
         if (refused) return false;
-        Growth growth = fastest_growth(map->size(), [&](const double* from, double* to) { map->step(from, to); return true; }, beyond.real);
+        Growth growth = fastest_growth(
+            map->size(),
+            [&](const double* from, double* to) {
+                map->step(from, to);
+                return true;
+            },
+            beyond.real);
         if (growth.factor <= 1.0 + tolerated_growth) return true;
         beyond = std::move(growth);
         return false;
@@ -101,17 +110,25 @@ StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method
     if (std::isinf(bracket.unstable)) return {};
     const bool apart = program != nullptr && program->stability != nullptr;
     const double step = std::sqrt(bracket.stable * bracket.unstable);
-    if (refused || beyond.real.empty()) return {step, apart ? StepLimiter::friction_stages : StepLimiter::polynomials, 0.0, chain.stiffest_friction(), 0.0};
+    if (refused || beyond.real.empty())
+        return {step, apart ? StepLimiter::friction_stages : StepLimiter::polynomials, 0.0, chain.stiffest_friction(), 0.0};
     return explained(chain, step, beyond, apart);
 }
 
 double predicted_growth(const LinearChain& chain, std::string_view method, double h) {
     const std::unique_ptr<StepMap> map = map_of(chain, method);
     if (!map->prepare(h)) return std::numeric_limits<double>::infinity();
-    return fastest_growth(map->size(), [&](const double* from, double* to) { map->step(from, to); return true; }, {}).factor;
+    return fastest_growth(map->size(),
+                          [&](const double* from, double* to) {
+                              map->step(from, to);
+                              return true;
+                          },
+                          {})
+        .factor;
 }
 
-StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method, const FrozenStart& start) {
+StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method,
+                               const FrozenStart& start) {
     return predicted_step_limit(LinearChain(variator, parameters, start), method);
 }
 

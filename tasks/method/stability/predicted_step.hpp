@@ -1,6 +1,6 @@
 #pragma once
-/// The longest step with which small disturbances of a state die out, predicted: the step as a linear map of the linearised equations of motion
-/// (step_map.hpp), chain, shafts, sheaves, cylinders, governor and control alike.
+/// The longest step with which small disturbances of a state die out, predicted: the step as a linear map of the linearised equations of
+/// motion (step_map.hpp), chain, shafts, sheaves, cylinders, governor and control alike.
 
 #include <string_view>
 
@@ -13,9 +13,11 @@ namespace cvtflow::tasks {
 /// @throws std::invalid_argument for a name that is no method's
 [[nodiscard]] StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method, double expected = 0.0);
 /// For one method.
-[[nodiscard]] StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method, const FrozenStart& start);
+[[nodiscard]] StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method,
+                                             const FrozenStart& start);
 
-/// Largest multiplier of a step of that length, 1 for what neither grows nor dies out; infinite if the method refuses it. A tenth of the work of a limit.
+/// Largest multiplier of a step of that length, 1 for what neither grows nor dies out; infinite if the method refuses it. A tenth of the
+/// work of a limit.
 [[nodiscard]] double predicted_growth(const LinearChain& chain, std::string_view method, double h);
 
 }  // namespace cvtflow::tasks

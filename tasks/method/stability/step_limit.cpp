@@ -15,7 +15,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double stable_growth = 1e-6;   ///< of a step, as ProgramStability counts it
+constexpr double stable_growth = 1e-6;  ///< of a step, as ProgramStability counts it
 constexpr double ray_damping = 0.01;
 
 }  // namespace
@@ -23,10 +23,12 @@ constexpr double ray_damping = 0.01;
 std::string text_of(const StepLimit& limit) {
     const double kilohertz = limit.oscillation / (2e3 * std::numbers::pi);
     const std::string step = limit.step < 1e-6 ? fmt::format("{:.3g} ns", 1e9 * limit.step) : fmt::format("{:.3g} us", 1e6 * limit.step);
-    const std::string where = limit.in_pulleys > 0.05 ? fmt::format(", {:.0f} % of it in shafts and sheaves", 100.0 * limit.in_pulleys) : "";
+    const std::string where =
+        limit.in_pulleys > 0.05 ? fmt::format(", {:.0f} % of it in shafts and sheaves", 100.0 * limit.in_pulleys) : "";
     switch (limit.by) {
         case StepLimiter::nothing: return "linear stability sets no limit";
-        case StepLimiter::oscillation: return fmt::format("{} (oscillation of {:.3g} kHz under friction of {:.2g} 1/s{})", step, kilohertz, limit.friction, where);
+        case StepLimiter::oscillation:
+            return fmt::format("{} (oscillation of {:.3g} kHz under friction of {:.2g} 1/s{})", step, kilohertz, limit.friction, where);
         case StepLimiter::decay: return fmt::format("{} (decay of {:.2g} 1/s{})", step, limit.friction, where);
         case StepLimiter::friction_stages: return fmt::format("{} (no more stages for friction of {:.2g} 1/s)", step, limit.friction);
         case StepLimiter::polynomials: return fmt::format("{} (no polynomial for decays of {:.2g} 1/s)", step, limit.friction);

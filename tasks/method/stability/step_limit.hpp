@@ -14,26 +14,27 @@ namespace cvtflow::tasks {
 
 /// What does not let a step be longer.
 enum class StepLimiter {
-    nothing,           ///< linear stability sets no limit
-    oscillation,       ///< the fastest one
-    decay,             ///< the fastest one: friction, damping
-    friction_stages,   ///< the method has no more stages for friction
-    polynomials,       ///< the method has no polynomial for more
+    nothing,          ///< linear stability sets no limit
+    oscillation,      ///< the fastest one
+    decay,            ///< the fastest one: friction, damping
+    friction_stages,  ///< the method has no more stages for friction
+    polynomials,      ///< the method has no polynomial for more
 };
 
 struct StepLimit {
-    double step = std::numeric_limits<double>::infinity();   ///< longest stable one [s]
+    double step = std::numeric_limits<double>::infinity();  ///< longest stable one [s]
     StepLimiter by = StepLimiter::nothing;
-    double oscillation = 0.0;   ///< what grows first beyond it oscillates so fast [rad/s]
-    double friction = 0.0;      ///< and is damped so much by friction [1/s]
-    double in_pulleys = 0.0;    ///< share of its kinetic energy that shafts and sheaves have; StepLimitBound does not tell
+    double oscillation = 0.0;  ///< what grows first beyond it oscillates so fast [rad/s]
+    double friction = 0.0;     ///< and is damped so much by friction [1/s]
+    double in_pulleys = 0.0;   ///< share of its kinetic energy that shafts and sheaves have; StepLimitBound does not tell
 };
 
 /// "1.91 us (oscillation of 120 kHz under friction of 1.2e+06 1/s)".
 [[nodiscard]] std::string text_of(const StepLimit& limit);
 
-/// A quick estimate from the fastest oscillation and the fastest decay (SpectralBound), each as if it had the worst of the other, along the chain.
-/// It does not know what shafts, sheaves and cylinders do (calibrate()). It keeps its directions: the first look takes about a hundred evaluations of the right-hand side, later ones a dozen.
+/// A quick estimate from the fastest oscillation and the fastest decay (SpectralBound), each as if it had the worst of the other, along the
+/// chain. It does not know what shafts, sheaves and cylinders do (calibrate()). It keeps its directions: the first look takes about a
+/// hundred evaluations of the right-hand side, later ones a dozen.
 class StepLimitBound {
 public:
     /// `variator` must outlive it. @throws std::invalid_argument for a name that is no method's
@@ -44,7 +45,8 @@ public:
     int look(double t, const double* state, const model::Phase* phases);
     /// By the last look.
     [[nodiscard]] const StepLimit& limit() const noexcept { return limit_; }
-    /// At the state of the last look the limit was really this (predicted_step_limit()): it, and what later looks say, are taken so many times as long. [s]
+    /// At the state of the last look the limit was really this (predicted_step_limit()): it, and what later looks say, are taken so many
+    /// times as long. [s]
     void calibrate(double known) noexcept;
 
     /// Directions and limit, for checkpoints. load() returns what follows in memory.
@@ -56,10 +58,10 @@ private:
     [[nodiscard]] StepLimit of_oscillator() const;
 
     SpectralBound bound_;
-    ProgramStability program_;       ///< of a method that takes friction apart
+    ProgramStability program_;  ///< of a method that takes friction apart
     bool takes_friction_apart_ = false;
-    double real_reach_ = 0.0;        ///< |h λ| of a decay; 0: no limit
-    double imaginary_reach_ = 0.0;   ///< |h λ| of an oscillation damped by 1 %; 0: no limit
+    double real_reach_ = 0.0;       ///< |h λ| of a decay; 0: no limit
+    double imaginary_reach_ = 0.0;  ///< |h λ| of an oscillation damped by 1 %; 0: no limit
     double calibration_ = 1.0;
     StepLimit limit_;
 };

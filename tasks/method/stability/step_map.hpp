@@ -1,5 +1,6 @@
 #pragma once
-/// What one step of a method makes of small disturbances, written down once more from the method's definition: to be compared with what the code does.
+/// What one step of a method makes of small disturbances, written down once more from the method's definition: to be compared with what the
+/// code does.
 
 #include <memory>
 

@@ -57,7 +57,8 @@ private:
 /// u of (1 - γ z) u = γ (z y + r), z = h J.
 class LinearlyImplicit final : public StepMap {
 public:
-    LinearlyImplicit(const LinearChain& chain, LinearPlan plan) : chain_(chain), plan_(std::move(plan)), state_(at(size())), right_(at(size())) {
+    LinearlyImplicit(const LinearChain& chain, LinearPlan plan)
+        : chain_(chain), plan_(std::move(plan)), state_(at(size())), right_(at(size())) {
         increments_.assign(plan_.stages.size(), std::vector<double>(at(size())));
     }
     bool prepare(double h) override {
@@ -111,9 +112,13 @@ private:
 
 }  // namespace
 
-std::unique_ptr<StepMap> table_step(const LinearChain& chain, const engine::CompiledPlan& plan) { return std::make_unique<TableStep>(chain, plan); }
+std::unique_ptr<StepMap> table_step(const LinearChain& chain, const engine::CompiledPlan& plan) {
+    return std::make_unique<TableStep>(chain, plan);
+}
 
-std::unique_ptr<StepMap> implicit_step(const LinearChain& chain, const LinearPlan& plan) { return std::make_unique<LinearlyImplicit>(chain, plan); }
+std::unique_ptr<StepMap> implicit_step(const LinearChain& chain, const LinearPlan& plan) {
+    return std::make_unique<LinearlyImplicit>(chain, plan);
+}
 
 /// (1 - z/2) u = z y: a linearly implicit step of one stage, u = 2 (1 - z/2)⁻¹ z/2 y.
 std::unique_ptr<StepMap> trapezoidal_step(const LinearChain& chain) {

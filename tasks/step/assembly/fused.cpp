@@ -31,8 +31,18 @@ engine::TaskGraph fused_graph(const Workspace& w) {
         const std::string number = "[" + std::to_string(s) + "]";
         // Slots that a stage reads are never the ones it writes: validate(StagePlan) sees to that.
         graph.add({"force" + number, evaluate_cycle, evaluate_segment, s,
-                   LinkAccesses(w, s).with_halo(Field::states_read).with_halo(Field::slopes_read).with_halo(Field::end_state).own(Field::slope_written, true)
-                       .own(Field::state_kept, true).own(Field::load, true).own(Field::account, true).own(Field::phase, false).segment(Field::window, true).list(), "all forces (fused)"});
+                   LinkAccesses(w, s)
+                       .with_halo(Field::states_read)
+                       .with_halo(Field::slopes_read)
+                       .with_halo(Field::end_state)
+                       .own(Field::slope_written, true)
+                       .own(Field::state_kept, true)
+                       .own(Field::load, true)
+                       .own(Field::account, true)
+                       .own(Field::phase, false)
+                       .segment(Field::window, true)
+                       .list(),
+                   "all forces (fused)"});
         add_transition_tasks(graph, w, s);
         add_observe_task(graph, w, s);
     }

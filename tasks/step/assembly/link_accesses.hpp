@@ -50,22 +50,50 @@ private:
 };
 
 [[nodiscard]] inline std::vector<engine::Access> detect_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s).own(Field::states_read, false).own(Field::slopes_read, true).own(Field::phase, false).own(Field::before, false)
-        .own(Field::end_state, true).own(Field::after, true).own(Field::link_error, true).segment(Field::window, true)
-        .segment(Field::verdict, true).list();
+    return LinkAccesses(w, s)
+        .own(Field::states_read, false)
+        .own(Field::slopes_read, true)
+        .own(Field::phase, false)
+        .own(Field::before, false)
+        .own(Field::end_state, true)
+        .own(Field::after, true)
+        .own(Field::link_error, true)
+        .segment(Field::window, true)
+        .segment(Field::verdict, true)
+        .list();
 }
 [[nodiscard]] inline std::vector<engine::Access> locate_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s).own(Field::states_read, false).own(Field::slopes_read, false).own(Field::end_state, false).own(Field::phase, false)
-        .own(Field::before, false).own(Field::after, false).segment(Field::verdict, true).list();
+    return LinkAccesses(w, s)
+        .own(Field::states_read, false)
+        .own(Field::slopes_read, false)
+        .own(Field::end_state, false)
+        .own(Field::phase, false)
+        .own(Field::before, false)
+        .own(Field::after, false)
+        .segment(Field::verdict, true)
+        .list();
 }
 [[nodiscard]] inline std::vector<engine::Access> truncate_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s).own(Field::states_read, false).own(Field::slopes_read, false).own(Field::end_state, false).own(Field::after, true)
-        .own(Field::cut_state, true).own(Field::phase, true).segment(Field::verdict, true).list();
+    return LinkAccesses(w, s)
+        .own(Field::states_read, false)
+        .own(Field::slopes_read, false)
+        .own(Field::end_state, false)
+        .own(Field::after, true)
+        .own(Field::cut_state, true)
+        .own(Field::phase, true)
+        .segment(Field::verdict, true)
+        .list();
 }
 
 [[nodiscard]] inline std::vector<engine::Access> observe_accesses(const Workspace& w, int s) {
-    return LinkAccesses(w, s).with_halo(Field::states_read).own(Field::phase, false).own(Field::load, true).own(Field::account, true)
-        .own(Field::cut_state, true).segment(Field::window, true).list();
+    return LinkAccesses(w, s)
+        .with_halo(Field::states_read)
+        .own(Field::phase, false)
+        .own(Field::load, true)
+        .own(Field::account, true)
+        .own(Field::cut_state, true)
+        .segment(Field::window, true)
+        .list();
 }
 
 /// Observation of one segment at the step's start: the same in every assembly.

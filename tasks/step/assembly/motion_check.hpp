@@ -21,7 +21,7 @@ inline void report(Verdict& verdict, FaultKind kind, double time, int pin, doubl
 }
 
 /// Faster than sound in steel (5.9 km/s): no chain does that, so the integration has become unstable, long before anything is infinite.
-inline constexpr double fastest_pin = 1e4;   // m/s
+inline constexpr double fastest_pin = 1e4;  // m/s
 
 /// Whether a link's block [q | v] is finite and its motion that of a chain.
 inline void check_motion(const Workspace& w, int link, const double* block, Verdict& verdict) noexcept {

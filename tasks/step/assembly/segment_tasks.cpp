@@ -29,7 +29,8 @@ void show(const model::TipProbe& probe, TipIndicator* tips) noexcept {
 }
 
 /// The four tips of a link whose state is given.
-void indicate(const Workspace& w, const double* state, const model::SheaveMotion* sheaves, TipIndicator* tips, model::TipProbe& probe) noexcept {
+void indicate(const Workspace& w, const double* state, const model::SheaveMotion* sheaves, TipIndicator* tips,
+              model::TipProbe& probe) noexcept {
     w.variator.chain().probe(state, sheaves, w.parameters.detail.stick_slip, probe);
     show(probe, tips);
 }
@@ -42,7 +43,8 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, V
     for (int tip = 0; tip < model::tips_per_link; ++tip) {
         if (w.phases[at(model::tips_per_link * link + tip)] == Phase::free) continue;
         touching = true;
-        if (probe.depth[tip] > w.parameters.tip.deepest) report(verdict, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
+        if (probe.depth[tip] > w.parameters.tip.deepest)
+            report(verdict, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
     }
     if (probe.radius < pulley.innermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
     if (touching && probe.radius > pulley.outermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
@@ -59,7 +61,7 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, V
 
 /// Tips so close to contact that they can cross and return within a step.
 [[nodiscard]] bool near_contact(const Workspace& w, int link) noexcept {
-    constexpr double near = 2e-7;   // m: an elastic oscillation of 1e6 1/s covers less in the longest useful step
+    constexpr double near = 2e-7;  // m: an elastic oscillation of 1e6 1/s covers less in the longest useful step
     for (int tip = model::tips_per_link * link; tip < model::tips_per_link * (link + 1); ++tip) {
         if (std::abs(w.before[at(tip)].depth) < near && std::abs(w.after[at(tip)].depth) < near) return true;
     }
@@ -123,13 +125,13 @@ private:
     LinkAt state(w, link);
     double end = 1.0;
     Phase to = w.rule.next(phase, w.after[at(tip)]);
-    if (to == phase) {   // perhaps there and back within the step
+    if (to == phase) {  // perhaps there and back within the step
         end = 0.5;
         to = w.rule.next(phase, state.tips(end)[corner]);
         if (to == phase) return {};
     }
     const double from = w.rule.due(phase, to, w.before[at(tip)]);
-    if (from > 0.0) return {0.0, tip, to};   // was due already, but had been put off
+    if (from > 0.0) return {0.0, tip, to};  // was due already, but had been put off
     const auto gap = [&](double theta) noexcept { return w.rule.due(phase, to, state.tips(theta)[corner]); };
     return {engine::locate(gap, 0.0, end, from, gap(end), 1e-9).theta, tip, to};
 }
@@ -140,7 +142,8 @@ void change_phases(Workspace& w, int link, const TipIndicator* tips, Verdict& ve
     for (int corner = 0; corner < model::tips_per_link; ++corner) {
         const std::size_t tip = at(model::tips_per_link * link + corner);
         Phase to = w.rule.next(w.phases[tip], tips[corner]);
-        if (to == w.phases[tip] && w.secant && static_cast<int>(tip) == w.due.tip) to = w.due.to;   // retaken: there but for the error of the search
+        if (to == w.phases[tip] && w.secant && static_cast<int>(tip) == w.due.tip)
+            to = w.due.to;  // retaken: there but for the error of the search
         if (to == w.phases[tip] || !may_change(w, static_cast<int>(tip))) continue;
         w.phases[tip] = to;
         w.changed[tip] = now;
@@ -164,7 +167,9 @@ void fill_window(Workspace& w, const Segment& own, double* window) noexcept {
 void copy_window(const Workspace& w, const Segment& own, const double* state, double* window) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();
-    const auto copy = [&](int link, int links, double* out) { std::memcpy(out, state + layout.link_begin(link), at(links * block) * sizeof(double)); };
+    const auto copy = [&](int link, int links, double* out) {
+        std::memcpy(out, state + layout.link_begin(link), at(links * block) * sizeof(double));
+    };
     copy(layout.previous(own.first), 1, window);
     copy(own.first, own.size(), window + block);
     copy(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
@@ -186,7 +191,8 @@ void evaluate_segment(void* workspace, int segment) noexcept {
     } else {
         fill_window(w, own, window);
         if (w.row.keep >= 0) {
-            std::memcpy(w.states[at(w.row.keep)] + layout.link_begin(own.first), window + layout.link_block(), at(own.size() * layout.link_block()) * sizeof(double));
+            std::memcpy(w.states[at(w.row.keep)] + layout.link_begin(own.first), window + layout.link_block(),
+                        at(own.size() * layout.link_block()) * sizeof(double));
         }
     }
     const model::ChainRange range{own.first, own.last, window, w.sheaves, w.phases.data()};
@@ -242,7 +248,8 @@ void detect_segment(void* workspace, int segment) noexcept {
     if (w.secant) make_secants(w, own);
     if (w.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
     if (layout.pulley_size != 0) {
-        w.variator.chain().probe_links(w.end_state + layout.link_begin(own.first), own.size(), w.end_sheaves, w.parameters.detail.stick_slip, w.probes.data() + own.first);
+        w.variator.chain().probe_links(w.end_state + layout.link_begin(own.first), own.size(), w.end_sheaves,
+                                       w.parameters.detail.stick_slip, w.probes.data() + own.first);
     }
     for (int link = own.first; link < own.last; ++link) {
         check_motion(w, link, w.end_state + layout.link_begin(link), verdict);

@@ -22,17 +22,39 @@ void add_force_stages(engine::TaskGraph& graph, const Workspace& w, StageTasks& 
         const std::string number = "[" + std::to_string(s) + "]";
         const auto own = [&] { return LinkAccesses(w, s); };
         tasks.combine.push_back(graph.add({"combine" + number, evaluate_cycle, combine_segment, s,
-                                           own().own(Field::states_read, false).own(Field::slopes_read, false).own(Field::end_state, false).own(Field::state_kept, true)
-                                               .own(Field::stage_state, true).own(Field::joint_account, true).own(Field::link_account, true).own(Field::tip_account, true).list()}));
+                                           own()
+                                               .own(Field::states_read, false)
+                                               .own(Field::slopes_read, false)
+                                               .own(Field::end_state, false)
+                                               .own(Field::state_kept, true)
+                                               .own(Field::stage_state, true)
+                                               .own(Field::joint_account, true)
+                                               .own(Field::link_account, true)
+                                               .own(Field::tip_account, true)
+                                               .list()}));
         // Which links a batch holds depends on the phases: what it writes are the tips of those, which no other batch holds.
-        tasks.contact.push_back(graph.add({"contact" + number, evaluate_cycle, contact_batch, s,
-                                           {whole(w, Field::stage_state, false), whole(w, Field::phase, false), own().segment(Field::tips, true).list()[0],
-                                            own().segment(Field::load, true).list()[0], own().segment(Field::tip_account, true).list()[0]}, "contact forces"}));
+        tasks.contact.push_back(
+            graph.add({"contact" + number,
+                       evaluate_cycle,
+                       contact_batch,
+                       s,
+                       {whole(w, Field::stage_state, false), whole(w, Field::phase, false), own().segment(Field::tips, true).list()[0],
+                        own().segment(Field::load, true).list()[0], own().segment(Field::tip_account, true).list()[0]},
+                       "contact forces"}));
         tasks.chain.push_back(graph.add({"chain" + number, evaluate_cycle, chain_segment, s,
-                                         own().own(Field::stage_state, false).own(Field::slope_written, true).own(Field::moment, true).inner_pins(Field::joint, true)
-                                             .inner_pins(Field::joint_account, true).own(Field::link_account, true).list(), "chain forces"}));
-        tasks.boundary.push_back(graph.add({"boundary" + number, evaluate_cycle, boundary_pin, s,
-                                            own().with_halo(Field::stage_state).first_pin(Field::joint, true).first_pin(Field::joint_account, true).list(), "boundary pins"}));
+                                         own()
+                                             .own(Field::stage_state, false)
+                                             .own(Field::slope_written, true)
+                                             .own(Field::moment, true)
+                                             .inner_pins(Field::joint, true)
+                                             .inner_pins(Field::joint_account, true)
+                                             .own(Field::link_account, true)
+                                             .list(),
+                                         "chain forces"}));
+        tasks.boundary.push_back(
+            graph.add({"boundary" + number, evaluate_cycle, boundary_pin, s,
+                       own().with_halo(Field::stage_state).first_pin(Field::joint, true).first_pin(Field::joint_account, true).list(),
+                       "boundary pins"}));
     }
 }
 
@@ -40,17 +62,28 @@ void add_solve_stages(engine::TaskGraph& graph, const Workspace& w, bool by_segm
     const std::string cholesky = "Cholesky";
     if (!by_segments) {
         const auto all = [&](Field field, bool write) { return whole(w, field, write); };
-        tasks.forward.push_back(graph.add({"forward", evaluate_cycle, forward_all, 0,
-                                           {all(Field::slope_written, true), all(Field::moment, false), all(Field::joint, false), all(Field::tips, false), all(Field::stage_state, false)}, cholesky}));
+        tasks.forward.push_back(graph.add({"forward",
+                                           evaluate_cycle,
+                                           forward_all,
+                                           0,
+                                           {all(Field::slope_written, true), all(Field::moment, false), all(Field::joint, false),
+                                            all(Field::tips, false), all(Field::stage_state, false)},
+                                           cholesky}));
         tasks.reverse.push_back(graph.add({"reverse", evaluate_cycle, reverse_all, 0, {all(Field::slope_written, true)}, cholesky}));
         return;
     }
     for (int s = 0; s < w.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
-        auto reads = LinkAccesses(w, s).own(Field::slope_written, true).own(Field::moment, false).with_halo(Field::joint).own(Field::stage_state, false).list();
+        auto reads = LinkAccesses(w, s)
+                         .own(Field::slope_written, true)
+                         .own(Field::moment, false)
+                         .with_halo(Field::joint)
+                         .own(Field::stage_state, false)
+                         .list();
         reads.push_back(whole(w, Field::tips, false));
         tasks.forward.push_back(graph.add({"forward" + number, evaluate_cycle, forward_segment, s, reads, cholesky}));
-        tasks.reverse.push_back(graph.add({"reverse" + number, evaluate_cycle, reverse_segment, s, LinkAccesses(w, s).own(Field::slope_written, true).list(), cholesky}));
+        tasks.reverse.push_back(graph.add(
+            {"reverse" + number, evaluate_cycle, reverse_segment, s, LinkAccesses(w, s).own(Field::slope_written, true).list(), cholesky}));
     }
 }
 

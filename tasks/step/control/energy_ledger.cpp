@@ -21,9 +21,9 @@ constexpr double share_of_losses = 1e-3;
 constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;
 constexpr double deviations = 6.0;
-constexpr double dense_share = 0.05, dense_time = 5e-4;   // [1], [s]
+constexpr double dense_share = 0.05, dense_time = 5e-4;  // [1], [s]
 constexpr double least_samples = 10.0;
-constexpr double closer = 8.0;   ///< by which samples lie closer in doubt
+constexpr double closer = 8.0;  ///< by which samples lie closer in doubt
 
 [[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -97,7 +97,7 @@ void EnergyLedger::inputs_changed(double time) noexcept {
 bool EnergyLedger::due(double time) const noexcept {
     if (!on_) return false;
     if (m_.samples == 0.0) return true;
-    if (!(time > m_.sampled)) return false;   // a step may be cut at its start
+    if (!(time > m_.sampled)) return false;  // a step may be cut at its start
     const double since = time - m_.jumped;   // what follows a jump dies out fast at first: samples lie as close as it is young
     if (since < dense_time && m_.steps >= 1.0 && time - m_.sampled >= dense_share * since) return true;
     return m_.steps >= (m_.doubt != 0.0 ? std::max(1.0, stride_ / closer) : stride_);
@@ -114,7 +114,8 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
         for (std::size_t k = 0; k < now.loss.size(); ++k) m_.loss[k] += 0.5 * spacing * (m_.power[k] + now.loss[k]);
         for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
     }
-    if (m_.samples > 3.0) {   // fourth differences hold what the trapezoidal rule cannot see, 70 times for noise without memory, and little of what passes smoothly
+    if (m_.samples > 3.0) {  // fourth differences hold what the trapezoidal rule cannot see, 70 times for noise without memory, and little
+                             // of what passes smoothly
         const auto& p = m_.powers;
         const double noise = power - 4.0 * p[0] + 6.0 * p[1] - 4.0 * p[2] + p[3];
         m_.noise += noise * noise / 70.0 * spacing * spacing;
@@ -141,12 +142,20 @@ void EnergyLedger::close_window() noexcept {
     m_.part = here();
 }
 
-EnergyLedger::Span EnergyLedger::here() const noexcept { return {m_.sampled, total(m_.loss), total(m_.work_sampled), m_.stored, m_.through, m_.noise, m_.samples}; }
+EnergyLedger::Span EnergyLedger::here() const noexcept {
+    return {m_.sampled, total(m_.loss), total(m_.work_sampled), m_.stored, m_.through, m_.noise, m_.samples};
+}
 
 EnergyBalance EnergyLedger::balance_since(const Span& span) const noexcept {
     const Span now = here();
-    return {now.begin - span.begin, now.stored - span.stored,  now.work - span.work, now.loss - span.loss, now.through - span.through,
-            m_.most_stored,         std::sqrt(std::max(0.0, now.noise - span.noise)), now.samples - span.samples};
+    return {now.begin - span.begin,
+            now.stored - span.stored,
+            now.work - span.work,
+            now.loss - span.loss,
+            now.through - span.through,
+            m_.most_stored,
+            std::sqrt(std::max(0.0, now.noise - span.noise)),
+            now.samples - span.samples};
 }
 
 EnergyBalance EnergyLedger::balance() const noexcept { return balance_since(m_.all); }
@@ -178,7 +187,9 @@ void EnergyLedger::output(double time, const std::array<double, 2>& momentum) no
 
 /// Keeps what is needed of the last pin period, and looks back over it.
 void EnergyLedger::remember(const EnergySums& now) noexcept {
-    const auto entry = [&](double number) -> EnergySums& { return m_.past[static_cast<std::size_t>(std::fmod(m_.past_begin + number, past_size))]; };
+    const auto entry = [&](double number) -> EnergySums& {
+        return m_.past[static_cast<std::size_t>(std::fmod(m_.past_begin + number, past_size))];
+    };
     while (m_.past_count > 1.0 && now.time - entry(1.0).time >= m_.pin_period) {
         m_.past_begin = std::fmod(m_.past_begin + 1.0, past_size);
         m_.past_count -= 1.0;
@@ -188,7 +199,8 @@ void EnergyLedger::remember(const EnergySums& now) noexcept {
         m_.last = now;
         m_.before_last = m_.past_count > 1.0 && entry(0.0).time < start ? EnergySums::between(entry(0.0), entry(1.0), start) : entry(0.0);
     }
-    const bool crowded = m_.past_count > 0.0 && now.time - entry(m_.past_count - 1.0).time < m_.pin_period / static_cast<double>(past_per_period);
+    const bool crowded =
+        m_.past_count > 0.0 && now.time - entry(m_.past_count - 1.0).time < m_.pin_period / static_cast<double>(past_per_period);
     if (crowded || m_.past_count >= static_cast<double>(past_size)) return;
     entry(m_.past_count) = now;
     m_.past_count += 1.0;
@@ -212,7 +224,8 @@ void EnergyLedger::load(std::span<const double> memory, long stride) {
     if (memory.empty()) return;
     std::memcpy(static_cast<void*>(&m_), taken(memory, sizeof(Memory) / sizeof(double)).data(), sizeof(Memory));
     for (const auto& [place, most] : {std::pair{m_.past_begin, past_size - 1}, {m_.past_count, past_size}}) {
-        if (!(place >= 0.0 && place <= static_cast<double>(most)) || place != std::floor(place)) throw std::invalid_argument("a memory of energies that is none");
+        if (!(place >= 0.0 && place <= static_cast<double>(most)) || place != std::floor(place))
+            throw std::invalid_argument("a memory of energies that is none");
     }
 }
 

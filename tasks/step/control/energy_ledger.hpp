@@ -21,14 +21,14 @@ namespace cvtflow::tasks {
 
 /// ΔE - W + L over a span of time, and what an honest integration may leave of it.
 struct EnergyBalance {
-    double span = 0.0;        ///< [s]
-    double change = 0.0;      ///< of the stored energy [J]
-    double work = 0.0;        ///< of the inputs [J]
-    double loss = 0.0;        ///< dissipated [J]
-    double through = 0.0;     ///< what the inputs have brought, each interval's positive ones [J]
-    double stored = 0.0;      ///< largest energy that the chain held [J]
-    double deviation = 0.0;   ///< standard error of `loss` from sampling [J]
-    double samples = 0.0;     ///< of the losses
+    double span = 0.0;       ///< [s]
+    double change = 0.0;     ///< of the stored energy [J]
+    double work = 0.0;       ///< of the inputs [J]
+    double loss = 0.0;       ///< dissipated [J]
+    double through = 0.0;    ///< what the inputs have brought, each interval's positive ones [J]
+    double stored = 0.0;     ///< largest energy that the chain held [J]
+    double deviation = 0.0;  ///< standard error of `loss` from sampling [J]
+    double samples = 0.0;    ///< of the losses
 
     [[nodiscard]] double residual() const noexcept { return change - work + loss; }
     /// |residual| over the losses; the threshold stands beside it as tolerance() over the losses.
@@ -43,9 +43,9 @@ struct EnergyBalance {
 
 /// Cumulative since the integration began.
 struct EnergySums {
-    double time = 0.0;                               ///< [s]
-    std::array<double, model::loss_kinds> loss{};    ///< by kind [J]
-    model::WorkRates work{};                         ///< by input [J]
+    double time = 0.0;                             ///< [s]
+    std::array<double, model::loss_kinds> loss{};  ///< by kind [J]
+    model::WorkRates work{};                       ///< by input [J]
 
     [[nodiscard]] double lost() const noexcept;
     /// Linear between two sums, at a time between theirs.
@@ -83,11 +83,11 @@ public:
     [[nodiscard]] double suspicion() const noexcept;
     [[nodiscard]] bool reliable() const noexcept { return suspicion() <= 1.0; }
 
-    /// Mean torque of the chain on the sheaves of each shaft between the last two outputs: their change of momentum less the outside's impulse [N·m].
-    /// Not a number before the second output.
+    /// Mean torque of the chain on the sheaves of each shaft between the last two outputs: their change of momentum less the outside's
+    /// impulse [N·m]. Not a number before the second output.
     [[nodiscard]] std::array<double, 2> chain_torque() const noexcept;
-    /// 1 - losses/input over the last whole pin period up to the last output, over less where a run has not lasted so long; not a number before the
-    /// second output.
+    /// 1 - losses/input over the last whole pin period up to the last output, over less where a run has not lasted so long; not a number
+    /// before the second output.
     [[nodiscard]] double efficiency() const noexcept;
 
     /// For checkpoints: goes on bit for bit.
@@ -109,28 +109,28 @@ private:
 
     /// Numbers only: saved and loaded as they lie.
     struct Memory {
-        double samples, sampled, steps;          ///< how many; when the last one was [s]; steps since
-        double jumped;                           ///< when inputs or the state jumped last, the beginning included [s]
+        double samples, sampled, steps;  ///< how many; when the last one was [s]; steps since
+        double jumped;                   ///< when inputs or the state jumped last, the beginning included [s]
         std::array<double, model::loss_kinds> power, loss;
-        std::array<double, 4> powers;            ///< of the last samples, the last one first, for the noise of sampling [W]
+        std::array<double, 4> powers;  ///< of the last samples, the last one first, for the noise of sampling [W]
         double stored, most_stored, noise, through, pin_period;
         model::WorkRates work, work_sampled;
         std::array<double, 2> impulse, impulse_output, momentum_output;
         std::array<double, 2> chain_torque;
         double outputs, output_time;
-        EnergySums last, before_last;            ///< ends of the pin period that efficiency() is about
+        EnergySums last, before_last;  ///< ends of the pin period that efficiency() is about
         Span all, part;
-        double worst, doubt;                     ///< doubt: 1 while samples lie close
-        double judged_from;                      ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
+        double worst, doubt;  ///< doubt: 1 while samples lie close
+        double judged_from;   ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
         std::array<EnergySums, past_size> past;  ///< at outputs, round and round
         double past_begin, past_count;
     };
 
     Memory m_{};
-    model::Inputs inputs_;   ///< at the end of the last step
+    model::Inputs inputs_;  ///< at the end of the last step
     bool known_ = false;
     bool on_ = true;
-    double stride_ = 24.0;   ///< steps between samples
+    double stride_ = 24.0;  ///< steps between samples
 };
 
 }  // namespace cvtflow::tasks

@@ -10,7 +10,7 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr double safety = 0.9;
-constexpr double proportional = 0.7, integral = 0.4;   // shares of 1/power
+constexpr double proportional = 0.7, integral = 0.4;  // shares of 1/power
 constexpr double least_growth = 0.2, most_growth = 2.0, least_cut = 0.1;
 constexpr double smallest_error = 1e-6;
 

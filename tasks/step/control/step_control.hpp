@@ -8,15 +8,15 @@
 namespace cvtflow::tasks {
 
 enum class StepControl {
-    fixed,    ///< run.step, whatever the error
-    report,   ///< run.step, and the local error is estimated and reported
-    error,    ///< up to run.step, so that the local error stays below the tolerance
+    fixed,   ///< run.step, whatever the error
+    report,  ///< run.step, and the local error is estimated and reported
+    error,   ///< up to run.step, so that the local error stays below the tolerance
 };
 
 /// What counts as an error of 1: coordinates (elastic deformations are micrometres) and velocities (friction saturates at some mm/s).
 struct ErrorScale {
-    double coordinate = 1e-6;   ///< [m]
-    double velocity = 1e-3;     ///< [m/s], the tips' saturation speed
+    double coordinate = 1e-6;  ///< [m]
+    double velocity = 1e-3;    ///< [m/s], the tips' saturation speed
 
     /// Root mean square of the errors of `size` coordinates and their velocities, [e_q | e_v], in these units.
     [[nodiscard]] double norm(const double* errors, int size) const noexcept;
@@ -48,8 +48,8 @@ private:
     double longest_ = 0.0;
     int power_ = 1;
     double proposal_ = 0.0;
-    double previous_ = 1.0;    ///< error of the last accepted step
-    bool rejected_ = false;    ///< the last step was
+    double previous_ = 1.0;  ///< error of the last accepted step
+    bool rejected_ = false;  ///< the last step was
 };
 
 }  // namespace cvtflow::tasks

@@ -22,7 +22,8 @@ constexpr double shortest_step = 1e-7;
     grid.begin = settings.begin;
     grid.output_interval = settings.output_interval;
     const bool free = settings.control == StepControl::error;
-    if (settings.automatic() && !free) grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
+    if (settings.automatic() && !free)
+        grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
     grid.divide(free ? settings.output_interval : settings.automatic() ? StepChoice::longest_step : settings.step);
     return grid;
 }
@@ -34,7 +35,8 @@ constexpr double shortest_step = 1e-7;
 
 }  // namespace
 
-StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel)
+StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer,
+                               const engine::Cancellation& cancel)
     : StepController(workspace, std::make_unique<StageMethod>(workspace), nullptr, settings, observer, cancel) {}
 
 StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer,
@@ -43,8 +45,15 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
 
 StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings,
                                RunObserver& observer, const engine::Cancellation& cancel)
-    : w_(workspace), own_method_(std::move(own)), method_(own_method_ ? *own_method_ : *method), settings_(settings), observer_(observer), cancel_(cancel),
-      grid_(grid_of(settings)), control_(longest_free_step(settings), std::max(1, method_.error_power())), phases_before_(workspace.phases) {
+    : w_(workspace),
+      own_method_(std::move(own)),
+      method_(own_method_ ? *own_method_ : *method),
+      settings_(settings),
+      observer_(observer),
+      cancel_(cancel),
+      grid_(grid_of(settings)),
+      control_(longest_free_step(settings), std::max(1, method_.error_power())),
+      phases_before_(workspace.phases) {
     w_.estimate_error = settings.control != StepControl::fixed;
     if (w_.estimate_error && method_.error_power() == 0)
         throw std::invalid_argument("this method has no estimate of its error: run.step_control can only be \"fixed\"");
@@ -52,16 +61,24 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
     w_.dwell = dwell_steps * grid_.step;
     w_.secant = method_.retakes();
     w_.evaluations = 0;
-    method_.restart();   // a run does not depend on what ran before it
+    method_.restart();  // a run does not depend on what ran before it
     w_.energy.restart(method_.observation_stride());
     if (settings.choice != nullptr) settings.choice->restart();
     probe_start();
 }
 
-StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from, RunObserver& observer,
-                               const engine::Cancellation& cancel)
-    : w_(workspace), method_(method), settings_(settings), observer_(observer), cancel_(cancel), outputs_(from.outputs), grid_(grid_of(settings)),
-      control_(longest_free_step(settings), std::max(1, method_.error_power())), counters_(from.counters), phases_before_(workspace.phases) {
+StepController::StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from,
+                               RunObserver& observer, const engine::Cancellation& cancel)
+    : w_(workspace),
+      method_(method),
+      settings_(settings),
+      observer_(observer),
+      cancel_(cancel),
+      outputs_(from.outputs),
+      grid_(grid_of(settings)),
+      control_(longest_free_step(settings), std::max(1, method_.error_power())),
+      counters_(from.counters),
+      phases_before_(workspace.phases) {
     w_.estimate_error = settings.control != StepControl::fixed;
     w_.time = from.time;
     if (from.grid_steps > 0) {
@@ -228,52 +245,6 @@ int StepController::take(int cycle) {
     state_ = State::method;
     if (cycle == StepMethod::failed) return end(method_.fault());
     return cycle == StepMethod::done ? start_detect() : cycle;
-}
-
-int StepController::start_detect() {
-    state_ = State::detect;
-    const model::ChainLayout& at = w_.layout();
-    engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.end_state + at.pulley_begin());
-    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.end_state + at.pulley_begin(), w_.end_sheaves);
-    if (w_.secant) make_secants();
-    if (w_.estimate_error) w_.error_row = *method_.error_row();
-    return detect_cycle;
-}
-
-/// Slopes behind the links at both ends of a step from its states there: velocities, and one mean acceleration.
-void StepController::make_secants() {
-    const model::ChainLayout& at = w_.layout();
-    const int begin = at.pulley_begin();
-    const int half = at.pulley_size;
-    for (int k = begin; k < at.size(); ++k) {
-        const double mean = (w_.end_state[k] - w_.states[0][k]) / w_.h;
-        const bool position = k < begin + half;
-        w_.slopes[0][k] = position ? w_.states[0][k + half] : mean;
-        w_.end_slope[k] = position ? w_.end_state[k + half] : mean;
-    }
-}
-
-int StepController::finish_detect() {
-    bool pending = false;
-    const double error = w_.estimate_error && !retaking_ ? step_error() : 0.0;
-    if (settings_.control == StepControl::error && !control_.judge(error / settings_.tolerance, w_.h)) return reject();
-    if (w_.estimate_error && !retaking_) {
-        ++local_errors_.steps;
-        local_errors_.sum += error;
-        local_errors_.largest = std::max(local_errors_.largest, error);
-    }
-    const double* tail = w_.end_state + w_.layout().pulley_begin();
-    for (int k = 0; k < w_.tail_size(); ++k) {
-        if (!std::isfinite(tail[k])) return end({FaultKind::non_finite, w_.time + w_.h, -1, 0.0, 0.0});
-    }
-    for (const Verdict& verdict : w_.verdicts) {
-        if (verdict.fault) return end(verdict.fault);
-        counters_.suppressed += verdict.suppressed;
-        pending = pending || verdict.pending;
-    }
-    if (retaking_) return start_truncate();
-    if (!pending) return accept();
-    return method_.retakes() ? start_locate() : start_end_slope();
 }
 
 int StepController::start_end_slope() {

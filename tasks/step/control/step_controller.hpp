@@ -22,20 +22,20 @@ namespace cvtflow::tasks {
 
 /// What happened so far. All monotone.
 struct Counters {
-    long steps = 0;         ///< accepted, truncated ones included
-    long evaluations = 0;   ///< of the right-hand side
-    long detected = 0;      ///< transitions carried out
-    long truncated = 0;     ///< steps cut at a transition
-    long suppressed = 0;    ///< transitions put off because the tip had just changed
-    long rejected = 0;      ///< steps taken again because of their error
+    long steps = 0;        ///< accepted, truncated ones included
+    long evaluations = 0;  ///< of the right-hand side
+    long detected = 0;     ///< transitions carried out
+    long truncated = 0;    ///< steps cut at a transition
+    long suppressed = 0;   ///< transitions put off because the tip had just changed
+    long rejected = 0;     ///< steps taken again because of their error
     bool operator==(const Counters&) const = default;
 };
 
 /// One change of a tip's phase, as recorded.
 struct TransitionRecord {
-    double time;           ///< [s]
-    int pin;               ///< link's rear pin + end
-    int tip;               ///< 4 link + 2 end + side
+    double time;  ///< [s]
+    int pin;      ///< link's rear pin + end
+    int tip;      ///< 4 link + 2 end + side
     model::Phase from, to;
 };
 
@@ -64,16 +64,16 @@ public:
 };
 
 struct StepSettings {
-    double begin = 0.0;              ///< [s]
-    double until = 0.0;              ///< [s]
-    double step = 5e-8;              ///< longest step [s]; a fixed step divides the output interval. 0: automatic, and `choice` must be there
-    double output_interval = 1e-5;   ///< [s]
-    long max_steps = 0;              ///< 0: no budget
-    double max_wall = 0.0;           ///< [s], 0: no budget
+    double begin = 0.0;  ///< [s]
+    double until = 0.0;  ///< [s]
+    double step = 5e-8;  ///< longest step [s]; a fixed step divides the output interval. 0: automatic, and `choice` must be there
+    double output_interval = 1e-5;  ///< [s]
+    long max_steps = 0;             ///< 0: no budget
+    double max_wall = 0.0;          ///< [s], 0: no budget
     StepControl control = StepControl::fixed;
-    double tolerance = 1.0;          ///< of local errors, in units of ErrorScale
-    StepChoice* choice = nullptr;      ///< what chooses automatic steps; outlives the controller
-    const bool* pause = nullptr;     ///< if it becomes true (an observer's wish), the run ends before the next step as if cancelled
+    double tolerance = 1.0;        ///< of local errors, in units of ErrorScale
+    StepChoice* choice = nullptr;  ///< what chooses automatic steps; outlives the controller
+    const bool* pause = nullptr;   ///< if it becomes true (an observer's wish), the run ends before the next step as if cancelled
 
     [[nodiscard]] bool automatic() const noexcept { return choice != nullptr && step == 0.0; }
 };
@@ -91,13 +91,15 @@ class StepController final : public engine::Controller {
 public:
     /// The workspace's slot 0 and phases hold the start state. `cancel` may be set from anywhere, also from a signal handler.
     /// @throws std::invalid_argument if errors are asked for and the method estimates none
-    StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
+    StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer,
+                   const engine::Cancellation& cancel);
     /// The same with the workspace's table of stages as method.
     StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
 
-    /// Goes on from where an integration stood. Workspace and `from` hold the same state (Simulation::restore); settings.begin and the grid are those of `from`.
-    StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from, RunObserver& observer,
-                   const engine::Cancellation& cancel);
+    /// Goes on from where an integration stood. Workspace and `from` hold the same state (Simulation::restore); settings.begin and the grid
+    /// are those of `from`.
+    StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, const IntegrationState& from,
+                   RunObserver& observer, const engine::Cancellation& cancel);
 
     [[nodiscard]] int next() noexcept override;
     /// Where the integration stands, once next() has said stop. Allocates nothing if `state` has held one of the same size before.
@@ -106,7 +108,8 @@ public:
     [[nodiscard]] const Fault& fault() const noexcept { return fault_; }
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     [[nodiscard]] double time() const noexcept { return w_.time; }
-    /// Step in use: settings.step, or what was chosen, or a little less, so that it divides the output interval; the longest one if the error decides [s].
+    /// Step in use: settings.step, or what was chosen, or a little less, so that it divides the output interval; the longest one if the
+    /// error decides [s].
     [[nodiscard]] double step() const noexcept { return settings_.control == StepControl::error ? settings_.step : grid_.step; }
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// Rethrows what the observer threw.
@@ -114,8 +117,8 @@ public:
 
 private:
     /// @param own the method, or nullptr where somebody else owns `method`
-    StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings, RunObserver& observer,
-                   const engine::Cancellation& cancel);
+    StepController(Workspace& workspace, std::unique_ptr<StepMethod> own, StepMethod* method, const StepSettings& settings,
+                   RunObserver& observer, const engine::Cancellation& cancel);
 
     /// Longest time a freshly changed tip keeps its phase, in steps: one whole step, whatever rounding says.
     static constexpr double dwell_steps = 1.5;
@@ -154,10 +157,10 @@ private:
     RunObserver& observer_;
     const engine::Cancellation& cancel_;
     State state_ = State::begin_step;
-    bool retaking_ = false;     ///< the step at hand ends at a transition that has been located
-    long outputs_ = 0;          ///< outputs delivered
+    bool retaking_ = false;  ///< the step at hand ends at a transition that has been located
+    long outputs_ = 0;       ///< outputs delivered
     StepGrid grid_;
-    bool lands_ = true;         ///< the step at hand ends at the next grid point
+    bool lands_ = true;  ///< the step at hand ends at the next grid point
     StepSizeControl control_;
     LocalErrorStatistics local_errors_;
     Counters counters_;

@@ -36,7 +36,8 @@ int StepController::finish_observation() {
 /// Steps of the leg that begins: shorter ones as soon as they are needed, longer ones where it is worth while.
 void StepController::choose_step() {
     if (settings_.control == StepControl::error) return;
-    const double longest = std::min(method_.longest_step(StepChoice::longest_step), settings_.choice->longest(w_.time, w_.states[0], w_.phases.data()));
+    const double longest =
+        std::min(method_.longest_step(StepChoice::longest_step), settings_.choice->longest(w_.time, w_.states[0], w_.phases.data()));
     StepGrid next = grid_;
     next.divide(longest);
     const bool longer = next.step > grid_.step;

@@ -3,10 +3,10 @@
 
 namespace cvtflow::tasks {
 
-/// Times at which fixed and automatic steps end. Outputs are `output_interval` apart; between two of them lie one or more legs, equally long, at
-/// whose ends the length of steps may change; a leg is divided into equal steps.
+/// Times at which fixed and automatic steps end. Outputs are `output_interval` apart; between two of them lie one or more legs, equally
+/// long, at whose ends the length of steps may change; a leg is divided into equal steps.
 struct StepGrid {
-    double begin = 0.0, output_interval = 0.0;   ///< [s]
+    double begin = 0.0, output_interval = 0.0;  ///< [s]
     long legs_per_output = 1;
     long steps_per_leg = 1;
     double step = 0.0;        ///< [s]

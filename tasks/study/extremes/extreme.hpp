@@ -14,11 +14,11 @@ namespace cvtflow::tasks {
 
 /// What may come of a row.
 enum class Ending {
-    right,       ///< finite, energy balance and agreement with half the step within the row's bound
-    refused,     ///< the scene is not accepted, with a message
-    fault,       ///< ended by a named fault within the steps of the row
-    announced,   ///< not right, but the step is beyond what the method is stable for here, and the program says so before it runs
-    wrong,       ///< none of these
+    right,      ///< finite, energy balance and agreement with half the step within the row's bound
+    refused,    ///< the scene is not accepted, with a message
+    fault,      ///< ended by a named fault within the steps of the row
+    announced,  ///< not right, but the step is beyond what the method is stable for here, and the program says so before it runs
+    wrong,      ///< none of these
 };
 
 [[nodiscard]] std::string_view ending_name(Ending ending) noexcept;
@@ -26,20 +26,21 @@ enum class Ending {
 struct Extreme {
     std::string group;
     std::string name;
-    std::vector<std::string> settings;        ///< on top of the scene `tiny`
+    std::vector<std::string> settings;  ///< on top of the scene `tiny`
     std::vector<Ending> allowed{Ending::right};
-    std::vector<FaultKind> faults{};          ///< that may be among `allowed`; empty: any
+    std::vector<FaultKind> faults{};  ///< that may be among `allowed`; empty: any
     /// Largest relative error of the energy balance, and ten times less strict of the state against half the step.
     double bound = 1e-3;
-    /// What leapfrogs may be off in the energy balance on top, and ten times that against half the step: their energy is that of a neighbouring system and
-    /// swings about ours by (h omega)^2 / 4, and they are behind by (h omega)^2 / 24 of the angle, 0.1 rad after 100 steps of h omega = 0.28.
+    /// What leapfrogs may be off in the energy balance on top, and ten times that against half the step: their energy is that of a
+    /// neighbouring system and swings about ours by (h omega)^2 / 4, and they are behind by (h omega)^2 / 24 of the angle, 0.1 rad after
+    /// 100 steps of h omega = 0.28.
     double swing = 0.0;
-    double step = 0.0;                        ///< [s]; 0: 50 ns, or a tenth of what is stable if that is less: the stiffest mode may hold all the energy
+    double step = 0.0;  ///< [s]; 0: 50 ns, or a tenth of what is stable if that is less: the stiffest mode may hold all the energy
     long steps = 200;
-    bool geometric = false;                   ///< begins with the geometric start even where the settled state of `tiny` would fit
+    bool geometric = false;  ///< begins with the geometric start even where the settled state of `tiny` would fit
     /// Changes the start. Called with a simulation that stands at it.
     void (*prepare)(const Simulation& simulation, double step, IntegrationState& start) = nullptr;
-    long least_transitions = 0;               ///< that must happen for the row to mean what it says
+    long least_transitions = 0;  ///< that must happen for the row to mean what it says
     bool nightly = false;
 };
 

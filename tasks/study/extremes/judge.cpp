@@ -64,7 +64,8 @@ double imbalance(const Account& before, const Account& after) {
 }
 
 [[nodiscard]] bool finite(const Account& account) {
-    return std::isfinite(account.energy) && std::all_of(account.unknowns.begin(), account.unknowns.end(), [](double x) { return std::isfinite(x); });
+    return std::isfinite(account.energy) &&
+           std::all_of(account.unknowns.begin(), account.unknowns.end(), [](double x) { return std::isfinite(x); });
 }
 
 }  // namespace
@@ -86,10 +87,12 @@ ExtremeJudge::ExtremeJudge(const Scene& tiny) {
     for (const auto& [name, settings] : details) {
         Level level{name, tiny, {}};
         std::vector<std::string> all = settings;
-        for (const char* setting : {"start.settling_time=1 ms", "start.ramp_time=0.8 ms", "record.ledger=true", "run.schedule=serial"}) all.emplace_back(setting);
+        for (const char* setting : {"start.settling_time=1 ms", "start.ramp_time=0.8 ms", "record.ledger=true", "run.schedule=serial"})
+            all.emplace_back(setting);
         set_values(level.scene, all);
         Simulation simulation(level.scene);
-        if (const Fault fault = simulation.settle(silent, never)) throw SimulationError(fmt::format("detail {} does not settle: {}", name, fault.message()));
+        if (const Fault fault = simulation.settle(silent, never))
+            throw SimulationError(fmt::format("detail {} does not settle: {}", name, fault.message()));
         level.settled = simulation.integration_state();
         level.scene.parameters.start.settling_time = 0.0;
         levels_.push_back(std::move(level));
@@ -104,7 +107,8 @@ namespace {
 class Trial {
 public:
     /// @param nominal the row's step, which its preparation may depend on   @param step the one to run with
-    Trial(const Extreme& row, Scene scene, const IntegrationState& settled, double nominal, double step, double span) : simulation_(with_step(std::move(scene), step, span)) {
+    Trial(const Extreme& row, Scene scene, const IntegrationState& settled, double nominal, double step, double span)
+        : simulation_(with_step(std::move(scene), step, span)) {
         IntegrationState start = simulation_.integration_state();
         if (!row.geometric && settled.state.size() == start.state.size() && settled.phases.size() == start.phases.size()) start = settled;
         simulation_.restore(start);
@@ -112,7 +116,7 @@ public:
             row.prepare(simulation_, nominal, start);
             simulation_.restore(start);
         }
-        probed_ = run(0.0);   // phases are those of the start
+        probed_ = run(0.0);  // phases are those of the start
     }
     [[nodiscard]] Simulation& simulation() noexcept { return simulation_; }
     [[nodiscard]] Fault run(double span) {
@@ -147,12 +151,14 @@ private:
 [[nodiscard]] std::string objection(const Extreme& row, const ExtremeCase& result, long transitions) {
     const double bound = row.bound + (result.method.starts_with("leapfrog") ? row.swing : 0.0);
     if (result.balance > bound) return fmt::format("energy balance {:.2g}, bound {:.2g}", result.balance, bound);
-    if (result.refinement > 10.0 * bound) return fmt::format("half the step changes the result by {:.2g}, bound {:.2g}", result.refinement, 10.0 * bound);
+    if (result.refinement > 10.0 * bound)
+        return fmt::format("half the step changes the result by {:.2g}, bound {:.2g}", result.refinement, 10.0 * bound);
     if (transitions < row.least_transitions) return fmt::format("{} transitions, {} expected", transitions, row.least_transitions);
     return "";
 }
 
-void compare(const Extreme& row, const Scene& scene, const IntegrationState& settled, double span, Trial& coarse, const Account& before, ExtremeCase& result) {
+void compare(const Extreme& row, const Scene& scene, const IntegrationState& settled, double span, Trial& coarse, const Account& before,
+             ExtremeCase& result) {
     const Account after = account_of(coarse.simulation());
     Trial fine(row, scene, settled, result.step, 0.5 * result.step, span);
     result.fault = fine.run(span);
@@ -198,7 +204,7 @@ ExtremeCase ExtremeJudge::run(const Extreme& row, const Level& level, const std:
         } else {
             compare(row, scene, level.settled, span, coarse, before, result);
         }
-    } catch (const std::exception& error) {   // SceneError, SimulationError, std::invalid_argument: the scene is refused in words
+    } catch (const std::exception& error) {  // SceneError, SimulationError, std::invalid_argument: the scene is refused in words
         result.ending = Ending::refused;
         result.message = error.what();
     }
@@ -211,7 +217,8 @@ namespace {
 [[nodiscard]] bool allowed(const Extreme& row, const ExtremeCase& one) {
     const bool ending = std::find(row.allowed.begin(), row.allowed.end(), one.ending) != row.allowed.end();
     if (!ending || one.wall > wall_limit) return false;
-    return one.ending != Ending::fault || row.faults.empty() || std::find(row.faults.begin(), row.faults.end(), one.fault.kind) != row.faults.end();
+    return one.ending != Ending::fault || row.faults.empty() ||
+           std::find(row.faults.begin(), row.faults.end(), one.fault.kind) != row.faults.end();
 }
 
 }  // namespace
@@ -243,14 +250,16 @@ std::string ExtremeVerdict::outcome() const {
         long steps = 0;
         for (const ExtremeCase* one : like) steps = std::max(steps, one->steps);
         text += fmt::format("{}{} {}", text.empty() ? "" : "; ", like.size(), ending_name(ending));
-        if (ending == Ending::right) text += fmt::format(" (balance {:.0e}, half step {:.0e})", worst(&ExtremeCase::balance), worst(&ExtremeCase::refinement));
+        if (ending == Ending::right)
+            text += fmt::format(" (balance {:.0e}, half step {:.0e})", worst(&ExtremeCase::balance), worst(&ExtremeCase::refinement));
         if (ending == Ending::fault) {
             std::set<std::string> names;
             for (const ExtremeCase* one : like) names.insert(one->fault.name());
             text += fmt::format(" ({} after {} steps at most)", fmt::join(names, ", "), steps);
         }
         if (ending == Ending::announced) text += fmt::format(" (stable up to {:.2g} s)", worst(&ExtremeCase::stable_step));
-        if (ending == Ending::refused || ending == Ending::wrong) text += fmt::format(" ({})", like.front()->message.substr(0, like.front()->message.find('\n')));
+        if (ending == Ending::refused || ending == Ending::wrong)
+            text += fmt::format(" ({})", like.front()->message.substr(0, like.front()->message.find('\n')));
     }
     return text;
 }

@@ -26,7 +26,9 @@ public:
     double draw() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
     double draw(double from, double to) { return from + (to - from) * draw(); }
     template <class List>
-    const auto& one_of(const List& list) { return list[static_cast<std::size_t>(draw() * static_cast<double>(std::size(list)))]; }
+    const auto& one_of(const List& list) {
+        return list[static_cast<std::size_t>(draw() * static_cast<double>(std::size(list)))];
+    }
 
 private:
     std::mt19937_64 random_;
@@ -40,7 +42,7 @@ private:
 }
 
 struct OperatingPoint {
-    double ratio, thrust_ratio;   ///< S_1/S_2 that holds it at three quarters of the load
+    double ratio, thrust_ratio;  ///< S_1/S_2 that holds it at three quarters of the load
 };
 constexpr OperatingPoint points[] = {{2.4, 1.18}, {1.0, 1.355}, {0.417, 1.55}};
 
@@ -58,7 +60,8 @@ std::vector<std::string> lottery_machine(std::uint64_t seed, long number) {
     const DetailPreset& preset = urn.one_of(detail_presets());
     Scene scene;
     apply_detail(scene, preset.name);
-    for (const char* key : {"detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"}) settings.push_back(fmt::format("{}={}", key, value_text(*find_parameter(key), scene)));
+    for (const char* key : {"detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"})
+        settings.push_back(fmt::format("{}={}", key, value_text(*find_parameter(key), scene)));
     settings.push_back(urn.draw() < 0.5 ? "detail.friction=piecewise" : "detail.friction=smoothed");
     settings.push_back(urn.draw() < 0.5 ? "joint.law=linear" : "joint.law=palmgren");
     for (const Parameter& parameter : parameter_table()) {
@@ -78,7 +81,9 @@ std::vector<std::string> lottery_machine(std::uint64_t seed, long number) {
     return settings;
 }
 
-double LotteryTicket::slip_error(const LotteryRules& rules) const noexcept { return std::abs(slip - exact_slip) / std::max(std::abs(exact_slip), rules.least_slip); }
+double LotteryTicket::slip_error(const LotteryRules& rules) const noexcept {
+    return std::abs(slip - exact_slip) / std::max(std::abs(exact_slip), rules.least_slip);
+}
 
 double LotteryTicket::loss_error() const noexcept { return std::abs(loss - exact_loss) / exact_loss; }
 
@@ -160,7 +165,8 @@ LotteryTicket play(std::uint64_t seed, long number, const LotteryRules& rules) {
     ticket.number = number;
     try {
         const Scene scene = lottery_scene(seed, number, rules);
-        ticket.detail = fmt::format("{}{}{}", scene.parameters.detail.order, scene.parameters.detail.plates == model::PlateDetail::each ? " each" : " lumped",
+        ticket.detail = fmt::format("{}{}{}", scene.parameters.detail.order,
+                                    scene.parameters.detail.plates == model::PlateDetail::each ? " each" : " lumped",
                                     scene.parameters.detail.pulleys == model::PulleyDetail::elastic ? " elastic" : " rigid");
         settle_and_run(scene, ticket, rules);
     } catch (const std::exception& error) {
@@ -174,7 +180,8 @@ std::vector<LotteryTicket> play_all(std::uint64_t seed, long first, long count, 
     std::vector<LotteryTicket> tickets(static_cast<std::size_t>(count));
     long next = 0;
     engine::JobPool pool({threads});
-    pool.run([&](int) { return next < count ? next++ : -1; }, [&](int, long k) { tickets[static_cast<std::size_t>(k)] = play(seed, first + k, rules); });
+    pool.run([&](int) { return next < count ? next++ : -1; },
+             [&](int, long k) { tickets[static_cast<std::size_t>(k)] = play(seed, first + k, rules); });
     return tickets;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// Machines drawn by chance, run with what a user gets who sets nothing: whoever prints `finished` must be right, whoever is not must say so.
+/// Machines drawn by chance, run with what a user gets who sets nothing: whoever prints `finished` must be right, whoever is not must say
+/// so.
 
 #include <cstdint>
 #include <string>
@@ -11,31 +12,32 @@ namespace cvtflow::tasks {
 
 /// How a machine of the lottery is run.
 struct LotteryRules {
-    double settling_time = 20e-3;   ///< [s]
-    double duration = 20e-3;        ///< [s]
-    double refinement = 4.0;        ///< what it is compared with takes steps so many times shorter
-    double tolerance = 0.01;        ///< of slip and losses
-    double least_slip = 5e-4;       ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
+    double settling_time = 20e-3;  ///< [s]
+    double duration = 20e-3;       ///< [s]
+    double refinement = 4.0;       ///< what it is compared with takes steps so many times shorter
+    double tolerance = 0.01;       ///< of slip and losses
+    double least_slip =
+        5e-4;  ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
 };
 
-/// Settings of machine `number`: every physical parameter but lengths and angles within a factor of 2 of its default, clamping 5 … 80 kN, 500 … 6000 rpm, ratio
-/// 2.4, 1 or 0.417, up to 0.9 of the torque that friction carries, any level of detail, both friction laws, both contact laws of joints.
-/// The same for the same seed everywhere.
+/// Settings of machine `number`: every physical parameter but lengths and angles within a factor of 2 of its default, clamping 5 … 80 kN,
+/// 500 … 6000 rpm, ratio 2.4, 1 or 0.417, up to 0.9 of the torque that friction carries, any level of detail, both friction laws, both
+/// contact laws of joints. The same for the same seed everywhere.
 [[nodiscard]] std::vector<std::string> lottery_machine(std::uint64_t seed, long number);
 
 /// What came of a machine.
 struct LotteryTicket {
     long number = 0;
     std::string detail;
-    double step = 0.0;                 ///< last one in use [s]
-    std::string status;                ///< finished, unreliable, a fault's name, or refused
-    std::string notes;                 ///< names of what is odd
-    double slip = 0.0, exact_slip = 0.0;       ///< mean over the run; with shorter steps from the same settled start [1]
-    double loss = 0.0, exact_loss = 0.0;       ///< dissipated [J]
-    double residual = 0.0, exact_residual = 0.0;   ///< of the energy balance over the losses
+    double step = 0.0;                            ///< last one in use [s]
+    std::string status;                           ///< finished, unreliable, a fault's name, or refused
+    std::string notes;                            ///< names of what is odd
+    double slip = 0.0, exact_slip = 0.0;          ///< mean over the run; with shorter steps from the same settled start [1]
+    double loss = 0.0, exact_loss = 0.0;          ///< dissipated [J]
+    double residual = 0.0, exact_residual = 0.0;  ///< of the energy balance over the losses
     double suspicion = 0.0;
-    double wall = 0.0;                 ///< without the comparison [s]
-    std::string message;               ///< of a fault or refusal
+    double wall = 0.0;    ///< without the comparison [s]
+    std::string message;  ///< of a fault or refusal
 
     /// Relative differences.
     [[nodiscard]] double slip_error(const LotteryRules& rules) const noexcept;

@@ -15,15 +15,18 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Ends of a run whose step is far too long. Leapfrogs say before they begin if friction is too stiff for the step.
-const std::vector<FaultKind> diverged{FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up, FaultKind::too_stiff};
+const std::vector<FaultKind> diverged{FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up,
+                                      FaultKind::too_stiff};
 /// Ends of a run from such a state.
 const std::vector<FaultKind> unsound{FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up};
 
 void put(const Simulation& simulation, IntegrationState& start, double value) {
     const model::ChainLayout& at = simulation.variator().layout();
-    start.state[static_cast<std::size_t>(at.link_begin(3) + at.link_size())] = value;   // a velocity of link 3
+    start.state[static_cast<std::size_t>(at.link_begin(3) + at.link_size())] = value;  // a velocity of link 3
 }
-void put_nan(const Simulation& simulation, double, IntegrationState& start) { put(simulation, start, std::numeric_limits<double>::quiet_NaN()); }
+void put_nan(const Simulation& simulation, double, IntegrationState& start) {
+    put(simulation, start, std::numeric_limits<double>::quiet_NaN());
+}
 void put_infinity(const Simulation& simulation, double, IntegrationState& start) { put(simulation, start, infinity); }
 void put_huge(const Simulation& simulation, double, IntegrationState& start) { put(simulation, start, 1e300); }
 /// Finite, its square is not.
@@ -39,7 +42,8 @@ void put_late(const Simulation& simulation, double, IntegrationState& start) {
     const std::size_t begin = static_cast<std::size_t>(simulation.variator().layout().pulley_begin());
     const double turned = pulleys.reference_angle(1e4);
     if (pulleys.size() == 36) {
-        for (const int body : {0, model::sheave_body(0, 0), model::sheave_body(0, 1)}) start.state[begin + static_cast<std::size_t>(model::body_freedom(body, 5))] += turned;
+        for (const int body : {0, model::sheave_body(0, 0), model::sheave_body(0, 1)})
+            start.state[begin + static_cast<std::size_t>(model::body_freedom(body, 5))] += turned;
     } else {
         start.state[begin] += turned;
     }
@@ -57,7 +61,7 @@ void add_step_rows(std::vector<Extreme>& rows) {
         rows.push_back({"steps", fmt::format("{:g} s", step), {}});
         rows.back().step = step;
     }
-    for (const double step : {3e-7, 1e-6, 3e-6}) {   // in the range of stability limits
+    for (const double step : {3e-7, 1e-6, 3e-6}) {  // in the range of stability limits
         rows.push_back({"steps", fmt::format("{:g} s", step), {}, {Ending::right, Ending::fault, Ending::announced}, diverged});
         rows.back().step = step;
     }
@@ -86,7 +90,8 @@ void add_number_rows(std::vector<Extreme>& rows) {
     row("t = infinity", put_last, {Ending::refused}, {}, 5e-8);
     row("t = NaN", put_never, {Ending::refused}, {}, 5e-8);
     for (const char* value : {"1e308", "1e-308", "5e-324", "inf", "nan", "-0.0"}) {
-        rows.push_back({"numbers", fmt::format("load.torque = {}", value), {fmt::format("load.torque={}", value)}, {Ending::right, Ending::refused}});
+        rows.push_back(
+            {"numbers", fmt::format("load.torque = {}", value), {fmt::format("load.torque={}", value)}, {Ending::right, Ending::refused}});
         rows.push_back({"numbers", fmt::format("half.mass = {}", value), {fmt::format("half.mass={}", value)}, {Ending::refused}});
         rows.push_back({"numbers", fmt::format("run.step = {}", value), {fmt::format("run.step={}", value)}, {Ending::refused}});
     }
@@ -97,14 +102,19 @@ void add_limit_rows(std::vector<Extreme>& rows) {
     for (const Parameter& parameter : parameter_table()) {
         const std::string_view section = parameter.section();
         if (section == "run" || section == "scene" || section == "record") continue;
-        if (parameter.kind() != Kind::number && parameter.kind() != Kind::auto_number && parameter.kind() != Kind::time_table && parameter.kind() != Kind::number_list) continue;
+        if (parameter.kind() != Kind::number && parameter.kind() != Kind::auto_number && parameter.kind() != Kind::time_table &&
+            parameter.kind() != Kind::number_list)
+            continue;
         for (const double value : {parameter.min, parameter.max}) {
             const std::string text = number_text(value);
-            const std::string setting = parameter.kind() == Kind::number_list ? fmt::format("{}=[{}]", parameter.key, text) : fmt::format("{}={}", parameter.key, text);
-            rows.push_back({"limits", fmt::format("{} = {}", parameter.key, text), {setting}, {Ending::right, Ending::refused, Ending::fault}});
+            const std::string setting = parameter.kind() == Kind::number_list ? fmt::format("{}=[{}]", parameter.key, text)
+                                                                              : fmt::format("{}={}", parameter.key, text);
+            rows.push_back(
+                {"limits", fmt::format("{} = {}", parameter.key, text), {setting}, {Ending::right, Ending::refused, Ending::fault}});
             rows.back().steps = 100;
-            rows.back().bound = 5e-3;   // the start may put all energy into the stiffest mode, which methods damp by 3e-5 a step at a tenth of stability
-            rows.back().swing = 0.02;   // and there h omega = 0.28, a tenth of 2 sqrt 2
+            rows.back().bound =
+                5e-3;  // the start may put all energy into the stiffest mode, which methods damp by 3e-5 a step at a tenth of stability
+            rows.back().swing = 0.02;  // and there h omega = 0.28, a tenth of 2 sqrt 2
         }
     }
 }

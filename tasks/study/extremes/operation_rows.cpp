@@ -20,7 +20,7 @@ struct Sheave {
         outwards = shaft == 0 ? 1.0 : -1.0;
     }
     std::size_t position, velocity;
-    double outwards;   ///< sign of motion that opens the wedge
+    double outwards;  ///< sign of motion that opens the wedge
 };
 
 /// Deepest tip between any sheaves for a state.
@@ -56,7 +56,8 @@ void compress(const Simulation& simulation, double, IntegrationState& start) {
     const double middle = 0.5 * simulation.workspace().parameters.pulley.centre_distance;
     for (int link = 0; link < at.links; ++link) {
         double* q = start.state.data() + at.link_begin(link);
-        for (const model::End end : {model::End::rear, model::End::front}) q[at.link_size() + at.x(end, 0)] -= std::copysign(10.0, q[at.x(end, 0)] - middle);
+        for (const model::End end : {model::End::rear, model::End::front})
+            q[at.link_size() + at.x(end, 0)] -= std::copysign(10.0, q[at.x(end, 0)] - middle);
     }
 }
 /// The whole chain moves across both pulleys: by a millimetre within 10 us.
@@ -69,7 +70,8 @@ void throw_aside(const Simulation& simulation, double, IntegrationState& start) 
 }
 void open_wide(const Simulation& simulation, double, IntegrationState& start) { move_both(simulation, start, 1e-3, 0.0); }
 
-/// Opens both wedges about their pins: the movable sheaves by `distance`, the links between them by half of it, so that tips on both sides part.
+/// Opens both wedges about their pins: the movable sheaves by `distance`, the links between them by half of it, so that tips on both sides
+/// part.
 void move_wedges(const Simulation& simulation, IntegrationState& start, double distance, double speed) {
     move_both(simulation, start, distance, speed);
     const model::ChainLayout& at = simulation.variator().layout();
@@ -98,7 +100,7 @@ std::vector<double> drifted(const Simulation& simulation, std::vector<double> st
 /// Both wedges opened until the deepest tip of all, so much later, has a depth of zero, as far as doubles can say.
 void open_to_zero(const Simulation& simulation, IntegrationState& start, double later) {
     const std::vector<double> closed = start.state;
-    double low = -1e-4, high = 1e-3;   // wider, and links of the strands would meet the sheaves of the other shaft
+    double low = -1e-4, high = 1e-3;  // wider, and links of the strands would meet the sheaves of the other shaft
     for (int halving = 0; halving < 200; ++halving) {
         const double middle = 0.5 * (low + high);
         start.state = closed;
@@ -148,24 +150,30 @@ void add_operation_rows(std::vector<Extreme>& rows) {
     rows.back().faults = {FaultKind::penetration, FaultKind::left_sheave};
     rows.back().steps = 400;
     row("10 times the load", {"load.torque=120 N*m"});
-    row("gross slip: 1e5 N m stop shaft 2 in 75 us", {"load.torque=1e5 N*m"}).steps = 400;   // 20 us: tips slide at 1 m/s, 100 times v0
+    row("gross slip: 1e5 N m stop shaft 2 in 75 us", {"load.torque=1e5 N*m"}).steps = 400;  // 20 us: tips slide at 1 m/s, 100 times v0
     row("jump of the load within one step", {"load.torque=[[0, \"12 N*m\"], [1e-12, \"-1e5 N*m\"]]"});
-    row("jump of the clamping within one step", {"clamping.driving=[[0, \"7.7 kN\"], [1e-12, \"1e7 N\"]]"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up};
+    row("jump of the clamping within one step", {"clamping.driving=[[0, \"7.7 kN\"], [1e-12, \"1e7 N\"]]"}, right_or_fault).faults = {
+        FaultKind::penetration, FaultKind::left_sheave, FaultKind::blow_up};
     row("clamping gone within one step", {"clamping.driving=[[0, \"7.7 kN\"], [1e-12, \"0 N\"]]"});
     row("speed zero", {"drive.speed=0"});
     row("speed zero from the start", {"drive.speed=0", "load.torque=0"}).geometric = true;
     row("reversal within one step", {"drive.speed=[[0, \"2000 rpm\"], [1e-12, \"-2000 rpm\"]]"});
     row("20,000 rpm", {"drive.speed=20000 rpm"}, right_or_fault).geometric = true;
     rows.back().faults = {FaultKind::penetration, FaultKind::left_sheave};
-    row("free ring at 20,000 rpm", {"detail.pulleys=absent", "start.layout=ring", "start.ring_speed=20000 rpm"}, {Ending::right, Ending::refused});
+    row("free ring at 20,000 rpm", {"detail.pulleys=absent", "start.layout=ring", "start.ring_speed=20000 rpm"},
+        {Ending::right, Ending::refused});
     row("faster than the limit", {"drive.speed=40000 rpm"}, {Ending::refused});
     row("ratio beyond the sheaves", {"start.ratio=5"}, {Ending::refused}).geometric = true;
-    row("the chain leaves the sheaves at 100 m/s", {"pulley.innermost=14.5 mm", "pulley.outermost=17.5 mm"}, {Ending::fault}).prepare = throw_aside;
+    row("the chain leaves the sheaves at 100 m/s", {"pulley.innermost=14.5 mm", "pulley.outermost=17.5 mm"}, {Ending::fault}).prepare =
+        throw_aside;
     rows.back().faults = {FaultKind::left_sheave};
     rows.back().geometric = true;
-    rows.back().steps = 1000;   // 50 us at most
-    row("drive by a torque of 1e5 N m", {"drive.mode=torque", "drive.torque=1e5"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
-    row("ratio control wound up", {"control.enabled=true", "control.ratio=5", "control.integral=1e12", "control.authority=1e6"}, right_or_fault).faults = {FaultKind::penetration, FaultKind::left_sheave};
+    rows.back().steps = 1000;  // 50 us at most
+    row("drive by a torque of 1e5 N m", {"drive.mode=torque", "drive.torque=1e5"}, right_or_fault).faults = {FaultKind::penetration,
+                                                                                                             FaultKind::left_sheave};
+    row("ratio control wound up", {"control.enabled=true", "control.ratio=5", "control.integral=1e12", "control.authority=1e6"},
+        right_or_fault)
+        .faults = {FaultKind::penetration, FaultKind::left_sheave};
 }
 
 void add_contact_rows(std::vector<Extreme>& rows) {
@@ -178,7 +186,10 @@ void add_contact_rows(std::vector<Extreme>& rows) {
     rows.back().least_transitions = 20;
     rows.back().bound = 1e-2;
     row("a chain of 84: over 100 tips meet the sheaves within one step",
-        {"chain.pins=84", "pulley.centre_distance=170 mm", "pulley.arc_position=54.44 mm", "pulley.innermost=25 mm", "pulley.outermost=80 mm"}, {Ending::right}).prepare = slam;
+        {"chain.pins=84", "pulley.centre_distance=170 mm", "pulley.arc_position=54.44 mm", "pulley.innermost=25 mm",
+         "pulley.outermost=80 mm"},
+        {Ending::right})
+        .prepare = slam;
     rows.back().geometric = true;
     rows.back().least_transitions = 100;
     rows.back().steps = 2;

@@ -26,13 +26,15 @@ void work(void* context, int item) noexcept {
 /// Names the only cycle until time is up; keeps the time of each batch of cycles.
 class TimedCycles final : public engine::Controller {
 public:
-    explicit TimedCycles(double seconds) : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {
+    explicit TimedCycles(double seconds)
+        : end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds))) {
         batches_.reserve(most);
     }
     int next() noexcept override {
         if (cycle_++ % batch != 0) return 0;
         const auto now = Clock::now();
-        if (cycle_ > batch + 1) batches_.push_back(std::chrono::duration<double>(now - begin_).count() / batch);   // the first batch warms up
+        if (cycle_ > batch + 1)
+            batches_.push_back(std::chrono::duration<double>(now - begin_).count() / batch);  // the first batch warms up
         begin_ = now;
         return (now > end_ && !batches_.empty()) || batches_.size() == most ? stop : 0;
     }

@@ -6,8 +6,8 @@
 namespace cvtflow::tasks {
 
 struct CycleCost {
-    double seconds = 0.0;   ///< per cycle, above the task's own time [s]
-    int active = 0;         ///< threads that ran at least a quarter of their share of tasks
+    double seconds = 0.0;  ///< per cycle, above the task's own time [s]
+    int active = 0;        ///< threads that ran at least a quarter of their share of tasks
 };
 
 /// Cycles of one task of about 2 us per thread, in a graph of one level: their time above that of a single task run serially just before;

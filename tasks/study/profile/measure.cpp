@@ -14,8 +14,8 @@ namespace {
 
 constexpr long first_steps = 4;
 constexpr long more_steps = 36;
-constexpr double cycle_seconds = 0.01;   // of a turn of bare cycles
-constexpr long most_stamps = 500000;   // of a thread: 12 MB
+constexpr double cycle_seconds = 0.01;  // of a turn of bare cycles
+constexpr long most_stamps = 500000;    // of a thread: 12 MB
 
 /// Samples of one lane under one load.
 struct Samples {
@@ -44,8 +44,15 @@ void turn(Lane& lane, Samples& samples, const MeasureOptions& options, int round
 }
 
 LoadResult load_result(const Samples& samples, int neighbours) {
-    return {neighbours, spread(samples.step), median(samples.evaluation), median(samples.busy), 0.0, static_cast<int>(samples.step.size()), samples.dropped,
-            median(samples.cpu), 0.0};
+    return {neighbours,
+            spread(samples.step),
+            median(samples.evaluation),
+            median(samples.busy),
+            0.0,
+            static_cast<int>(samples.step.size()),
+            samples.dropped,
+            median(samples.cpu),
+            0.0};
 }
 
 /// Synchronisation alone, right beside the schedule's own turn.
@@ -68,17 +75,16 @@ void sum_up_cycles(Lane& lane) {
 
 }  // namespace
 
-std::string schedule_name(const Schedule& schedule) {
-    return schedule.executor + ":" + assembly_name(schedule.assembly);
-}
+std::string schedule_name(const Schedule& schedule) { return schedule.executor + ":" + assembly_name(schedule.assembly); }
 
 std::vector<std::string> hash_differences(const std::vector<ScheduleResult>& results, std::uint64_t short_hash) {
     std::vector<std::string> lines;
     for (const ScheduleResult& result : results) {
         const std::uint64_t expected = result.hash_steps == first_steps ? short_hash : results.front().hash;
         if (result.hash == expected) continue;
-        lines.push_back(fmt::format("{} with {} segments and {} threads: state {} after {} steps, serial has {}", result.name, result.schedule.segments,
-                                    result.schedule.threads, engine::hex(result.hash), result.hash_steps, engine::hex(expected)));
+        lines.push_back(fmt::format("{} with {} segments and {} threads: state {} after {} steps, serial has {}", result.name,
+                                    result.schedule.segments, result.schedule.threads, engine::hex(result.hash), result.hash_steps,
+                                    engine::hex(expected)));
     }
     return lines;
 }
@@ -130,11 +136,12 @@ namespace {
 
 /// Twice what the first steps took, all threads together: one thread may do it all, and transitions and iterations repeat cycles.
 int stamps_of_a_step(const Scene& scene, const Schedule& schedule) {
-    engine::StampRecorder recorder(schedule.threads, 64);   // counts what it does not keep
+    engine::StampRecorder recorder(schedule.threads, 64);  // counts what it does not keep
     Trial probe(scene, schedule, &recorder);
     const long steps = probe.run(first_steps).steps;
     long stamps = 0;
-    for (int thread = 0; thread < recorder.threads(); ++thread) stamps += static_cast<long>(recorder.spans(thread).size()) + recorder.lost(thread);
+    for (int thread = 0; thread < recorder.threads(); ++thread)
+        stamps += static_cast<long>(recorder.spans(thread).size()) + recorder.lost(thread);
     return static_cast<int>(2 * stamps / std::max(1L, steps)) + 32;
 }
 
@@ -152,7 +159,8 @@ void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options, 
     const double per_step = lane.result.loads.front().step.median;
     if (lane.dropped || per_step <= 0.0) return;
     const int stamps = stamps_of_a_step(scene, lane.result.schedule);
-    recording.steps = std::clamp(options.steps > 0 ? options.steps : steps_within(options.round_seconds, per_step), 1L, std::max(1L, std::min(100L, most_stamps / stamps)));
+    recording.steps = std::clamp(options.steps > 0 ? options.steps : steps_within(options.round_seconds, per_step), 1L,
+                                 std::max(1L, std::min(100L, most_stamps / stamps)));
     engine::StampRecorder recorder(lane.result.schedule.threads, static_cast<int>(recording.steps) * stamps);
     Trial recorded(scene, lane.result.schedule, &recorder);
     recorded.run(first_steps);

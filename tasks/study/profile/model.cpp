@@ -15,12 +15,13 @@ double amdahl_speed_up(double serial_share, int threads) noexcept { return 1.0 /
 
 double meeting(const PathCosts& costs, int threads, MeetingLaw law) noexcept {
     if (threads == 1) return 0.0;
-    return law == MeetingLaw::linear ? costs.synchronisation + costs.per_thread * threads : costs.synchronisation_tree + costs.per_doubling * std::log2(threads);
+    return law == MeetingLaw::linear ? costs.synchronisation + costs.per_thread * threads
+                                     : costs.synchronisation_tree + costs.per_doubling * std::log2(threads);
 }
 
 double expected_largest(int count) noexcept {
     if (count < 2) return 0.0;
-    const double upper = 1.0 - (count - 0.375) / (count + 0.25);   // share of normal numbers above
+    const double upper = 1.0 - (count - 0.375) / (count + 0.25);  // share of normal numbers above
     double low = 0.0, high = 10.0;
     for (int i = 0; i < 60; ++i) {
         const double middle = 0.5 * (low + high);
@@ -43,7 +44,7 @@ double step_time(const PathCosts& costs, const Partition& partition, int threads
     const bool alone = threads == 1 && segments == 1;
     double evaluation = 0.0, detection = 0.0, spread = 0.0;
     for (int thread = 0, first = 0; thread < threads; ++thread) {
-        const int last = first + segments / threads + (thread < segments % threads);   // as executors share
+        const int last = first + segments / threads + (thread < segments % threads);  // as executors share
         double time = 0.0;
         int own = 0;
         for (int s = first; s < last; ++s) {
@@ -59,12 +60,15 @@ double step_time(const PathCosts& costs, const Partition& partition, int threads
     }
     const double late = costs.jitter * std::sqrt(static_cast<double>(links) / threads) * expected_largest(threads);
     const double stretch = threads == 1 ? 1.0 : costs.stretch, between = costs.controller + (threads == 1 ? 0.0 : meeting);
-    return costs.evaluations * (stretch * evaluation + late + between) + stretch * (detection + spread) + costs.own_single + between + costs.other_cycles * between;
+    return costs.evaluations * (stretch * evaluation + late + between) + stretch * (detection + spread) + costs.own_single + between +
+           costs.other_cycles * between;
 }
 
 double predicted_speed_up(const PathCosts& costs, int threads, const std::vector<bool>& touching, MeetingLaw law) {
     const int links = static_cast<int>(touching.size());
-    return step_time(costs, Partition::equal(links, 1), 1, touching, 0.0) / step_time(costs, Partition::equal(links, threads, Partition::grain(costs.lanes)), threads, touching, meeting(costs, threads, law));
+    return step_time(costs, Partition::equal(links, 1), 1, touching, 0.0) /
+           step_time(costs, Partition::equal(links, threads, Partition::grain(costs.lanes)), threads, touching,
+                     meeting(costs, threads, law));
 }
 
 void fit_links(std::span<const SegmentCost> samples, PathCosts& costs) {
@@ -73,7 +77,8 @@ void fit_links(std::span<const SegmentCost> samples, PathCosts& costs) {
         for (const SegmentCost& sample : samples) sum += part(sample);
         return sum;
     };
-    const bool distinct = total([](const SegmentCost& s) { return s.free; }) > 0.0 && total([](const SegmentCost& s) { return s.touching; }) > 0.0;
+    const bool distinct =
+        total([](const SegmentCost& s) { return s.free; }) > 0.0 && total([](const SegmentCost& s) { return s.touching; }) > 0.0;
     Eigen::MatrixXd counts(static_cast<Eigen::Index>(samples.size()), distinct ? 3 : 2);
     Eigen::VectorXd times(static_cast<Eigen::Index>(samples.size()));
     for (Eigen::Index row = 0; row < times.size(); ++row) {
@@ -84,7 +89,7 @@ void fit_links(std::span<const SegmentCost> samples, PathCosts& costs) {
         times(row) = sample.seconds;
     }
     Eigen::VectorXd fit = counts.completeOrthogonalDecomposition().solve(times);
-    if (fit(0) < 0.0) {   // no border costs less than nothing: once more without
+    if (fit(0) < 0.0) {  // no border costs less than nothing: once more without
         fit(0) = 0.0;
         fit.tail(fit.size() - 1) = counts.rightCols(fit.size() - 1).completeOrthogonalDecomposition().solve(times);
     }
@@ -116,21 +121,27 @@ void fit_law(std::span<const ThreadCost> samples, double (*of)(double), double& 
 }  // namespace
 
 void fit_synchronisation(std::span<const ThreadCost> samples, PathCosts& costs) {
-    fit_law(samples, [](double threads) { return threads; }, costs.synchronisation, costs.per_thread);
-    fit_law(samples, [](double threads) { return std::log2(threads); }, costs.synchronisation_tree, costs.per_doubling);
+    fit_law(
+        samples, [](double threads) { return threads; }, costs.synchronisation, costs.per_thread);
+    fit_law(
+        samples, [](double threads) { return std::log2(threads); }, costs.synchronisation_tree, costs.per_doubling);
 }
 
-std::vector<SpeedUpRow> speed_up_curves(const PathCosts& costs, double serial_share, const std::vector<bool>& touching, int measured, int most) {
+std::vector<SpeedUpRow> speed_up_curves(const PathCosts& costs, double serial_share, const std::vector<bool>& touching, int measured,
+                                        int most) {
     const int links = static_cast<int>(touching.size());
     const double serial = step_time(costs, Partition::equal(links, 1), 1, touching, 0.0);
     PathCosts punctual = costs;
     punctual.jitter = 0.0;
     std::vector<SpeedUpRow> rows;
     for (int threads = 1; threads <= std::min(most, links); ++threads) {
-        const double farther = meeting(costs, threads, MeetingLaw::linear) + (far - 1.0) * costs.per_thread * std::max(0, threads - std::max(1, measured));
-        rows.push_back({threads, static_cast<double>(threads), even_speed_up(links, threads), amdahl_speed_up(serial_share, threads),
-                        predicted_speed_up(costs, threads, touching), serial / step_time(costs, Partition::equal(links, threads, Partition::grain(costs.lanes)), threads, touching, farther),
-                        predicted_speed_up(punctual, threads, touching, MeetingLaw::logarithmic)});
+        const double farther =
+            meeting(costs, threads, MeetingLaw::linear) + (far - 1.0) * costs.per_thread * std::max(0, threads - std::max(1, measured));
+        rows.push_back(
+            {threads, static_cast<double>(threads), even_speed_up(links, threads), amdahl_speed_up(serial_share, threads),
+             predicted_speed_up(costs, threads, touching),
+             serial / step_time(costs, Partition::equal(links, threads, Partition::grain(costs.lanes)), threads, touching, farther),
+             predicted_speed_up(punctual, threads, touching, MeetingLaw::logarithmic)});
     }
     return rows;
 }

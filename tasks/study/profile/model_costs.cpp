@@ -39,11 +39,12 @@ std::vector<bool> touching_links(const Workspace& workspace) {
 /// Evaluation tasks of recorded serial runs: median time of each, and the spread of a link's.
 struct SegmentSamples {
     std::vector<SegmentCost> segments;
-    std::vector<double> jitter;   ///< [s per square root of links]
+    std::vector<double> jitter;  ///< [s per square root of links]
 };
 
 /// Tasks of the method's own cycles per step: alone on their level, or side by side.
-void sample_own_cycles(const engine::TaskGraph& graph, const std::vector<std::vector<double>>& times, double runs_kept_per_step, PathCosts& costs) {
+void sample_own_cycles(const engine::TaskGraph& graph, const std::vector<std::vector<double>>& times, double runs_kept_per_step,
+                       PathCosts& costs) {
     costs.own_tasks = costs.own_single = 0.0;
     for (int cycle = method_cycles; cycle < graph.cycles(); ++cycle) {
         for (int level = 0; level < graph.levels(cycle); ++level) {
@@ -107,7 +108,8 @@ double evaluation_cycles(const Recording& recording) {
     double tasks = 0.0, runs = 0.0;
     for (const int cycle : recording.cycles) tasks += cycle == evaluate_cycle ? 1.0 : 0.0;
     for (const auto& thread : recording.spans) {
-        for (const engine::Span& span : thread) runs += span.what >= 0 && recording.cycles[static_cast<std::size_t>(span.what)] == evaluate_cycle ? 1.0 : 0.0;
+        for (const engine::Span& span : thread)
+            runs += span.what >= 0 && recording.cycles[static_cast<std::size_t>(span.what)] == evaluate_cycle ? 1.0 : 0.0;
     }
     return runs / tasks;
 }
@@ -151,7 +153,8 @@ Partition partition_of(const ScheduleResult& result, const ProfileModel& model) 
 double stretch_of(const ScheduleResult& result, const ProfileModel& model) {
     const Recording& recording = result.recording;
     const int threads = result.schedule.threads;
-    if (threads == 1 || result.schedule.assembly.kind != Assembly::fused || result.schedule.balanced || recording.pass.active() < threads) return 0.0;
+    if (threads == 1 || result.schedule.assembly.kind != Assembly::fused || result.schedule.balanced || recording.pass.active() < threads)
+        return 0.0;
     const std::vector<double> times = median_task_times(recording.spans, static_cast<int>(recording.tasks.size()));
     double measured = 0.0;
     for (std::size_t task = 0; task < times.size(); ++task) measured += recording.cycles[task] == evaluate_cycle ? times[task] : 0.0;
@@ -177,7 +180,8 @@ double fused_prediction(const ScheduleResult& result, const ProfileModel& model,
 }
 
 /// Tasks of serial:staged per step, as evenly as whole segments go, the controller's cycles, a meeting per level.
-double staged_prediction(const ScheduleResult& result, const ScheduleResult& staged, const ScheduleResult& serial, const ProfileModel& model, double own_meeting) {
+double staged_prediction(const ScheduleResult& result, const ScheduleResult& staged, const ScheduleResult& serial,
+                         const ProfileModel& model, double own_meeting) {
     const int threads = result.schedule.threads, segments = result.schedule.segments;
     const double steps = static_cast<double>(result.recording.steps), serial_steps = static_cast<double>(staged.recording.steps);
     if (steps == 0.0 || serial_steps == 0.0) return 0.0;
@@ -188,12 +192,16 @@ double staged_prediction(const ScheduleResult& result, const ScheduleResult& sta
 }
 
 void predict(std::vector<ScheduleResult>& results, const ProfileModel& model) {
-    const auto staged = std::find_if(results.begin(), results.end(), [](const ScheduleResult& result) { return result.name == "serial:staged"; });
+    const auto staged =
+        std::find_if(results.begin(), results.end(), [](const ScheduleResult& result) { return result.name == "serial:staged"; });
     for (ScheduleResult& result : results) {
         const int threads = result.schedule.threads;
-        const double own = threads == 1 ? 0.0 : result.cycle.active == threads ? std::max(0.0, result.cycle.seconds) : meeting(model.costs, threads, MeetingLaw::linear);
+        const double own = threads == 1                     ? 0.0
+                           : result.cycle.active == threads ? std::max(0.0, result.cycle.seconds)
+                                                            : meeting(model.costs, threads, MeetingLaw::linear);
         if (result.name.ends_with(":fused")) result.predicted = fused_prediction(result, model, own);
-        if (result.name.ends_with(":staged") && staged != results.end()) result.predicted = staged_prediction(result, *staged, results.front(), model, own);
+        if (result.name.ends_with(":staged") && staged != results.end())
+            result.predicted = staged_prediction(result, *staged, results.front(), model, own);
     }
 }
 
@@ -218,7 +226,8 @@ ProfileModel measure_model(const Scene& scene, std::vector<ScheduleResult>& resu
     model.serial_share = serial.recording.pass.serial_share();
     if (serial.recording.steps > 0) {
         model.costs.evaluations = evaluation_cycles(serial.recording) / static_cast<double>(serial.recording.steps);
-        model.costs.other_cycles = std::max(0.0, serial.recording.pass.cycles / static_cast<double>(serial.recording.steps) - model.costs.evaluations - 1.0);
+        model.costs.other_cycles =
+            std::max(0.0, serial.recording.pass.cycles / static_cast<double>(serial.recording.steps) - model.costs.evaluations - 1.0);
     }
     measure_synchronisation(model);
     measure_stretch(results, model);

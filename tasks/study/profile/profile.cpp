@@ -25,7 +25,8 @@ Kind kind_of(const std::string& name, const AssemblyOptions& usual) {
     if (row == nullptr) {
         std::vector<std::string> names;
         for (const engine::ExecutorRow& each : engine::executors()) names.emplace_back(each.name);
-        throw SceneError(fmt::format("--schedules: there is no executor '{}'{} (cvtflow list executors)", executor, engine::did_you_mean(engine::closest(executor, names))));
+        throw SceneError(fmt::format("--schedules: there is no executor '{}'{} (cvtflow list executors)", executor,
+                                     engine::did_you_mean(engine::closest(executor, names))));
     }
     if (colon == std::string::npos) return {row, usual};
     try {
@@ -59,7 +60,9 @@ std::vector<Schedule> chosen_schedules(const Scene& scene, const ScheduleChoice&
     for (const Kind& kind : kinds(scene, choice.names)) {
         for (const int number : kind.row->parallel ? threads : std::vector<int>{1}) {
             for (const int parts : segments) {
-                if (number < 1 || parts < 0 || parts > links) throw SceneError(fmt::format("--threads {}, --segments {}: at least 1 thread and 1 to {} segments", number, parts, links));
+                if (number < 1 || parts < 0 || parts > links)
+                    throw SceneError(
+                        fmt::format("--threads {}, --segments {}: at least 1 thread and 1 to {} segments", number, parts, links));
                 Schedule schedule;
                 schedule.executor = std::string(kind.row->name);
                 schedule.assembly = kind.assembly;
@@ -87,7 +90,8 @@ double load_average() {
 const ScheduleResult* Profile::best_fused(int threads) const noexcept {
     const ScheduleResult* best = nullptr;
     for (const ScheduleResult& result : results) {
-        if (result.schedule.threads != threads || result.schedule.assembly.kind != Assembly::fused || result.loads.front().rounds == 0) continue;
+        if (result.schedule.threads != threads || result.schedule.assembly.kind != Assembly::fused || result.loads.front().rounds == 0)
+            continue;
         if (best == nullptr || result.loads.front().speed_up > best->loads.front().speed_up) best = &result;
     }
     return best;

@@ -9,11 +9,12 @@ namespace cvtflow::tasks {
 
 /// Which schedules are compared.
 struct ScheduleChoice {
-    std::vector<std::string> names{};   ///< "executor" (the scene's assembly) or "executor:fused", "executor:staged"; none: all executors x both
-    std::vector<int> threads{};         ///< none: as many as are usable
-    std::vector<int> segments{};        ///< 0: as many as threads; none: 0
-    engine::Wait wait = engine::Wait::balanced;   ///< of our own executors
-    bool pin = false;                   ///< each thread on one processor
+    std::vector<std::string>
+        names{};                  ///< "executor" (the scene's assembly) or "executor:fused", "executor:staged"; none: all executors x both
+    std::vector<int> threads{};   ///< none: as many as are usable
+    std::vector<int> segments{};  ///< 0: as many as threads; none: 0
+    engine::Wait wait = engine::Wait::balanced;  ///< of our own executors
+    bool pin = false;                            ///< each thread on one processor
 };
 
 /// The schedules of a choice, serial:fused with one segment first, none twice. Executors of one thread appear once per assembly.
@@ -21,9 +22,9 @@ struct ScheduleChoice {
 [[nodiscard]] std::vector<Schedule> chosen_schedules(const Scene& scene, const ScheduleChoice& choice);
 
 struct Profile {
-    std::vector<ScheduleResult> results;   ///< the first is serial:fused
-    StageTable stages;                     ///< of all of them
-    std::vector<ThreadCost> bare;          ///< bare barrier by number of threads [s per cycle]
+    std::vector<ScheduleResult> results;  ///< the first is serial:fused
+    StageTable stages;                    ///< of all of them
+    std::vector<ThreadCost> bare;         ///< bare barrier by number of threads [s per cycle]
     ProfileModel model;
     std::vector<std::string> differences;  ///< in hashes; must be empty
     double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown

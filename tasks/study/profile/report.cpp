@@ -35,18 +35,25 @@ std::string environment(const char* name) {
 
 ordered_json provenance_json() {
     const engine::Provenance here = engine::current_provenance();
-    return {{"version", here.version},       {"commit", here.commit},
-            {"compiler", here.compiler},     {"build_type", here.build_type},
-            {"flags", compiler_flags()},     {"instruction_set", here.instruction_set},
-            {"tbb", engine::tbb_version()},  {"openmp", engine::openmp_version()},
-            {"cpu", here.cpu},               {"cores", here.cores},
-            {"usable_threads", usable_threads()}, {"os", here.os},
+    return {{"version", here.version},
+            {"commit", here.commit},
+            {"compiler", here.compiler},
+            {"build_type", here.build_type},
+            {"flags", compiler_flags()},
+            {"instruction_set", here.instruction_set},
+            {"tbb", engine::tbb_version()},
+            {"openmp", engine::openmp_version()},
+            {"cpu", here.cpu},
+            {"cores", here.cores},
+            {"usable_threads", usable_threads()},
+            {"os", here.os},
             {"date", here.date}};
 }
 
 ordered_json load_json(const LoadResult& load) {
     return {{"neighbours", load.neighbours},
-            {"step", {{"lower_quartile", load.step.lower_quartile}, {"median", load.step.median}, {"upper_quartile", load.step.upper_quartile}}},
+            {"step",
+             {{"lower_quartile", load.step.lower_quartile}, {"median", load.step.median}, {"upper_quartile", load.step.upper_quartile}}},
             {"evaluation", load.evaluation},
             {"cpu_per_wall", load.cpu_per_wall},
             {"cpu", load.cpu},
@@ -109,7 +116,13 @@ ordered_json model_json(const ProfileModel& model) {
     const PathCosts& costs = model.costs;
     ordered_json curves = ordered_json::array();
     for (const SpeedUpRow& row : model.curves) {
-        curves.push_back({{"threads", row.threads}, {"ideal", row.ideal}, {"even", row.even}, {"amdahl", row.amdahl}, {"predicted", row.predicted}, {"low", row.low}, {"high", row.high}});
+        curves.push_back({{"threads", row.threads},
+                          {"ideal", row.ideal},
+                          {"even", row.even},
+                          {"amdahl", row.amdahl},
+                          {"predicted", row.predicted},
+                          {"low", row.low},
+                          {"high", row.high}});
     }
     return {{"links", model.touching.size()},
             {"touching_links", std::count(model.touching.begin(), model.touching.end(), true)},
@@ -144,8 +157,10 @@ std::string compiler_flags() { return CVTFLOW_FLAGS; }
 
 std::string profile_csv(const Scene& scene, const Profile& profile) {
     std::string text =
-        "scene,schedule,executor,assembly,threads,segments,neighbours,step_us,step_lower_quartile_us,step_upper_quartile_us,evaluation_us,speed_up,"
-        "cpu_per_wall,rounds,dropped,active_threads,synchronisation_us,cycle_cost_us,least_task_us,imbalance,recording_cost,hash,wait,pinned,omp_wait_policy,"
+        "scene,schedule,executor,assembly,threads,segments,neighbours,step_us,step_lower_quartile_us,step_upper_quartile_us,evaluation_us,"
+        "speed_up,"
+        "cpu_per_wall,rounds,dropped,active_threads,synchronisation_us,cycle_cost_us,least_task_us,imbalance,recording_cost,hash,wait,"
+        "pinned,omp_wait_policy,"
         "gomp_spincount,kmp_blocktime,cpu_us,burnt_us,bare_barrier_us,predicted_speed_up,commit,compiler,flags,tbb,openmp,cpu,cores,date\n";
     const engine::Provenance here = engine::current_provenance();
     const std::string provenance =
@@ -155,16 +170,19 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
         const RecordedPass& pass = result.recording.pass;
         const std::string alone = result.cycle.active == result.schedule.threads ? fmt::format("{:.4f}", 1e6 * result.cycle.seconds) : "";
         for (const LoadResult& load : result.loads) {
-            text += fmt::format("{},{},{},{},{},{},{},", quoted(scene.name), result.name, result.schedule.executor, assembly_name(result.schedule.assembly),
-                                result.schedule.threads, result.schedule.segments, load.neighbours);
+            text +=
+                fmt::format("{},{},{},{},{},{},{},", quoted(scene.name), result.name, result.schedule.executor,
+                            assembly_name(result.schedule.assembly), result.schedule.threads, result.schedule.segments, load.neighbours);
             text += fmt::format("{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{},{},", 1e6 * load.step.median, 1e6 * load.step.lower_quartile,
-                                1e6 * load.step.upper_quartile, 1e6 * load.evaluation, load.speed_up, load.cpu_per_wall, load.rounds, quoted(load.dropped));
+                                1e6 * load.step.upper_quartile, 1e6 * load.evaluation, load.speed_up, load.cpu_per_wall, load.rounds,
+                                quoted(load.dropped));
             text += pass.active() == 0 ? fmt::format(",,{},,,,", alone)
                                        : fmt::format("{},{:.4f},{},{:.4f},{:.4f},{:.4f},", pass.active(), 1e6 * pass.synchronisation(),
                                                      alone, 1e6 * pass.least_task(), pass.imbalance(), result.recording.cost);
             text += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{}\n", engine::hex(result.hash), wait_name(result.schedule.wait),
-                                result.schedule.pin ? "yes" : "no", quoted(environment("OMP_WAIT_POLICY")), quoted(environment("GOMP_SPINCOUNT")),
-                                quoted(environment("KMP_BLOCKTIME")), 1e6 * load.cpu, 1e6 * load.burnt, 1e6 * result.bare,
+                                result.schedule.pin ? "yes" : "no", quoted(environment("OMP_WAIT_POLICY")),
+                                quoted(environment("GOMP_SPINCOUNT")), quoted(environment("KMP_BLOCKTIME")), 1e6 * load.cpu,
+                                1e6 * load.burnt, 1e6 * result.bare,
                                 load.neighbours == 0 && result.predicted > 0.0 ? fmt::format("{:.4f}", result.predicted) : "", provenance);
         }
     }
@@ -175,8 +193,11 @@ std::string profile_json(const Scene& scene, const MeasureOptions& options, cons
     ordered_json results = ordered_json::array();
     for (const ScheduleResult& result : profile.results) results.push_back(result_json(result, profile.stages));
     ordered_json json{{"scene", scene.name}, {"provenance", provenance_json()}};
-    json["options"] = {{"rounds", options.rounds}, {"round_seconds", options.round_seconds}, {"steps", options.steps}, {"patience", options.patience}};
-    json["environment"] = {{"OMP_WAIT_POLICY", environment("OMP_WAIT_POLICY")}, {"GOMP_SPINCOUNT", environment("GOMP_SPINCOUNT")}, {"KMP_BLOCKTIME", environment("KMP_BLOCKTIME")}};
+    json["options"] = {
+        {"rounds", options.rounds}, {"round_seconds", options.round_seconds}, {"steps", options.steps}, {"patience", options.patience}};
+    json["environment"] = {{"OMP_WAIT_POLICY", environment("OMP_WAIT_POLICY")},
+                           {"GOMP_SPINCOUNT", environment("GOMP_SPINCOUNT")},
+                           {"KMP_BLOCKTIME", environment("KMP_BLOCKTIME")}};
     json["load_average"] = {{"before", profile.load_before}, {"after", profile.load_after}};
     json["crowded"] = profile.crowded();
     json["schedules"] = results;
@@ -193,8 +214,9 @@ std::string profile_stages_csv(const Scene& scene, const Profile& profile) {
         for (std::size_t thread = 0; thread < threads.size(); ++thread) {
             for (std::size_t row = 0; row < profile.stages.size(); ++row) {
                 const double seconds = threads[thread].at(row), total = threads[thread].total();
-                text += fmt::format("{},{},{},{},{},{},{:.9f},{:.5f},{:.4f}\n", quoted(scene.name), result.name, result.schedule.threads, result.schedule.segments, thread,
-                                    quoted(profile.stages.rows()[row].name), seconds, total > 0.0 ? seconds / total : 0.0,
+                text += fmt::format("{},{},{},{},{},{},{:.9f},{:.5f},{:.4f}\n", quoted(scene.name), result.name, result.schedule.threads,
+                                    result.schedule.segments, thread, quoted(profile.stages.rows()[row].name), seconds,
+                                    total > 0.0 ? seconds / total : 0.0,
                                     result.recording.steps > 0 ? 1e6 * seconds / static_cast<double>(result.recording.steps) : 0.0);
             }
         }
@@ -206,8 +228,9 @@ std::string profile_curves_csv(const Scene& scene, const Profile& profile) {
     std::string text = "scene,threads,ideal,even,amdahl,critical_path,low,high,measured,schedule\n";
     for (const SpeedUpRow& row : profile.model.curves) {
         const ScheduleResult* best = profile.best_fused(row.threads);
-        text += fmt::format("{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", quoted(scene.name), row.threads, row.ideal, row.even, row.amdahl, row.predicted, row.low,
-                            row.high, best != nullptr ? fmt::format("{:.4f}", best->loads.front().speed_up) : "", best != nullptr ? best->name : "");
+        text += fmt::format("{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{},{}\n", quoted(scene.name), row.threads, row.ideal, row.even,
+                            row.amdahl, row.predicted, row.low, row.high,
+                            best != nullptr ? fmt::format("{:.4f}", best->loads.front().speed_up) : "", best != nullptr ? best->name : "");
     }
     return text;
 }
@@ -231,16 +254,17 @@ std::string profile_trace(const Profile& profile) {
     std::string separator = "\n";
     int process = 0;
     for (const ScheduleResult& result : profile.results) {
-        text += fmt::format("{}{{\"name\": \"process_name\", \"ph\": \"M\", \"pid\": {}, \"args\": {{\"name\": \"{}, {} threads, {} segments\"}}}}", separator,
-                            ++process, result.name, result.schedule.threads, result.schedule.segments);
+        text += fmt::format(
+            "{}{{\"name\": \"process_name\", \"ph\": \"M\", \"pid\": {}, \"args\": {{\"name\": \"{}, {} threads, {} segments\"}}}}",
+            separator, ++process, result.name, result.schedule.threads, result.schedule.segments);
         separator = ",\n";
         std::int64_t begin = INT64_MAX;
         for (const auto& thread : result.recording.spans) begin = thread.empty() ? begin : std::min(begin, thread.front().begin);
         for (std::size_t thread = 0; thread < result.recording.spans.size(); ++thread) {
             for (const engine::Span& span : result.recording.spans[thread]) {
-                text += fmt::format("{}{{\"name\": \"{}\", \"ph\": \"X\", \"pid\": {}, \"tid\": {}, \"ts\": {:.3f}, \"dur\": {:.3f}}}", separator,
-                                    span_name(result.recording, span.what), process, thread, 1e-3 * static_cast<double>(span.begin - begin),
-                                    1e-3 * static_cast<double>(span.end - span.begin));
+                text += fmt::format("{}{{\"name\": \"{}\", \"ph\": \"X\", \"pid\": {}, \"tid\": {}, \"ts\": {:.3f}, \"dur\": {:.3f}}}",
+                                    separator, span_name(result.recording, span.what), process, thread,
+                                    1e-3 * static_cast<double>(span.begin - begin), 1e-3 * static_cast<double>(span.end - span.begin));
             }
         }
     }

@@ -16,13 +16,15 @@ namespace cvtflow::tasks {
 /// Everything but the single spans; times in seconds.
 [[nodiscard]] std::string profile_json(const Scene& scene, const MeasureOptions& options, const Profile& profile);
 
-/// Stages of the recorded passes, one row per schedule, thread and stage: the published chart of times per thread, and of serial:staged the one of sequential time.
+/// Stages of the recorded passes, one row per schedule, thread and stage: the published chart of times per thread, and of serial:staged the
+/// one of sequential time.
 [[nodiscard]] std::string profile_stages_csv(const Scene& scene, const Profile& profile);
 
 /// The published curves, the critical path with its bounds, and the best measured fused schedule beside, one row per number of threads.
 [[nodiscard]] std::string profile_curves_csv(const Scene& scene, const Profile& profile);
 
-/// The recorded passes in Chrome's trace format (chrome://tracing, ui.perfetto.dev): a process per schedule, a track per thread. Each begins at 0.
+/// The recorded passes in Chrome's trace format (chrome://tracing, ui.perfetto.dev): a process per schedule, a track per thread. Each
+/// begins at 0.
 [[nodiscard]] std::string profile_trace(const Profile& profile);
 
 }  // namespace cvtflow::tasks

@@ -9,7 +9,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::size_t behind_tasks = 3;   // controller, wait, exit
+constexpr std::size_t behind_tasks = 3;  // controller, wait, exit
 
 /// The first of a name's letters that no row has yet, in capitals if possible; then any.
 [[nodiscard]] char free_letter(const std::string& name, const std::vector<StageRow>& rows) {

@@ -11,7 +11,7 @@ namespace cvtflow::tasks {
 
 struct StageRow {
     std::string name;
-    char letter;   ///< in bar charts, none twice while letters and digits last
+    char letter;  ///< in bar charts, none twice while letters and digits last
     bool task;
 };
 
@@ -44,30 +44,33 @@ struct ThreadTimes {
     [[nodiscard]] double total() const noexcept;
 
 private:
-    [[nodiscard]] double from_end(std::size_t place) const noexcept { return seconds.size() < place ? 0.0 : seconds[seconds.size() - place]; }
+    [[nodiscard]] double from_end(std::size_t place) const noexcept {
+        return seconds.size() < place ? 0.0 : seconds[seconds.size() - place];
+    }
 };
 
-using Spans = std::vector<std::vector<engine::Span>>;   // [thread]
+using Spans = std::vector<std::vector<engine::Span>>;  // [thread]
 
 /// One recorded run of an executor.
 struct RecordedPass {
     std::vector<ThreadTimes> threads;
-    double wall = 0.0;        ///< from the first thread's entering to the last one's leaving [s]
-    double cycles = 0.0;      ///< runs of a sub-graph; fractional only if stamps were lost
-    double levels = 0.0;      ///< levels within these: each ends with a synchronisation
+    double wall = 0.0;    ///< from the first thread's entering to the last one's leaving [s]
+    double cycles = 0.0;  ///< runs of a sub-graph; fractional only if stamps were lost
+    double levels = 0.0;  ///< levels within these: each ends with a synchronisation
     double task_count = 0.0;
 
-    [[nodiscard]] int active() const noexcept;           ///< threads that ran any task
+    [[nodiscard]] int active() const noexcept;  ///< threads that ran any task
     [[nodiscard]] double sum(std::size_t row) const noexcept;
-    [[nodiscard]] double tasks() const noexcept;         ///< [s], of all threads
-    [[nodiscard]] double controller() const noexcept;    ///< [s]
-    [[nodiscard]] double wait() const noexcept;          ///< [s], of all threads
+    [[nodiscard]] double tasks() const noexcept;       ///< [s], of all threads
+    [[nodiscard]] double controller() const noexcept;  ///< [s]
+    [[nodiscard]] double wait() const noexcept;        ///< [s], of all threads
 
     /// Time that every active thread loses per cycle, neither in a task nor because the controller works [s]:
     ///
     ///     (sum of the waits of the n active threads - (n - 1) x controller time) / (n x cycles)
     ///
-    /// which is (n x time - n x controller - sum of task times) / (n x cycles) without entering and leaving. Uneven segments are part of it.
+    /// which is (n x time - n x controller - sum of task times) / (n x cycles) without entering and leaving. Uneven segments are part of
+    /// it.
     [[nodiscard]] double synchronisation() const noexcept;
     /// Minimum effective task granularity: task length at which half of a thread's time is lost; the loss per level, of which each has a
     /// task per thread [s].

@@ -9,8 +9,8 @@ namespace cvtflow::tasks {
 
 /// What so many steps took.
 struct TrialSample {
-    double wall = 0.0;   ///< [s]
-    double cpu = 0.0;    ///< processor time of the whole process, all threads [s]
+    double wall = 0.0;  ///< [s]
+    double cpu = 0.0;   ///< processor time of the whole process, all threads [s]
     long steps = 0;
     long evaluations = 0;
 

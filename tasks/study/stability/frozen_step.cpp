@@ -84,7 +84,8 @@ void FrozenStepper::advance(double t, double h, int steps, std::vector<double>& 
     std::copy_n(state_slots_[0], state.size(), state.begin());
 }
 
-LocalError error_of(const model::Variator& variator, const FrozenStart& start, double h, const std::vector<double>& state, const std::vector<double>& reference) {
+LocalError error_of(const model::Variator& variator, const FrozenStart& start, double h, const std::vector<double>& state,
+                    const std::vector<double>& reference) {
     const Solution is = solution_of(variator, start.time + h, state, start);
     const Solution should = solution_of(variator, start.time + h, reference, start);
     return {h, relative_error(is.positions, should.positions), relative_error(is.velocities, should.velocities),
@@ -92,7 +93,7 @@ LocalError error_of(const model::Variator& variator, const FrozenStart& start, d
 }
 
 int reference_steps(double h, int refinement) noexcept {
-    constexpr double longest = 12.5e-9;   // [s]
+    constexpr double longest = 12.5e-9;  // [s]
     return std::max(refinement, static_cast<int>(std::ceil(h / longest * (1.0 - 1e-12))));
 }
 

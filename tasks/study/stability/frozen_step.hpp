@@ -30,8 +30,8 @@ private:
     std::vector<std::vector<double>> states_, slopes_;  ///< [slot][layout.size()]
     std::vector<double*> state_slots_, slope_slots_;
     std::vector<double> stage_;
-    std::vector<double> drift_;   ///< [layout.size()] while a state is held, else empty
-    double held_time_ = 0.0;      ///< [s]
+    std::vector<double> drift_;  ///< [layout.size()] while a state is held, else empty
+    double held_time_ = 0.0;     ///< [s]
     model::EvaluationScratch scratch_;
 };
 
@@ -48,8 +48,8 @@ struct LocalError {
 [[nodiscard]] LocalError error_of(const model::Variator& variator, const FrozenStart& start, double h, const std::vector<double>& state,
                                   const std::vector<double>& reference);
 
-/// Steps of the classical Runge-Kutta method that a reference takes over h: `refinement`, but none longer than 12.5 ns, which is a quarter of
-/// what it is stable with at full detail.
+/// Steps of the classical Runge-Kutta method that a reference takes over h: `refinement`, but none longer than 12.5 ns, which is a quarter
+/// of what it is stable with at full detail.
 [[nodiscard]] int reference_steps(double h, int refinement) noexcept;
 
 /// The error of one step of `plan` from `start`, for each step length. The reference takes reference_steps() of the classical

@@ -14,7 +14,8 @@ namespace {
 
 constexpr int states_in_a_row = 3;
 
-[[nodiscard]] std::unique_ptr<TakenStep> taken_step(const Scene& scene, const model::Variator& variator, std::string_view method, const FrozenStart& start) {
+[[nodiscard]] std::unique_ptr<TakenStep> taken_step(const Scene& scene, const model::Variator& variator, std::string_view method,
+                                                    const FrozenStart& start) {
     if (find_program(method) == nullptr) return std::make_unique<HeldStep>(variator, *engine::make_method(method), start);
     return std::make_unique<RealStep>(scene, method, start);
 }

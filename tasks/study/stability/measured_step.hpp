@@ -9,11 +9,11 @@
 namespace cvtflow::tasks {
 
 struct MeasuredLimit {
-    double step = 0.0;       ///< longest stable one; infinite if longest_tried is [s]
-    bool refused = false;    ///< longer ones are not unstable: the method does not take them
+    double step = 0.0;     ///< longest stable one; infinite if longest_tried is [s]
+    bool refused = false;  ///< longer ones are not unstable: the method does not take them
 };
-/// Unstable is a step after which disturbances of three states in a row have grown: at one alone a contact may come to its kink within the step, which
-/// is not what linear stability speaks of.
+/// Unstable is a step after which disturbances of three states in a row have grown: at one alone a contact may come to its kink within the
+/// step, which is not what linear stability speaks of.
 /// @param expected where to begin to look [s]; infinite: at lengths up to longest_tried
 [[nodiscard]] MeasuredLimit measured_step_limit(const Scene& scene, std::string_view method, const FrozenStart& start, double expected);
 

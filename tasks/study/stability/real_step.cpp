@@ -7,14 +7,14 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double disturbance = 1e-6;   ///< largest velocity of one [m/s]; saturation speeds are thousands of it
-constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-5, 1e-8, 1e-9};   ///< [m/s]
-constexpr double far_beyond = 1e6;     ///< a time that no step reaches [s]
+constexpr double disturbance = 1e-6;  ///< largest velocity of one [m/s]; saturation speeds are thousands of it
+constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-5, 1e-8, 1e-9};  ///< [m/s]
+constexpr double far_beyond = 1e6;                                      ///< a time that no step reaches [s]
 
 [[nodiscard]] Scene with_method(Scene scene, std::string_view method) {
     scene.run.method = method;
     scene.run.step_control = StepControl::fixed;
-    scene.run.step = scene.run.output_interval;   // any that is not automatic; hold() says which is taken
+    scene.run.step = scene.run.output_interval;  // any that is not automatic; hold() says which is taken
     scene.run.schedule = "serial";
     return scene;
 }
@@ -40,7 +40,8 @@ void hold(IntegrationState& state, double h) {
 
 [[nodiscard]] std::vector<double> mixed_numbers(std::size_t size) {
     std::vector<double> numbers(size);
-    for (std::size_t k = 0; k < size; ++k) numbers[k] = std::sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
+    for (std::size_t k = 0; k < size; ++k)
+        numbers[k] = std::sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
     return numbers;
 }
 
@@ -53,7 +54,8 @@ void hold(IntegrationState& state, double h) {
 
 }  // namespace
 
-RealStep::RealStep(const Scene& scene, std::string_view method, const FrozenStart& start) : simulation_(with_method(scene, method)), start_(start) {}
+RealStep::RealStep(const Scene& scene, std::string_view method, const FrozenStart& start)
+    : simulation_(with_method(scene, method)), start_(start) {}
 
 /// A step on, in place.
 bool RealStep::take(IntegrationState& state) {
@@ -65,7 +67,7 @@ bool RealStep::take(IntegrationState& state) {
         const Fault fault = simulation_.advance(far_beyond, 1, nobody, never);
         if (fault.kind != FaultKind::max_steps) return false;
     } catch (const std::exception&) {
-        return false;   // a method that finds no polynomial
+        return false;  // a method that finds no polynomial
     }
     state = simulation_.integration_state();
     return std::all_of(state.state.begin(), state.state.end(), [](double x) { return std::isfinite(x); });
@@ -82,7 +84,7 @@ bool RealStep::prepare(double h) {
     image_ = base_;
     if (!take(image_) || !move_on() || !move_on()) return false;
     scale_ = scale_of_state(simulation_.variator().layout(), h);
-    scale_.resize(base_.state.size() + base_.method.size(), 1.0 / h);   // accelerations, most of them
+    scale_.resize(base_.state.size() + base_.method.size(), 1.0 / h);  // accelerations, most of them
     return true;
 }
 
@@ -101,7 +103,8 @@ bool RealStep::step(const double* from, double* to) {
     const double length = length_of(from, size(), disturbance);
     const std::size_t unknowns = base_.state.size();
     moved_ = base_;
-    for (std::size_t k = 0; k < scale_.size(); ++k) (k < unknowns ? moved_.state[k] : moved_.method[k - unknowns]) += length * scale_[k] * from[k];
+    for (std::size_t k = 0; k < scale_.size(); ++k)
+        (k < unknowns ? moved_.state[k] : moved_.method[k - unknowns]) += length * scale_[k] * from[k];
     if (!take(moved_)) return false;
     for (std::size_t k = 0; k < scale_.size(); ++k) {
         const double change = k < unknowns ? moved_.state[k] - image_.state[k] : moved_.method[k - unknowns] - image_.method[k - unknowns];

@@ -51,7 +51,7 @@ private:
     const FrozenStart start_;
     double h_ = 0.0;
     IntegrationState base_, image_, moved_;
-    std::vector<double> scale_;   ///< what counts as one
+    std::vector<double> scale_;  ///< what counts as one
 };
 
 /// The step of a table with the state's drift subtracted: stages that grow a great deal would carry the drift over the kinks of friction.

@@ -8,7 +8,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double first_disturbance = 1e-9;   ///< [m/s]; rounding of positions makes 1e-11
+constexpr double first_disturbance = 1e-9;  ///< [m/s]; rounding of positions makes 1e-11
 
 /// Largest change of a velocity of the links.
 double size_of(const model::ChainLayout& at, const std::vector<double>& state, const std::vector<double>& still) {
@@ -26,14 +26,16 @@ double size_of(const model::ChainLayout& at, const std::vector<double>& state, c
 std::vector<double> disturbed(const model::ChainLayout& at, std::vector<double> state) {
     std::mt19937_64 random(7);
     for (int link = 0; link < at.links; ++link) {
-        for (int k = at.link_size(); k < at.link_block(); ++k) state[static_cast<std::size_t>(at.link_begin(link) + k)] += (random() & 1) != 0 ? first_disturbance : -first_disturbance;
+        for (int k = at.link_size(); k < at.link_block(); ++k)
+            state[static_cast<std::size_t>(at.link_begin(link) + k)] += (random() & 1) != 0 ? first_disturbance : -first_disturbance;
     }
     return state;
 }
 
 }  // namespace
 
-bool disturbance_grows(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start, double h, int steps, double natural_growth) {
+bool disturbance_grows(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start, double h, int steps,
+                       double natural_growth) {
     FrozenStepper stepper(variator, plan, start.phases);
     stepper.hold(start.time, start.state);
     std::vector<double> state = disturbed(variator.layout(), start.state);
@@ -41,14 +43,15 @@ bool disturbance_grows(const model::Variator& variator, const engine::StagePlan&
         stepper.advance(start.time, h, count, state);
         return size_of(variator.layout(), state, start.state);
     };
-    const double natural = std::exp(0.5 * natural_growth * steps * h);   // in half the time
+    const double natural = std::exp(0.5 * natural_growth * steps * h);  // in half the time
     const double middle = large(steps / 2);
     if (middle > 1e3 * natural * first_disturbance) return true;
     const double end = large(steps - steps / 2);
     return end > 1e3 * natural * natural * first_disturbance || end > 2.0 * natural * middle;
 }
 
-MeasuredStep measured_stable_step(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start, double expected, double natural_growth) {
+MeasuredStep measured_stable_step(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start, double expected,
+                                  double natural_growth) {
     const int stages = static_cast<int>(plan.stages.size());
     const int steps = std::clamp(30000 / stages, 100, 2000);
     MeasuredStep found{0.6 * expected, 1.6 * expected, 0};

@@ -31,7 +31,9 @@ private:
     model::Observer observer_;
 };
 
-double relative_difference(double value, double reference, double least) { return std::abs(value - reference) / std::max(std::abs(reference), least); }
+double relative_difference(double value, double reference, double least) {
+    return std::abs(value - reference) / std::max(std::abs(reference), least);
+}
 
 std::string percent(double share) { return fmt::format("{:.2g} %", 100.0 * share); }
 
@@ -39,13 +41,16 @@ std::string percent(double share) { return fmt::format("{:.2g} %", 100.0 * share
 
 Confirmation::Confirmation(Scene scene, ConfirmSettings settings, const engine::Cancellation& cancel)
     : scene_(std::move(scene)), settings_(std::move(settings)), cancel_(cancel) {
-    if (settings_.reference.empty()) refine_reference();
-    else take_reference();
+    if (settings_.reference.empty())
+        refine_reference();
+    else
+        take_reference();
 }
 
 Scene Confirmation::prepared(std::span<const std::string> settings) const {
     Scene scene = scene_;
-    std::vector<std::string> all{fmt::format("run.output_interval={:.17g}", settings_.interval), fmt::format("run.state_interval={:.17g}", settings_.interval)};
+    std::vector<std::string> all{fmt::format("run.output_interval={:.17g}", settings_.interval),
+                                 fmt::format("run.state_interval={:.17g}", settings_.interval)};
     all.insert(all.end(), settings.begin(), settings.end());
     set_values(scene, all);
     return scene;
@@ -55,7 +60,9 @@ LongRun Confirmation::run(std::span<const std::string> settings) const { return 
 
 LongRun Confirmation::run(std::span<const std::string> settings, FrozenStart* begin, FrozenStart* end) const {
     Simulation simulation(prepared(settings));
-    if (simulation.needs_settling()) throw SimulationError(fmt::format("{}: the start is not settled, nothing can be measured from there (cvtflow settle)", scene_.name));
+    if (simulation.needs_settling())
+        throw SimulationError(
+            fmt::format("{}: the start is not settled, nothing can be measured from there (cvtflow settle)", scene_.name));
     if (begin != nullptr) *begin = frozen_start(simulation);
     LongObserver observer(simulation.variator());
     LongRun run;
@@ -75,10 +82,14 @@ Confirmed Confirmation::judged(const LongRun& run) const {
     const RunVerdict &is = run.watch, &should = reference_.watch;
     found.slip_error = relative_difference(is.means.slip, should.means.slip, settings_.least_slip);
     found.loss_error = relative_difference(is.loss, should.loss, std::numeric_limits<double>::min());
-    if (run.fault) found.objection = run.fault.name();
-    else if (!is.reliable()) found.objection = "unreliable";
-    else if (!(found.slip_error <= settings_.tolerance)) found.objection = "slip off by " + percent(found.slip_error);
-    else if (!(found.loss_error <= settings_.tolerance)) found.objection = "losses off by " + percent(found.loss_error);
+    if (run.fault)
+        found.objection = run.fault.name();
+    else if (!is.reliable())
+        found.objection = "unreliable";
+    else if (!(found.slip_error <= settings_.tolerance))
+        found.objection = "slip off by " + percent(found.slip_error);
+    else if (!(found.loss_error <= settings_.tolerance))
+        found.objection = "losses off by " + percent(found.loss_error);
     return found;
 }
 
@@ -109,8 +120,12 @@ void Confirmation::take_reference() {
     FrozenStart begin, end;
     reference_ = run(settings_.reference, &begin, &end);
     reference_text_ = fmt::format("{} at {:.3g} s", prepared(settings_.reference).run.method, reference_.step);
-    if (reference_.fault) throw SimulationError(fmt::format("{}: the reference of the confirmation did not get through: {}", scene_.name, reference_.fault.message()));
-    if (!reference_.watch.reliable()) throw SimulationError(fmt::format("{}: the reference of the confirmation is unreliable: its energy balance does not close", scene_.name));
+    if (reference_.fault)
+        throw SimulationError(
+            fmt::format("{}: the reference of the confirmation did not get through: {}", scene_.name, reference_.fault.message()));
+    if (!reference_.watch.reliable())
+        throw SimulationError(
+            fmt::format("{}: the reference of the confirmation is unreliable: its energy balance does not close", scene_.name));
     const Scene scene = prepared(settings_.reference);
     ends_.clear();
     variator_ = std::make_unique<model::Variator>(scene.parameters);
@@ -120,7 +135,9 @@ void Confirmation::take_reference() {
 /// A quarter of the automatic step, and half of it: what both agree on by a quarter of the tolerance is taken; else shorter ones.
 void Confirmation::refine_reference() {
     const std::string method = RunSettings{}.method;
-    const auto settings = [&](double step) { return std::vector<std::string>{"run.method=" + method, fmt::format("run.step={:.17g}", step), "run.step_control=fixed"}; };
+    const auto settings = [&](double step) {
+        return std::vector<std::string>{"run.method=" + method, fmt::format("run.step={:.17g}", step), "run.step_control=fixed"};
+    };
     const double automatic = Simulation(prepared(settings(1e-6)), Schedule{}).automatic_step();
     settings_.reference = settings(0.5 * automatic);
     take_reference();
@@ -131,11 +148,15 @@ void Confirmation::refine_reference() {
         take_reference();
         half = judged(longer);
         if (!(std::max(half.slip_error, half.loss_error) <= 0.25 * settings_.tolerance)) continue;
-        reference_text_ += fmt::format(" ({:g} of its automatic step; twice that is off by {} in slip, {} in losses)", share, percent(half.slip_error), percent(half.loss_error));
+        reference_text_ += fmt::format(" ({:g} of its automatic step; twice that is off by {} in slip, {} in losses)", share,
+                                       percent(half.slip_error), percent(half.loss_error));
         return;
     }
-    throw SimulationError(fmt::format("{}: {} at a sixteenth of its automatic step does not agree with itself over {:.3g} s (twice that is off by {} in slip, {} in losses): confirm over "
-                                      "another time or against another method", scene_.name, method, settings_.duration, percent(half.slip_error), percent(half.loss_error)));
+    throw SimulationError(
+        fmt::format("{}: {} at a sixteenth of its automatic step does not agree with itself over {:.3g} s (twice that is off by {} in "
+                    "slip, {} in losses): confirm over "
+                    "another time or against another method",
+                    scene_.name, method, settings_.duration, percent(half.slip_error), percent(half.loss_error)));
 }
 
 }  // namespace cvtflow::tasks

@@ -1,8 +1,9 @@
 #pragma once
 /// Whether a choice that is exact over a short time is also right over one that slip and efficiency are read of: bursts are rare.
 ///
-/// Every choice runs from the scene's start over the same time. Its mean slip and its losses are compared with those of a reference, its energy
-/// balance with itself (EnergyLedger), its step with what its method is stable for at both ends of the reference (predicted_step_limit()).
+/// Every choice runs from the scene's start over the same time. Its mean slip and its losses are compared with those of a reference, its
+/// energy balance with itself (EnergyLedger), its step with what its method is stable for at both ends of the reference
+/// (predicted_step_limit()).
 
 #include <deque>
 #include <map>
@@ -19,36 +20,38 @@
 namespace cvtflow::tasks {
 
 struct ConfirmSettings {
-    double duration = 20e-3;               ///< from the scene's start [s]
-    double interval = 12e-6;               ///< between outputs [s]
-    double tolerance = 0.01;               ///< of mean slip and losses
-    double least_slip = 1e-4;              ///< slip below this is compared with this [1]
-    std::vector<std::string> reference;    ///< settings; empty: the default method at a quarter of its automatic step, refined until it agrees with itself
+    double duration = 20e-3;   ///< from the scene's start [s]
+    double interval = 12e-6;   ///< between outputs [s]
+    double tolerance = 0.01;   ///< of mean slip and losses
+    double least_slip = 1e-4;  ///< slip below this is compared with this [1]
+    std::vector<std::string>
+        reference;  ///< settings; empty: the default method at a quarter of its automatic step, refined until it agrees with itself
 };
 
 /// A run that was long enough to be read, or what came instead.
 struct LongRun {
     Fault fault;
     RunVerdict watch;
-    double step = 0.0;    ///< last one in use [s]
-    double wall = 0.0;    ///< per simulated second [s/s]
+    double step = 0.0;  ///< last one in use [s]
+    double wall = 0.0;  ///< per simulated second [s/s]
 };
 
 struct Confirmed {
-    bool ran = false;             ///< a step beyond stability is not tried
+    bool ran = false;  ///< a step beyond stability is not tried
     LongRun run;
-    double slip_error = 0.0, loss_error = 0.0;   ///< relative, against the reference
-    std::string objection;        ///< why it cannot be recommended, a few words; empty: nothing speaks against it
-
+    double slip_error = 0.0, loss_error = 0.0;  ///< relative, against the reference
+    std::string objection;                      ///< why it cannot be recommended, a few words; empty: nothing speaks against it
 };
 
 class Confirmation {
 public:
     /// Runs the reference.
-    /// @throws SimulationError if the start is not settled, the reference did not get through, its energy balance does not close, or it does not agree with itself
+    /// @throws SimulationError if the start is not settled, the reference did not get through, its energy balance does not close, or it
+    /// does not agree with itself
     Confirmation(Scene scene, ConfirmSettings settings, const engine::Cancellation& cancel);
 
-    /// Up to which step the method is stable at both ends of the reference [s]; infinite: linear stability sets no limit. Settings as ErrorMeasure takes them.
+    /// Up to which step the method is stable at both ends of the reference [s]; infinite: linear stability sets no limit. Settings as
+    /// ErrorMeasure takes them.
     [[nodiscard]] double stable_step(std::span<const std::string> settings);
     /// Whether the step is longer. Automatic steps and steps by error see to it by themselves.
     [[nodiscard]] bool beyond_stability(std::span<const std::string> settings);
@@ -74,8 +77,8 @@ private:
     LongRun reference_;
     std::string reference_text_;
     std::unique_ptr<model::Variator> variator_;
-    std::deque<LinearChain> ends_;           ///< linearised at both ends of the reference
-    std::map<std::string, double> stable_;   ///< by method [s]
+    std::deque<LinearChain> ends_;          ///< linearised at both ends of the reference
+    std::map<std::string, double> stable_;  ///< by method [s]
 };
 
 }  // namespace cvtflow::tasks

@@ -128,7 +128,8 @@ ErrorReport compare(const Trajectory& run, const Trajectory& reference) {
 
 ErrorMeasure::ErrorMeasure(Scene scene, MeasureSettings settings, const engine::Cancellation& cancel)
     : scene_(std::move(scene)), settings_(std::move(settings)), cancel_(cancel), reference_(run(settings_.reference)) {
-    if (reference_.fault) throw SimulationError(fmt::format("{}: the reference did not get through: {}", scene_.name, reference_.fault.message()));
+    if (reference_.fault)
+        throw SimulationError(fmt::format("{}: the reference did not get through: {}", scene_.name, reference_.fault.message()));
 }
 
 Scene ErrorMeasure::prepared(std::span<const std::string> settings) const {
@@ -147,7 +148,8 @@ Trajectory ErrorMeasure::run(std::span<const std::string> settings) const {
         const Trajectory again = observed(scene, settings_.duration, cancel_);
         best.wall = std::min(best.wall, again.wall);
     }
-    if (scene.run.step.automatic() && !best.fault && settings_.steady > settings_.duration) best.steady_wall = observed(scene, settings_.steady, cancel_).wall_per_second();
+    if (scene.run.step.automatic() && !best.fault && settings_.steady > settings_.duration)
+        best.steady_wall = observed(scene, settings_.steady, cancel_).wall_per_second();
     return best;
 }
 

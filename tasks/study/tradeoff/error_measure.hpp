@@ -20,12 +20,12 @@ struct Trajectory {
     std::vector<double> losses;                    ///< [outputs] power turned into heat [W]
 
     Counters counters;
-    Fault fault;            ///< why it ended early, if it did
-    double step = 0.0;      ///< longest step used [s]
-    double simulated = 0.0; ///< [s]
-    double wall = 0.0;      ///< without the time that observing took [s]
-    double steady_wall = 0.0;   ///< per simulated second of a longer run, where a short one is no measure of that; 0: it is [s/s]
-    RunVerdict watch;       ///< whether its figures can be right
+    Fault fault;               ///< why it ended early, if it did
+    double step = 0.0;         ///< longest step used [s]
+    double simulated = 0.0;    ///< [s]
+    double wall = 0.0;         ///< without the time that observing took [s]
+    double steady_wall = 0.0;  ///< per simulated second of a longer run, where a short one is no measure of that; 0: it is [s/s]
+    RunVerdict watch;          ///< whether its figures can be right
     std::uint64_t hash = 0;
     std::string schedule;
 
@@ -52,20 +52,23 @@ struct ErrorReport {
 /// @throws std::invalid_argument if the reference ended early or its output times differ
 [[nodiscard]] ErrorReport compare(const Trajectory& run, const Trajectory& reference);
 
-/// Where and how often runs are looked at. The default interval is a whole number of 1, 1.5, 2, 3, 4 and 6 us: such steps are used as they are.
+/// Where and how often runs are looked at. The default interval is a whole number of 1, 1.5, 2, 3, 4 and 6 us: such steps are used as they
+/// are.
 struct MeasureSettings {
-    double duration = 120e-6;                                               ///< from the scene's start [s]
-    double interval = 12e-6;                                                ///< between outputs [s]
+    double duration = 120e-6;                                                 ///< from the scene's start [s]
+    double interval = 12e-6;                                                  ///< between outputs [s]
     std::vector<std::string> reference{"run.method=rk4", "run.step=12.5ns"};  ///< settings of the reference
-    int repeats = 1;                                                        ///< a run is repeated so often, its shortest time counts
-    /// Automatic steps look at the spectrum often in the beginning: what they cost is measured over this, if it is longer than `duration` [s].
+    int repeats = 1;                                                          ///< a run is repeated so often, its shortest time counts
+    /// Automatic steps look at the spectrum often in the beginning: what they cost is measured over this, if it is longer than `duration`
+    /// [s].
     double steady = 4e-3;
 };
 
 class ErrorMeasure {
 public:
     /// Runs the reference. The scene starts from its state file.
-    /// @throws SimulationError if the scene's start is not settled or the reference did not get through; others as Simulation and set_values
+    /// @throws SimulationError if the scene's start is not settled or the reference did not get through; others as Simulation and
+    /// set_values
     ErrorMeasure(Scene scene, MeasureSettings settings, const engine::Cancellation& cancel);
 
     /// The scene with these settings, run as the reference was. A run that fails is a result: see Trajectory::fault.

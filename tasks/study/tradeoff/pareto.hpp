@@ -8,9 +8,9 @@
 namespace cvtflow::tasks {
 
 struct TradeoffPoint {
-    std::string choice;        ///< METHOD@STEP
-    double error = 0.0;        ///< relative; infinite if the run was lost
-    double seconds = 0.0;      ///< wall time per simulated second
+    std::string choice;    ///< METHOD@STEP
+    double error = 0.0;    ///< relative; infinite if the run was lost
+    double seconds = 0.0;  ///< wall time per simulated second
 };
 
 /// For each point whether it is on the front: no other has a smaller error at no more time, or less time at no larger an error.

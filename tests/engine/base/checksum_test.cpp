@@ -25,7 +25,7 @@ TEST(Checksum, ChangesWithEveryBitAndWithTheLength) {
             EXPECT_TRUE(sums.insert(Checksum().add(bytes).value()).second) << size << " bytes, bit " << bit;
             bytes[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
         }
-        bytes.emplace_back();   // zeros also count
+        bytes.emplace_back();  // zeros also count
         EXPECT_TRUE(sums.insert(Checksum().add(bytes).value()).second);
     }
 }

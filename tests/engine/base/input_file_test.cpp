@@ -35,7 +35,7 @@ TEST_F(InputFileTest, LosesItsByteOrderMark) {
 
 TEST_F(InputFileTest, MayBeNoPipeNoDeviceAndNoFolder) {
     ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
-    EXPECT_EQ(refusal(path("pipe")), "not a regular file");   // nobody writes: opening it would wait for ever
+    EXPECT_EQ(refusal(path("pipe")), "not a regular file");  // nobody writes: opening it would wait for ever
     EXPECT_EQ(refusal("/dev/zero"), "not a regular file");
     EXPECT_EQ(refusal(path("")), "a folder, not a file");
     EXPECT_EQ(refusal(path("absent")), "No such file or directory");
@@ -45,11 +45,11 @@ TEST_F(InputFileTest, MayComeThroughAPipeWithoutAName) {
     int ends[2];
     ASSERT_EQ(pipe(ends), 0);
     const std::string name = "/dev/fd/" + std::to_string(ends[0]);
-    EXPECT_EQ(refusal(name, 5, 0.01), "nothing came for 0 s");   // a writer that is silent
+    EXPECT_EQ(refusal(name, 5, 0.01), "nothing came for 0 s");  // a writer that is silent
     ASSERT_EQ(write(ends[1], "12345", 5), 5);
     close(ends[1]);
     EXPECT_EQ(read_text_input(name, 5), "12345");
-    EXPECT_EQ(read_text_input(name, 5), "");   // taken out of it
+    EXPECT_EQ(read_text_input(name, 5), "");  // taken out of it
     close(ends[0]);
     ASSERT_EQ(pipe(ends), 0);
     ASSERT_EQ(write(ends[1], "12345", 5), 5);
@@ -62,7 +62,7 @@ TEST_F(InputFileTest, HasALimitedSizeAlsoIfItDoesNotTellIt) {
     std::ofstream(path("text")) << "12345";
     EXPECT_EQ(refusal(path("text"), 5), "none");
     EXPECT_EQ(refusal(path("text"), 4), "5 bytes, more than the 4 that such a file may have");
-    EXPECT_EQ(refusal("/proc/self/status", 4), "more than the 4 bytes that such a file may have");   // its size is said to be 0
+    EXPECT_EQ(refusal("/proc/self/status", 4), "more than the 4 bytes that such a file may have");  // its size is said to be 0
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <limits>
 #include <stdexcept>
 
-#include "tests/engine/allocation_fixture.hpp"
 #include "engine/executor/stamp_recorder.hpp"
 #include "executor_fixture.hpp"
+#include "tests/engine/allocation_fixture.hpp"
 
 namespace cvtflow::engine {
 namespace {

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "tests/engine/allocation_fixture.hpp"
 #include "executor_fixture.hpp"
+#include "tests/engine/allocation_fixture.hpp"
 
 namespace cvtflow::engine {
 namespace {

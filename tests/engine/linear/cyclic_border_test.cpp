@@ -50,7 +50,8 @@ void fill_block(const Problem& p, CyclicBorder& system, int i) {
     const int n = p.size, edge = p.blocks * n;
     copy(p, i * n, i * n, n, n, block.diagonal, n);
     if (p.blocks > 1) copy(p, i * n, (i + p.blocks - 1) % p.blocks * n, n, n, block.lower, n);
-    if (p.blocks > 2) copy(p, i * n, (i + 1) % p.blocks * n, n, n, block.upper, block.upper_stride);   // of two blocks each has one neighbour
+    if (p.blocks > 2)
+        copy(p, i * n, (i + 1) % p.blocks * n, n, n, block.upper, block.upper_stride);  // of two blocks each has one neighbour
     for (std::size_t k = 0; k < block.border.size(); ++k) {
         const int unknown = edge + block.border[k];
         copy(p, i * n, unknown, n, 1, block.columns + k, block.columns_stride);
@@ -61,7 +62,7 @@ void fill_block(const Problem& p, CyclicBorder& system, int i) {
 std::vector<double> solved(const Problem& p, int chunks, bool backwards = false) {
     CyclicBorder system(p.blocks, p.size, p.border, chunks);
     std::vector<int> all;
-    for (int k = p.border; k-- > 0;) all.push_back(k);   // in any order
+    for (int k = p.border; k-- > 0;) all.push_back(k);  // in any order
     for (int c = 0; c < chunks; ++c) {
         bool sees = false;
         for (int i = system.range(c).first; i + 1 < system.range(c).last; ++i) sees = sees || i % 2 == 0;
@@ -93,7 +94,8 @@ TEST(CyclicBorder, SolvesAsADenseSolverDoes) {
         const Problem problem(blocks, size, border, 7);
         for (const int chunks : {1, 2, 3, 4, blocks / 2, blocks}) {
             if (chunks > blocks) continue;
-            EXPECT_LT(residual(problem, solved(problem, chunks)), 1e-11) << blocks << " blocks of " << size << ", border " << border << ", chunks " << chunks;
+            EXPECT_LT(residual(problem, solved(problem, chunks)), 1e-11)
+                << blocks << " blocks of " << size << ", border " << border << ", chunks " << chunks;
         }
     }
 }
@@ -101,7 +103,8 @@ TEST(CyclicBorder, SolvesAsADenseSolverDoes) {
 TEST(CyclicBorder, TakesTheShortestRings) {
     for (const int blocks : {1, 2, 3}) {
         const Problem problem(blocks, 4, 3, 11);
-        for (int chunks = 1; chunks <= blocks; ++chunks) EXPECT_LT(residual(problem, solved(problem, chunks)), 1e-12) << blocks << " in " << chunks;
+        for (int chunks = 1; chunks <= blocks; ++chunks)
+            EXPECT_LT(residual(problem, solved(problem, chunks)), 1e-12) << blocks << " in " << chunks;
     }
 }
 

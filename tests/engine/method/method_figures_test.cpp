@@ -19,16 +19,17 @@ namespace {
 struct Figures {
     std::string name;
     int order;
-    int embedded;             ///< 0: no error estimate
-    double real;              ///< reach along the negative real axis
-    double imaginary;         ///< along the imaginary axis; negative: none to speak of
-    bool reuses;              ///< the last stage is the result
-    /// Of order conditions. The tables of long DUMKA3 polynomials are less exact, SERK2 sums weights of up to 300, and fitted methods meet the
-    /// one condition of order 3 that is no condition on R only nearly.
+    int embedded;      ///< 0: no error estimate
+    double real;       ///< reach along the negative real axis
+    double imaginary;  ///< along the imaginary axis; negative: none to speak of
+    bool reuses;       ///< the last stage is the result
+    /// Of order conditions. The tables of long DUMKA3 polynomials are less exact, SERK2 sums weights of up to 300, and fitted methods meet
+    /// the one condition of order 3 that is no condition on R only nearly.
     double residual = 1e-13;
 };
 
-/// Stability: literature (dumka3: Medovikov's interval; rkc: 0.653 s²; rock2, serk2: 0.80 to 0.81 s²; rock4: 0.32 to 0.35 s²; fitted: 1.03 of what is asked for) and the polynomials computed apart from this program.
+/// Stability: literature (dumka3: Medovikov's interval; rkc: 0.653 s²; rock2, serk2: 0.80 to 0.81 s²; rock4: 0.32 to 0.35 s²; fitted: 1.03
+/// of what is asked for) and the polynomials computed apart from this program.
 const std::vector<Figures> figures{
     {"rk4", 4, 0, 2.785, 2.828, false},
     {"rk38", 4, 0, 2.785, 2.828, false},

@@ -24,8 +24,8 @@ struct Problem {
 
 /// Integrates with `steps` equal steps; sizes as the problem.
 [[nodiscard]] State integrate(const StagePlan& plan, const Problem& problem, int steps);
-/// The same, but two steps are cut at two fifths, as at a transition: the state there is that of the cubic through both ends, and the next step
-/// ends where the cut one would have ended. @param steps a multiple of 4
+/// The same, but two steps are cut at two fifths, as at a transition: the state there is that of the cubic through both ends, and the next
+/// step ends where the cut one would have ended. @param steps a multiple of 4
 [[nodiscard]] State integrate_with_cuts(const StagePlan& plan, const Problem& problem, int steps);
 
 using Integration = State (*)(const StagePlan& plan, const Problem& problem, int steps);

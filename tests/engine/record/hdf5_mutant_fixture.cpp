@@ -14,30 +14,10 @@
 
 #include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/hdf5/hdf5_checksum.hpp"
+#include "tests/engine/record/mutant_dice_fixture.hpp"
 
 namespace cvtflow::engine {
 namespace {
-
-using Bytes = std::vector<std::byte>;
-
-/// Numbers drawn from a seed; the same everywhere.
-class Dice {
-public:
-    explicit Dice(std::uint64_t seed) : draw_(seed) {}
-    std::uint64_t below(std::uint64_t end) { return end == 0 ? 0 : draw_() % end; }
-    bool heads() { return below(2) == 0; }
-    template <class Items>
-    const auto& one_of(const Items& items) { return *std::next(std::begin(items), static_cast<std::ptrdiff_t>(below(std::size(items)))); }
-    /// Small ones, powers of two and their neighbours: what shapes go wrong with.
-    hsize_t extent() {
-        const hsize_t power = hsize_t{1} << below(62);
-        const hsize_t choices[] = {0, 1, 2, 3, 7, below(100), power, power - 1, power + 1};
-        return choices[below(std::size(choices))];
-    }
-
-private:
-    std::mt19937_64 draw_;
-};
 
 Bytes read_bytes(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
@@ -47,7 +27,7 @@ Bytes read_bytes(const std::string& path) {
 }
 
 void write_bytes(const std::string& path, const Bytes& bytes) {
-    std::filesystem::remove(path);   // file systems write out at once what is cut and written anew
+    std::filesystem::remove(path);  // file systems write out at once what is cut and written anew
     std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
@@ -69,7 +49,8 @@ Objects objects_of(hid_t file) {
 
 /// What a dataset may be made of that no reader expects.
 hid_t odd_type(Dice& dice) {
-    const hid_t plain[] = {H5T_IEEE_F32LE, H5T_IEEE_F64BE, H5T_STD_I8LE, H5T_STD_U64BE, H5T_NATIVE_LDOUBLE, H5T_STD_REF_OBJ, H5T_STD_REF_DSETREG, H5T_STD_B8LE, H5T_IEEE_F64LE, H5T_STD_U8LE};
+    const hid_t plain[] = {H5T_IEEE_F32LE,  H5T_IEEE_F64BE,      H5T_STD_I8LE, H5T_STD_U64BE,  H5T_NATIVE_LDOUBLE,
+                           H5T_STD_REF_OBJ, H5T_STD_REF_DSETREG, H5T_STD_B8LE, H5T_IEEE_F64LE, H5T_STD_U8LE};
     if (dice.heads()) return H5Tcopy(dice.one_of(plain));
     hid_t type = -1;
     const hsize_t sides[] = {2, 3};
@@ -87,7 +68,8 @@ hid_t odd_type(Dice& dice) {
         case 4: return H5Tcreate(H5T_OPAQUE, 1 + dice.below(64));
         default:
             type = H5Tcreate(H5T_COMPOUND, 40);
-            for (const auto& [name, offset] : {std::pair{"check", 0}, {"time", 9}, {"case", 20}}) H5Tinsert(type, name, static_cast<std::size_t>(offset), dice.one_of(plain));
+            for (const auto& [name, offset] : {std::pair{"check", 0}, {"time", 9}, {"case", 20}})
+                H5Tinsert(type, name, static_cast<std::size_t>(offset), dice.one_of(plain));
             return type;
     }
 }
@@ -181,7 +163,9 @@ void change_attribute(hid_t file, const std::string& object_name, Dice& dice) {
     H5Adelete(object, name.c_str());
     const hsize_t sizes[] = {dice.below(5), 1 + dice.below(2000)};
     const std::uint64_t how = dice.below(4);
-    const hid_t space = how == 0 ? H5Screate(H5S_NULL) : how == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(how == 2 ? 1 : 2, sizes, nullptr);
+    const hid_t space = how == 0   ? H5Screate(H5S_NULL)
+                        : how == 1 ? H5Screate(H5S_SCALAR)
+                                   : H5Screate_simple(how == 2 ? 1 : 2, sizes, nullptr);
     const hid_t type = odd_type(dice);
     if (!dice.heads() || how != 1) H5Aclose(H5Acreate2(object, name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT));
     H5Tclose(type);
@@ -193,13 +177,16 @@ void change_attribute(hid_t file, const std::string& object_name, Dice& dice) {
 void change_group(hid_t file, Dice& dice) {
     const std::vector<std::string> parents{"channels", "tables", "more"};
     const std::string parent = dice.one_of(parents);
-    if (H5Lexists(file, parent.c_str(), H5P_DEFAULT) <= 0) H5Gclose(H5Gcreate2(file, parent.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    if (H5Lexists(file, parent.c_str(), H5P_DEFAULT) <= 0)
+        H5Gclose(H5Gcreate2(file, parent.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
     std::string path = parent;
     const std::uint64_t how = dice.below(3);
     for (std::uint64_t i = 0, count = dice.below(200); i < count; ++i) {
         const std::string name = (how == 0 ? path : parent) + "/g" + std::to_string(i);
-        if (how == 1) H5Lcreate_hard(file, parent.c_str(), file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT);
-        else H5Gclose(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+        if (how == 1)
+            H5Lcreate_hard(file, parent.c_str(), file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+        else
+            H5Gclose(H5Gcreate2(file, name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
         path = name;
     }
 }
@@ -213,25 +200,31 @@ void change_structure(const std::string& path, Mutation what, Dice& dice) {
     if (file < 0) return;
     const Objects objects = objects_of(file);
     const std::string dataset = objects.datasets.empty() ? "" : dice.one_of(objects.datasets);
-    if (objects.all.empty()) {   // a mutant of a mutant
+    if (objects.all.empty()) {  // a mutant of a mutant
         H5Fclose(file);
         return;
     }
-    if (what == Mutation::attribute) change_attribute(file, dice.one_of(objects.all), dice);
-    else if (what == Mutation::group) change_group(file, dice);
-    else if (what == Mutation::link && !dataset.empty()) change_link(file, dataset, dice.one_of(objects.all), dice);
-    else if (!dataset.empty()) change_shape(file, dataset, what, dice);
+    if (what == Mutation::attribute)
+        change_attribute(file, dice.one_of(objects.all), dice);
+    else if (what == Mutation::group)
+        change_group(file, dice);
+    else if (what == Mutation::link && !dataset.empty())
+        change_link(file, dataset, dice.one_of(objects.all), dice);
+    else if (!dataset.empty())
+        change_shape(file, dataset, what, dice);
     H5Fclose(file);
 }
 
 void change_bytes(Bytes& bytes, Mutation what, Dice& dice) {
     if (bytes.empty()) return;
     if (what == Mutation::bits) {
-        for (std::uint64_t i = 0, count = 1 + dice.below(3); i < count; ++i) bytes[dice.below(bytes.size())] ^= static_cast<std::byte>(1U << dice.below(8));
+        for (std::uint64_t i = 0, count = 1 + dice.below(3); i < count; ++i)
+            bytes[dice.below(bytes.size())] ^= static_cast<std::byte>(1U << dice.below(8));
     } else if (what == Mutation::bytes) {
         const std::size_t begin = dice.below(bytes.size()), count = std::min<std::size_t>(bytes.size() - begin, 1 + dice.below(64));
         const std::uint64_t how = dice.below(3);
-        for (std::size_t i = begin; i < begin + count; ++i) bytes[i] = how == 0 ? std::byte{0} : how == 1 ? std::byte{0xff} : static_cast<std::byte>(dice.below(256));
+        for (std::size_t i = begin; i < begin + count; ++i)
+            bytes[i] = how == 0 ? std::byte{0} : how == 1 ? std::byte{0xff} : static_cast<std::byte>(dice.below(256));
     } else {
         bytes.resize(dice.heads() ? dice.below(bytes.size()) : bytes.size() + dice.below(100'000));
     }
@@ -249,14 +242,16 @@ std::pair<std::size_t, std::size_t> messages_at(const Bytes& bytes, std::size_t 
     const std::size_t width = std::size_t{1} << (flags & 3U);
     const std::size_t begin = header + 6 + ((flags & 0x20U) != 0 ? 16 : 0) + ((flags & 0x10U) != 0 ? 4 : 0) + width;
     const std::uint64_t size = little_endian(bytes, begin - width, width);
-    return size > bytes.size() || begin + size + 4 > bytes.size() ? std::pair<std::size_t, std::size_t>{} : std::pair{begin, begin + static_cast<std::size_t>(size)};
+    return size > bytes.size() || begin + size + 4 > bytes.size() ? std::pair<std::size_t, std::size_t>{}
+                                                                  : std::pair{begin, begin + static_cast<std::size_t>(size)};
 }
 
 /// Another byte in an object's header, and the header's checksum made right.
 void forge(Bytes& bytes, Dice& dice) {
     constexpr std::byte mark[] = {std::byte{'O'}, std::byte{'H'}, std::byte{'D'}, std::byte{'R'}};
     std::vector<std::size_t> headers;
-    for (auto at = bytes.begin(); (at = std::search(at, bytes.end(), std::begin(mark), std::end(mark))) != bytes.end(); ++at) headers.push_back(static_cast<std::size_t>(at - bytes.begin()));
+    for (auto at = bytes.begin(); (at = std::search(at, bytes.end(), std::begin(mark), std::end(mark))) != bytes.end(); ++at)
+        headers.push_back(static_cast<std::size_t>(at - bytes.begin()));
     if (headers.empty()) return;
     const std::size_t header = dice.one_of(headers);
     const auto [begin, end] = messages_at(bytes, header);
@@ -270,7 +265,7 @@ void forge(Bytes& bytes, Dice& dice) {
 }
 
 void renew_seal(const std::string& path, bool had_seal) {
-    const int descriptor = open(path.c_str(), O_RDWR | O_CLOEXEC);   // it is there: it was just written
+    const int descriptor = open(path.c_str(), O_RDWR | O_CLOEXEC);  // it is there: it was just written
     std::uint64_t length = std::filesystem::file_size(path);
     if (had_seal && length >= seal_size) length -= seal_size;
     static_cast<void>(write_seal(descriptor, length));
@@ -285,12 +280,14 @@ Mutation mutate(const std::string& path, std::uint64_t seed, const MutantOptions
     const auto what = static_cast<Mutation>(dice.below(mutation_names.size() - (options.forge ? 0 : 1)));
     if (what < Mutation::bits) {
         change_structure(path, what, dice);
-        if (options.seal_anew) renew_seal(path, false);   // HDF5 has cut the former one off
+        if (options.seal_anew) renew_seal(path, false);  // HDF5 has cut the former one off
         return what;
     }
     Bytes bytes = read_bytes(path);
-    if (what == Mutation::forged) forge(bytes, dice);
-    else change_bytes(bytes, what, dice);
+    if (what == Mutation::forged)
+        forge(bytes, dice);
+    else
+        change_bytes(bytes, what, dice);
     write_bytes(path, bytes);
     if (options.seal_anew) renew_seal(path, what != Mutation::size);
     return what;

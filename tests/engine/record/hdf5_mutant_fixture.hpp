@@ -12,11 +12,12 @@
 namespace cvtflow::engine {
 
 enum class Mutation { rank, extent, type, storage, link, attribute, group, bits, bytes, size, forged };
-inline constexpr std::array<std::string_view, 11> mutation_names{"rank", "extent", "type", "storage", "link", "attribute", "group", "bits", "bytes", "size", "forged"};
+inline constexpr std::array<std::string_view, 11> mutation_names{"rank",  "extent", "type",  "storage", "link",  "attribute",
+                                                                 "group", "bits",   "bytes", "size",    "forged"};
 
 struct MutantOptions {
-    bool seal_anew = false;   ///< as someone does who knows how; otherwise the seal stays as it was, or is lost
-    bool forge = true;        ///< headers with checksums made right, too
+    bool seal_anew = false;  ///< as someone does who knows how; otherwise the seal stays as it was, or is lost
+    bool forge = true;       ///< headers with checksums made right, too
 };
 
 /// Changes a file in place. @return what was done

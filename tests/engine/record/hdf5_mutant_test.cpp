@@ -1,4 +1,5 @@
-/// Every reader against files that lie: thousands of mutants, each read in a child process that may neither crash, nor take over 5 s or 1 GB.
+/// Every reader against files that lie: thousands of mutants, each read in a child process that may neither crash, nor take over 5 s or 1
+/// GB.
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -23,7 +24,7 @@ namespace cvtflow::engine {
 namespace {
 
 #if defined(__SANITIZE_ADDRESS__)
-constexpr bool instrumented = true;   ///< its shadow takes terabytes of addresses
+constexpr bool instrumented = true;  ///< its shadow takes terabytes of addresses
 #else
 constexpr bool instrumented = false;
 #endif
@@ -62,8 +63,11 @@ struct Reader {
     void (*read)(const std::string& path);
 };
 
-const Reader readers[] = {{"run", read_run}, {"killed", read_run}, {"state", [](const std::string& file) { (void)read_state(file); }},
-                          {"cases", [](const std::string& file) { (void)read_cases(file); }}, {"growing", [](const std::string& file) { (void)read_cases(file); }}};
+const Reader readers[] = {{"run", read_run},
+                          {"killed", read_run},
+                          {"state", [](const std::string& file) { (void)read_state(file); }},
+                          {"cases", [](const std::string& file) { (void)read_cases(file); }},
+                          {"growing", [](const std::string& file) { (void)read_cases(file); }}};
 
 /// @return refused if the mutant is not taken
 Fate fate_of(const std::string& path, const Reader& reader) {
@@ -79,7 +83,11 @@ Fate fate_of(const std::string& path, const Reader& reader) {
 }
 
 CaseTable example_cases() {
-    CaseTable table{RowLayout({{"case", "1", "number", CaseColumnType::integer}, {"slip", "1", "", CaseColumnType::real}, {"status", "", "", CaseColumnType::text, 16}}), {{"sweep", std::string("s")}, {"cases", std::int64_t{9}}}, {}};
+    CaseTable table{RowLayout({{"case", "1", "number", CaseColumnType::integer},
+                               {"slip", "1", "", CaseColumnType::real},
+                               {"status", "", "", CaseColumnType::text, 16}}),
+                    {{"sweep", std::string("s")}, {"cases", std::int64_t{9}}},
+                    {}};
     table.rows.resize(9 * table.layout.bytes());
     for (std::size_t i = 0; i < 9; ++i) {
         const auto row = std::span(table.rows).subspan(i * table.layout.bytes(), table.layout.bytes());
@@ -96,27 +104,39 @@ protected:
     Hdf5MutantTest() : notes_(new (mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) Notes) {}
     ~Hdf5MutantTest() override { munmap(notes_, sizeof(Notes)); }
 
-    /// In the order of the readers: a finished record, one as a kill leaves it, a state, a finished table of cases, and one that was being written.
+    /// In the order of the readers: a finished record, one as a kill leaves it, a state, a finished table of cases, and one that was being
+    /// written.
     [[nodiscard]] std::vector<std::string> originals() const {
         const auto fill = [](RunFile& file) {
             for (int i = 0; i < 40; ++i) append_example(file, i);
             for (int i = 0; i < 9; ++i) append_example_state(file, i);
             file.append_row("transitions", std::array{0.5, 80.0});
         };
-        { RunFile file(path("run.h5"), example_contents(), {.deflate_states = 3}); fill(file); file.close(); }
-        EXPECT_EQ(wait_for(start_child([&] {
-            RunFile file(path("killed.h5"), example_contents());
+        {
+            RunFile file(path("run.h5"), example_contents(), {.deflate_states = 3});
             fill(file);
-            file.flush();
-            _exit(0);
-        })), 0);
-        write_state(path("state.h5"), {.time = 0.5, .state = std::vector<double>(200, 1.5), .phases = std::vector<std::uint8_t>(30, 1), .fingerprint = "0123", .attributes = {{"scene", std::string(300, 's')}, {"step", 1e-6}}, .more = {{"a", {1.0, 2.0}}, {"method", {}}}});
+            file.close();
+        }
+        EXPECT_EQ(wait_for(start_child([&] {
+                      RunFile file(path("killed.h5"), example_contents());
+                      fill(file);
+                      file.flush();
+                      _exit(0);
+                  })),
+                  0);
+        write_state(path("state.h5"), {.time = 0.5,
+                                       .state = std::vector<double>(200, 1.5),
+                                       .phases = std::vector<std::uint8_t>(30, 1),
+                                       .fingerprint = "0123",
+                                       .attributes = {{"scene", std::string(300, 's')}, {"step", 1e-6}},
+                                       .more = {{"a", {1.0, 2.0}}, {"method", {}}}});
         write_cases(path("cases.h5"), example_cases());
         EXPECT_EQ(wait_for(start_child([&] {
-            CaseWriter writer(path("growing.h5"), example_cases());
-            writer.append(example_cases().row(3));
-            _exit(0);
-        })), 0);
+                      CaseWriter writer(path("growing.h5"), example_cases());
+                      writer.append(example_cases().row(3));
+                      _exit(0);
+                  })),
+                  0);
         return {path("run.h5"), path("killed.h5.part"), path("state.h5"), path("cases.h5"), path("growing.h5")};
     }
 
@@ -128,18 +148,18 @@ protected:
         }
         const rlimit none{0, 0};
         setrlimit(RLIMIT_CORE, &none);
-        try_files_first();   // as the program does
+        try_files_first();  // as the program does
         for (; notes_->next < count; ++notes_->next) {
             begin_five_seconds();
             const auto number = static_cast<std::uint64_t>(notes_->next);
             const std::string mutant = path("mutant.h5");
-            std::filesystem::remove(mutant);   // file systems write out at once what is cut and written anew
+            std::filesystem::remove(mutant);  // file systems write out at once what is cut and written anew
             std::filesystem::copy_file(files[number % files.size()], mutant);
             notes_->of[number] = mutate(mutant, seed * 1'000'003 + number, {seal_anew});
             const std::size_t kind = number % files.size();
             notes_->fate[number] = fate_of(mutant, readers[kind]);
             if (number % 8 != 0) continue;
-            const Fate other = fate_of(mutant, readers[(kind + 2) % files.size()]);   // the reader of another kind of file
+            const Fate other = fate_of(mutant, readers[(kind + 2) % files.size()]);  // the reader of another kind of file
             if (other != Fate::refused) notes_->fate[number] = other;
         }
     }
@@ -153,7 +173,8 @@ protected:
             if (status == 0) break;
             const auto number = static_cast<std::size_t>(notes_->next++);
             notes_->fate[number] = status == 128 + SIGALRM ? Fate::hang : Fate::crash;
-            ADD_FAILURE() << "mutant " << number << " of seed " << seed << " of " << files[number % files.size()] << " ended its reader with " << status;
+            ADD_FAILURE() << "mutant " << number << " of seed " << seed << " of " << files[number % files.size()]
+                          << " ended its reader with " << status;
         }
     }
 
@@ -164,13 +185,15 @@ protected:
         std::printf("%-10s %8s %8s %8s %8s %10s\n", "mutants", "ok", "refused", "crash", "over 5 s", "over 1 GB");
         long read = 0, refused = 0;
         for (auto& [mutation, fates] : counts) {
-            std::printf("%-10s %8ld %8ld %8ld %8ld %10ld\n", mutation_names[static_cast<std::size_t>(mutation)].data(), fates[Fate::ok], fates[Fate::refused], fates[Fate::crash], fates[Fate::hang], fates[Fate::memory]);
-            EXPECT_EQ(fates[Fate::memory] + fates[Fate::crash] + fates[Fate::hang], 0) << mutation_names[static_cast<std::size_t>(mutation)];
+            std::printf("%-10s %8ld %8ld %8ld %8ld %10ld\n", mutation_names[static_cast<std::size_t>(mutation)].data(), fates[Fate::ok],
+                        fates[Fate::refused], fates[Fate::crash], fates[Fate::hang], fates[Fate::memory]);
+            EXPECT_EQ(fates[Fate::memory] + fates[Fate::crash] + fates[Fate::hang], 0)
+                << mutation_names[static_cast<std::size_t>(mutation)];
             read += fates[Fate::ok];
             refused += fates[Fate::refused];
         }
         EXPECT_EQ(read + refused, count);
-        EXPECT_GT(refused, count / 10);   // the mutants are some
+        EXPECT_GT(refused, count / 10);  // the mutants are some
     }
 
     Notes* notes_;

@@ -41,18 +41,17 @@ RunContents example_contents() {
                          {"links/tension", "N", "tension of every link", 3, "link"}},
             .state_size = 4,
             .phase_count = 2,
-            .tables = {{"transitions", "changes of phase",
-                {{"time", "s", "when", ColumnType::real}, {"pin", "1", "which pin", ColumnType::integer}}}},
+            .tables = {{"transitions",
+                        "changes of phase",
+                        {{"time", "s", "when", ColumnType::real}, {"pin", "1", "which pin", ColumnType::integer}}}},
             .attributes = {{"scene", std::string("baseline")}, {"pins", std::int64_t{84}}, {"pitch", 8.12e-3}}};
 }
 
-void append_example(RunFile& file, int i) {
-    file.append(i / 1000.0, std::array{1.0 * i, -1.0 * i, 10.0 * i, 10.0 * i + 1, 10.0 * i + 2});
-}
+void append_example(RunFile& file, int i) { file.append(i / 1000.0, std::array{1.0 * i, -1.0 * i, 10.0 * i, 10.0 * i + 1, 10.0 * i + 2}); }
 
 void append_example_state(RunFile& file, int i) {
     file.append_state(i / 10.0, std::array{i + 0.25, i + 0.5, i + 0.75, i + 1.0},
-        std::array{static_cast<std::uint8_t>(i % 256), std::uint8_t{1}});
+                      std::array{static_cast<std::uint8_t>(i % 256), std::uint8_t{1}});
 }
 
 std::string error_of(const std::function<void()>& call) {

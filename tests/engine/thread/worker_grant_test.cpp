@@ -19,7 +19,7 @@ TEST(WorkerGrant, TriesThreadsAndLetsThemGo) {
 TEST(WorkerGrant, GivesWhatIsWantedWhereThereIsNoShortageAndTriesOnlyWhatIsNew) {
     forget_workers();
     {
-        const WorkerGrant first(3), second(2);   // side by side: three workers in all
+        const WorkerGrant first(3), second(2);  // side by side: three workers in all
         EXPECT_EQ(first.threads(), 3);
         EXPECT_EQ(second.threads(), 2);
         EXPECT_TRUE(first.fresh());

@@ -61,7 +61,7 @@ TEST(Isa, EveryInstructionSetGivesTheSameBitsWithAccountsAndSmoothedFriction) {
             p.ledger = ledger;
             p.detail.friction = law;
             p.detail.stick_slip = law == FrictionLaw::piecewise;
-            p.plate.count = 37;   // three chunks of plates
+            p.plate.count = 37;  // three chunks of plates
             p.detail.joint_points = 16;
             expect_same_bits(p, "ledger " + std::to_string(ledger), 77);
         }

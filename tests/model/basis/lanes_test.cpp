@@ -44,7 +44,8 @@ TEST(Lanes, ChooseAsScalarsDoInEveryLaneAndWidth) {
 template <int W>
 void expect_tree_sum() {
     std::array<double, W> values{};
-    for (std::size_t lane = 0; lane < W; ++lane) values[lane] = std::sin(1.0 + static_cast<double>(lane)) * std::pow(10.0, static_cast<double>(lane % 5));
+    for (std::size_t lane = 0; lane < W; ++lane)
+        values[lane] = std::sin(1.0 + static_cast<double>(lane)) * std::pow(10.0, static_cast<double>(lane % 5));
     std::array<double, W> tree = values;
     for (std::size_t half = W / 2; half > 0; half /= 2) {
         for (std::size_t lane = 0; lane < half; ++lane) tree[lane] += tree[lane + half];
@@ -68,7 +69,8 @@ void expect_same_sums() {
     }
     std::array<double, count> together{};
     sums<W, count>(terms, together.data());
-    for (std::size_t k = 0; k < count; ++k) EXPECT_EQ(together[k], sum<W>(terms[k])) << "value " << k << " of " << count << ", " << W << " lanes";
+    for (std::size_t k = 0; k < count; ++k)
+        EXPECT_EQ(together[k], sum<W>(terms[k])) << "value " << k << " of " << count << ", " << W << " lanes";
 }
 
 template <int W>

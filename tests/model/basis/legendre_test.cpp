@@ -37,7 +37,8 @@ TEST(GaussLegendre, IntegratesEveryPolynomialUpToTwiceItsPointsMinusOne) {
         for (int power = 0; power < 2 * points; ++power) {
             double sum = 0.0;
             for (std::size_t g = 0; g < rule.position.size(); ++g) sum += rule.weight[g] * std::pow(rule.position[g], power);
-            EXPECT_NEAR(sum, power % 2 == 0 ? 1.0 / (power + 1) : 0.0, 1e-14) << points << " points, power " << power;   // weights sum to one
+            EXPECT_NEAR(sum, power % 2 == 0 ? 1.0 / (power + 1) : 0.0, 1e-14)
+                << points << " points, power " << power;  // weights sum to one
         }
     }
 }
@@ -48,7 +49,9 @@ TEST(GaussLegendre, HasAscendingSymmetricPointsWithPositiveWeights) {
         for (std::size_t g = 0; g < rule.position.size(); ++g) {
             EXPECT_GT(rule.weight[g], 0.0);
             EXPECT_NEAR(rule.position[g], -rule.position[rule.position.size() - 1 - g], 1e-15);
-            if (g > 0) { EXPECT_GT(rule.position[g], rule.position[g - 1]); }
+            if (g > 0) {
+                EXPECT_GT(rule.position[g], rule.position[g - 1]);
+            }
         }
     }
 }

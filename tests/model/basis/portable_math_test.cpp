@@ -18,14 +18,14 @@ double ulps(double value, long double exact) {
     return static_cast<double>(std::abs(static_cast<long double>(value) - exact) / static_cast<long double>(next - std::abs(rounded)));
 }
 
-constexpr double nearly_half = 0.502;   ///< correct rounding but for one case in some hundred
+constexpr double nearly_half = 0.502;  ///< correct rounding but for one case in some hundred
 
 TEST(PortableMath, IsRoundedCorrectlyButForAFewCases) {
     std::mt19937_64 random(3);
     std::uniform_real_distribution<double> angle(-10.0, 10.0), far(-1e4, 1e4), sine(-1.0, 1.0), log(-30.0, 30.0), exponent(-1.5, 1.5);
     for (int i = 0; i < 20000; ++i) {
         for (const double x : {angle(random), far(random)}) {
-            const double least = std::abs(x) < 10.0 ? nearly_half : 1.0;   // far away a zero of the sine may be near
+            const double least = std::abs(x) < 10.0 ? nearly_half : 1.0;  // far away a zero of the sine may be near
             const bool sine_vanishes = std::abs(std::sin(x)) < 1e-3, cosine_vanishes = std::abs(std::cos(x)) < 1e-3;
             EXPECT_TRUE(sine_vanishes || ulps(portable_sin(x), std::sin(static_cast<long double>(x))) < least) << x;
             EXPECT_TRUE(cosine_vanishes || ulps(portable_cos(x), std::cos(static_cast<long double>(x))) < least) << x;
@@ -60,7 +60,8 @@ TEST(TenNinths, HaveTheirEnds) {
     EXPECT_EQ(ten_ninths(1.0), 1.0);
     EXPECT_NEAR(ten_ninths(512.0), 1024.0, 1e-12 * 1024.0);
     EXPECT_TRUE(std::isnan(ten_ninths(std::nan(""))));
-    for (double x = 1e-270; x < 1e250; x *= 1.7) EXPECT_NEAR(ten_ninths(x) / static_cast<double>(std::pow(static_cast<long double>(x), 10.0L / 9.0L)), 1.0, 5e-16) << x;
+    for (double x = 1e-270; x < 1e250; x *= 1.7)
+        EXPECT_NEAR(ten_ninths(x) / static_cast<double>(std::pow(static_cast<long double>(x), 10.0L / 9.0L)), 1.0, 5e-16) << x;
 }
 
 }  // namespace

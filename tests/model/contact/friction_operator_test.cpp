@@ -40,7 +40,8 @@ std::vector<double> friction_of(const Parameters& p, const oracle::RandomState& 
     for (int first = 0; first < at.links; first += length) {
         const int last = std::min(first + length, at.links);
         const int stride = last - first + 16;
-        std::vector<double> window(static_cast<std::size_t>(size * stride), 0.0), memory(static_cast<std::size_t>(friction.scratch_size(last - first)));
+        std::vector<double> window(static_cast<std::size_t>(size * stride), 0.0),
+            memory(static_cast<std::size_t>(friction.scratch_size(last - first)));
         for (int link = first - 1; link <= last; ++link) {
             const double* v = random.state.data() + at.link_begin((link + at.links) % at.links) + size;
             for (int row = 0; row < size; ++row) window[static_cast<std::size_t>(row * stride + link - first + 1)] = v[row];
@@ -62,7 +63,8 @@ TEST(FrictionOperator, IsTheDifferenceThatFrictionMakes) {
             p.detail.order = order;
             p.detail.stick_slip = stick_slip;
             const auto random = oracle::random_state(p, 31);
-            const auto with = slope_of(p, random), without = slope_of(without_friction(p), random), alone = friction_of(p, random, p.chain.pins);
+            const auto with = slope_of(p, random), without = slope_of(without_friction(p), random),
+                       alone = friction_of(p, random, p.chain.pins);
             const ChainLayout at = layout_of(p);
             double largest = 0.0;
             for (const double a : alone) largest = std::max(largest, std::abs(a));

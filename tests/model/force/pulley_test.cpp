@@ -36,7 +36,7 @@ TEST(PulleyInputs, ClampingAndLoadRiseSmoothlyWhileSettling) {
     const auto block = at_rest(pulleys);
     const auto share = [&](double t) { return pulleys.inputs(t, block.data(), 0.0).clamping[1] / 20e3; };
     EXPECT_EQ(share(-0.02), 0.0);
-    EXPECT_NEAR(share(-0.01875), 0.15625, 1e-12);   // a quarter: x²(3 - 2x)
+    EXPECT_NEAR(share(-0.01875), 0.15625, 1e-12);  // a quarter: x²(3 - 2x)
     EXPECT_NEAR(share(-0.0175), 0.5, 1e-12);
     for (const double t : {-0.015, -0.001, 0.0, 1.0}) EXPECT_EQ(share(t), 1.0) << t;
     EXPECT_NEAR(pulleys.inputs(-0.0175, block.data(), 0.0).load_torque, -75.0, 1e-9);
@@ -71,7 +71,7 @@ TEST(PulleyInputs, TheGovernorHoldsItsSpeedAndLagsByTorqueOverStiffness) {
             const auto drive = [&] { return pulleys.inputs(t, block.data(), 0.0).drive_torque; };
             block[static_cast<std::size_t>(pulleys.rotation(0))] = angle;
             block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] = std::min(200.0 + 1000.0 * now, 300.0);
-            EXPECT_NEAR(drive(), 0.0, 1e-9) << t;   // angles of 55 rad are known to 7e-15, the stiffness is 7e4
+            EXPECT_NEAR(drive(), 0.0, 1e-9) << t;  // angles of 55 rad are known to 7e-15, the stiffness is 7e4
             block[static_cast<std::size_t>(pulleys.rotation(0))] -= 150.0 / stiffness;
             EXPECT_NEAR(drive(), 150.0, 1e-8) << t;
             block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] -= 1.0;
@@ -88,12 +88,12 @@ TEST(PulleyInputs, ControlClampsHarderIfTheDrivenSideIsTooSlowWithinItsAuthority
     p.control.integral = 2e7;
     const PulleyModel pulleys(p);
     auto block = at_rest(pulleys);
-    const double nominal = 200.0 * pi / 3.0;   // 2000 rpm
+    const double nominal = 200.0 * pi / 3.0;  // 2000 rpm
     block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] = nominal;
     double& driven = block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))];
     driven = 0.5 * nominal;
     EXPECT_NEAR(pulleys.inputs(0.0, block.data(), 0.0).clamping[0], 27.1e3, 1e-6);
-    driven = 0.49 * nominal;   // ε = 0.02
+    driven = 0.49 * nominal;  // ε = 0.02
     const Inputs slow = pulleys.inputs(0.0, block.data(), 3e-5);
     EXPECT_NEAR(slow.control_rate, 0.02, 1e-15);
     EXPECT_NEAR(slow.clamping[0], 27.1e3 + 1e5 * 0.02 + 2e7 * 3e-5, 1e-6);
@@ -128,7 +128,7 @@ TEST(Pulleys, AttachmentsOnlyResistMotionAgainstTheShaft) {
     const auto set = [&](int body, int freedom, double value) { block[static_cast<std::size_t>(body_freedom(body, freedom))] = value; };
     for (const int body : {0, sheave_body(0, 0), sheave_body(0, 1)}) {
         const double z = body == 0 ? 0.0 : body == sheave_body(0, 0) ? -away : away;
-        set(body, 0, 1e-4 + tilt * z);   // shaft 1 as one rigid body: moved, tilted about y, turned
+        set(body, 0, 1e-4 + tilt * z);  // shaft 1 as one rigid body: moved, tilted about y, turned
         set(body, 3, tilt);
         set(body, 4, 2e-4);
         set(body, 5, 7.0);
@@ -157,7 +157,7 @@ TEST(Pulleys, LoseWhatTheirForcesTakeAndGyroscopicForcesDoNoWork) {
         auto slope = block;
         pulleys.slope(block.data(), inputs, {}, slope.data(), &account);
         auto before = block, after = block;
-        const double step = 1e-9;   // energies are quadratic: the central difference is exact up to rounding, 1e-16 · 20 J / step
+        const double step = 1e-9;  // energies are quadratic: the central difference is exact up to rounding, 1e-16 · 20 J / step
         for (std::size_t k = 0; k < block.size(); ++k) before[k] -= step * slope[k], after[k] += step * slope[k];
         const double rate = (energy(after) - energy(before)) / (2.0 * step);
         const WorkRates works = pulleys.works(block.data(), inputs);

@@ -72,7 +72,7 @@ TEST(Friction, SmoothedTendsToPiecewiseAsItsWidthShrinks) {
     for (const double d : {0.2, 0.02, 0.002}) {
         double worst = 0.0;
         for (double u = 0.0; u < 2.0; u += 1e-4) worst = std::max(worst, std::abs(share(smoothed(d), u * v0) - share(piecewise(), u * v0)));
-        EXPECT_NEAR(worst, 0.25 * d, 1e-3 * d);   // the parabola is d/4 below the corner
+        EXPECT_NEAR(worst, 0.25 * d, 1e-3 * d);  // the parabola is d/4 below the corner
     }
 }
 

@@ -56,7 +56,9 @@ TEST(PhaseRule, TheGapFunctionIsPositiveExactlyWhereTheTransitionIsDue) {
                 for (const Phase phase : {Phase::free, Phase::touching, Phase::stick, Phase::slip}) {
                     const TipIndicator tip{depth, slip};
                     const Phase next = r.next(phase, tip);
-                    if (next != phase) { EXPECT_GT(r.due(phase, next, tip), 0.0); }
+                    if (next != phase) {
+                        EXPECT_GT(r.due(phase, next, tip), 0.0);
+                    }
                 }
                 EXPECT_EQ(r.next(Phase::free, {depth, slip}) != Phase::free, r.due(Phase::free, Phase::touching, {depth, slip}) > 0.0);
                 EXPECT_EQ(r.next(Phase::touching, {depth, slip}) == Phase::free, r.due(Phase::touching, Phase::free, {depth, slip}) > 0.0);

@@ -48,7 +48,8 @@ TEST(LinkInertia, IsPositiveDefiniteAndSymmetric) {
         for (int row = 0; row < size; ++row) {
             EXPECT_GT(inertia.lateral.column[static_cast<std::size_t>(row * padded(size) + row)], 0.0);
             for (int column = 0; column < size; ++column) {
-                EXPECT_EQ(inertia.lateral_matrix[static_cast<std::size_t>(row * size + column)], inertia.lateral_matrix[static_cast<std::size_t>(column * size + row)]);
+                EXPECT_EQ(inertia.lateral_matrix[static_cast<std::size_t>(row * size + column)],
+                          inertia.lateral_matrix[static_cast<std::size_t>(column * size + row)]);
             }
         }
         for (int k = 0; k < 100; ++k) {
@@ -57,7 +58,7 @@ TEST(LinkInertia, IsPositiveDefiniteAndSymmetric) {
             const auto momentum = times(inertia.lateral_matrix.data(), size, v.data());
             double energy = 0.0, square = 0.0;
             for (std::size_t i = 0; i < v.size(); ++i) energy += v[i] * momentum[i], square += v[i] * v[i];
-            EXPECT_GE(energy, p.half.mass / (2 * P + 1) * square);   // plates only add to the halves' own diagonal
+            EXPECT_GE(energy, p.half.mass / (2 * P + 1) * square);  // plates only add to the halves' own diagonal
         }
     });
 }
@@ -75,7 +76,8 @@ TEST(LinkInertia, SolvingInvertsTheMatrix) {
         // Condition numbers are below 100: a few hundred roundings of 1.
         for (int block = 0; block < 2; ++block) {
             const auto back = times(inertia.lateral_matrix.data(), size, a.data() + block * size);
-            for (int k = 0; k < size; ++k) EXPECT_NEAR(back[static_cast<std::size_t>(k)], f[static_cast<std::size_t>(block * size + k)], 1e-14);
+            for (int k = 0; k < size; ++k)
+                EXPECT_NEAR(back[static_cast<std::size_t>(k)], f[static_cast<std::size_t>(block * size + k)], 1e-14);
         }
         const auto back = times(inertia.axial_matrix.data(), 4, a.data() + 2 * size);
         for (int k = 0; k < 4; ++k) EXPECT_NEAR(back[static_cast<std::size_t>(k)], f[static_cast<std::size_t>(2 * size + k)], 1e-14);
@@ -102,7 +104,7 @@ double kinetic_energy(const Parameters& p, const std::vector<double>& a, const s
         for (std::size_t m = 0; m < half.size(); ++m) value += half[m] * legendre(static_cast<int>(m), xi);
         return value;
     };
-    const Quadrature rule = gauss_legendre(8);   // exact for the squares of cubics
+    const Quadrature rule = gauss_legendre(8);  // exact for the squares of cubics
     double energy = 0.0;
     for (std::size_t g = 0; g < rule.position.size(); ++g) {
         const double xi = rule.position[g];
@@ -111,7 +113,7 @@ double kinetic_energy(const Parameters& p, const std::vector<double>& a, const s
     const auto plates = plate_positions(p);
     for (const double xi : plates) {
         for (std::size_t g = 0; g < rule.position.size(); ++g) {
-            const double along = 0.5 * (1.0 + rule.position[g]);   // velocity is linear between both ends
+            const double along = 0.5 * (1.0 + rule.position[g]);  // velocity is linear between both ends
             const double v = (1.0 - along) * at(a, xi) + along * at(b, xi);
             energy += 0.5 * p.plate.mass * p.plate.count / static_cast<double>(plates.size()) * rule.weight[g] * v * v;
         }
@@ -132,7 +134,7 @@ TEST(LinkInertia, IsTheKineticEnergyOfItsMasses) {
         const auto momentum = times(inertia.lateral_matrix.data(), 2 * (P + 1), v.data());
         double energy = 0.0;
         for (std::size_t k = 0; k < v.size(); ++k) energy += 0.5 * v[k] * momentum[k];
-        EXPECT_NEAR(energy, kinetic_energy(p, a, b), 1e-16);   // ~1e-2 J, some ten roundings
+        EXPECT_NEAR(energy, kinetic_energy(p, a, b), 1e-16);  // ~1e-2 J, some ten roundings
     });
 }
 

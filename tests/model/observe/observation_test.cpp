@@ -13,7 +13,9 @@ namespace cvtflow::model {
 namespace {
 
 /// Relative 1e-10: depths of µm are known to 1e-17 m, and energies and losses go with their squares.
-void expect_same(double value, double expected, const char* what) { EXPECT_NEAR(value, expected, 1e-10 * std::abs(expected) + 1e-12) << what; }
+void expect_same(double value, double expected, const char* what) {
+    EXPECT_NEAR(value, expected, 1e-10 * std::abs(expected) + 1e-12) << what;
+}
 
 TEST(Observation, EnergiesLossesAndWorksAreTheOracles) {
     for (int order = 0; order <= 3; ++order) {
@@ -77,7 +79,7 @@ void stretch(const Parameters& p, double length, int link, std::vector<double>& 
 
 TEST(Observation, TensionIsPositiveWherePlatesAreStretchedAndTheUpperStrandIsTight) {
     Parameters p;
-    p.drive.speed = TimeTable(0.0);   // no pre-tension
+    p.drive.speed = TimeTable(0.0);  // no pre-tension
     const Variator variator(p);
     Observer observer(variator);
     StartState start = start_state(p);
@@ -105,7 +107,7 @@ TEST(Observation, ARingHasOneTension) {
     const double mean = std::accumulate(now.tension.begin(), now.tension.end(), 0.0) / p.chain.pins;
     EXPECT_NEAR(now.tight, mean, 1e-9 * mean);
     EXPECT_EQ(now.slack, now.tight);
-    EXPECT_NEAR(now.chain_speed, start.speed, 1e-3 * start.speed);   // halves sit a millimetre beside the pitch line
+    EXPECT_NEAR(now.chain_speed, start.speed, 1e-3 * start.speed);  // halves sit a millimetre beside the pitch line
 }
 
 TEST(Observation, SpeedsRatioSlipAndRadiusAreTheStarts) {
@@ -114,19 +116,19 @@ TEST(Observation, SpeedsRatioSlipAndRadiusAreTheStarts) {
     const Variator variator(p);
     Observer observer(variator);
     StartState start = start_state(p);
-    for (int link = 0; link < p.chain.pins; ++link) {   // let everything count that lies on an arc
+    for (int link = 0; link < p.chain.pins; ++link) {  // let everything count that lies on an arc
         const double* block = start.state.data() + variator.layout().link_begin(link);
         const double x = block[0];
         const bool on_arc = x < -0.3 * start.radii.driving || x > p.pulley.centre_distance + 0.3 * start.radii.driven;
         std::fill_n(start.phases.begin() + tips_per_link * link, tips_per_link, on_arc ? Phase::touching : Phase::free);
     }
     const Observation& now = observer.observe(-p.start.settling_time, start.state.data(), start.phases.data());
-    EXPECT_NEAR(now.ratio, 1.6, 0.01 * 1.6);   // radii are in that ratio; a chain bent more strongly is a little shorter
+    EXPECT_NEAR(now.ratio, 1.6, 0.01 * 1.6);  // radii are in that ratio; a chain bent more strongly is a little shorter
     EXPECT_NEAR(now.radius[0], start.radii.driving, 1e-12);
     EXPECT_NEAR(now.radius[1], start.radii.driven, 1e-12);
-    EXPECT_NEAR(now.slip, 0.0, 1e-4);   // the polygon of pins: their mean speed depends on which lie on the arc
+    EXPECT_NEAR(now.slip, 0.0, 1e-4);  // the polygon of pins: their mean speed depends on which lie on the arc
     EXPECT_NEAR(now.speed[0], p.drive.speed.at(0.0), 1e-10);
-    EXPECT_NEAR(now.torque[0], 0.0, 1e-6);   // the start runs at the governor's speed and angle
+    EXPECT_NEAR(now.torque[0], 0.0, 1e-6);  // the start runs at the governor's speed and angle
 }
 
 }  // namespace

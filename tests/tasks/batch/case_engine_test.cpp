@@ -12,15 +12,21 @@ namespace {
 
 class CaseOfAWorker : public testing::Test {
 protected:
-    CaseOfAWorker() : folder_(std::filesystem::temp_directory_path() / ("cvtflow_case_" + std::to_string(getpid()))) { std::filesystem::create_directory(folder_); }
+    CaseOfAWorker() : folder_(std::filesystem::temp_directory_path() / ("cvtflow_case_" + std::to_string(getpid()))) {
+        std::filesystem::create_directory(folder_);
+    }
     ~CaseOfAWorker() override { std::filesystem::remove_all(folder_); }
 
     /// Eight cases of tiny.
     [[nodiscard]] Sweep sweep(const std::string& mode, const std::string& more = "") const {
-        std::ofstream(folder_ / "s.toml") << "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"20 us\"\nstart.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n"
-                                             "[[axes]]\nkey = \"load.torque\"\nvalues = [\"6 N*m\", \"12 N*m\"]\n[[axes]]\nkey = \"clamping.driven\"\nfrom = \"5 kN\"\n"
-                                             "to = \"6 kN\"\ncount = 4\n[outputs]\nscalars = [\"slip mean\", \"tight_tension max\"]\n[start]\nmode = \"" << mode << "\"\n" << more;
-        return read_sweep(folder_ / "s.toml", [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
+        std::ofstream(folder_ / "s.toml")
+            << "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"20 us\"\nstart.settling_time = \"20 us\"\nstart.ramp_time = \"10 us\"\n"
+               "[[axes]]\nkey = \"load.torque\"\nvalues = [\"6 N*m\", \"12 N*m\"]\n[[axes]]\nkey = \"clamping.driven\"\nfrom = \"5 kN\"\n"
+               "to = \"6 kN\"\ncount = 4\n[outputs]\nscalars = [\"slip mean\", \"tight_tension max\"]\n[start]\nmode = \""
+            << mode << "\"\n"
+            << more;
+        return read_sweep(folder_ / "s.toml",
+                          [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
     }
     /// Allocations of each case, one after the other on one engine.
     [[nodiscard]] std::vector<long> allocations(const Sweep& sweep) const {
@@ -40,8 +46,8 @@ protected:
     std::filesystem::path folder_;
 };
 
-/// States, slots, graph, executor, table row, constants of the machine: all is there after the first case, and a geometric start is placed once for all. What
-/// is left is a controller's own, one for settling and one for the run.
+/// States, slots, graph, executor, table row, constants of the machine: all is there after the first case, and a geometric start is placed
+/// once for all. What is left is a controller's own, one for settling and one for the run.
 TEST_F(CaseOfAWorker, AllocatesNothingButControllersAfterTheFirst) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     const std::vector<long> shared = allocations(sweep("shared")), placed = allocations(sweep("settle"));

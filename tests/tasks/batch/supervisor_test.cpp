@@ -50,7 +50,8 @@ protected:
     }
 
     int run(const std::function<void(long)>& die) {
-        return supervise(journal_, [&](const SweepPart& part) { return work(part, die); }, [this](const std::string& line) { said_.push_back(line); });
+        return supervise(
+            journal_, [&](const SweepPart& part) { return work(part, die); }, [this](const std::string& line) { said_.push_back(line); });
     }
     [[nodiscard]] std::string rows() const { return {rows_, rows_ + cases}; }
 
@@ -102,7 +103,9 @@ TEST_F(Supervisor, GivesACaseThatCrashesOnceItsResult) {
 }
 
 TEST_F(Supervisor, EndsAfterACrashOutsideOfAnyCase) {
-    EXPECT_EQ(supervise(journal_, [](const SweepPart&) -> int { std::abort(); }, [this](const std::string& line) { said_.push_back(line); }), 1);
+    EXPECT_EQ(supervise(
+                  journal_, [](const SweepPart&) -> int { std::abort(); }, [this](const std::string& line) { said_.push_back(line); }),
+              1);
     EXPECT_THAT(said_, ElementsAre("the sweep's process was ended by SIGABRT (Aborted), in none of its cases"));
 }
 
@@ -110,7 +113,7 @@ TEST_F(Supervisor, BeginsNothingNewAfterAWishToStop) {
     EXPECT_EQ(run([&](long number) {
                   if (number != 3) return;
                   std::signal(SIGTERM, SIG_IGN);
-                  kill(getppid(), SIGTERM);   // handed on to this child, which ignores it
+                  kill(getppid(), SIGTERM);  // handed on to this child, which ignores it
                   std::abort();
               }),
               130);

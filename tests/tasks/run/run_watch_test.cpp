@@ -11,7 +11,9 @@ namespace {
 class Watching final : public RunObserver {
 public:
     explicit Watching(const Simulation& simulation) : eye_(simulation.variator()) {}
-    void output(double time, const Workspace& workspace, const Counters&) override { watch.add(eye_.observe(time, workspace.states[0], workspace.phases.data()), workspace); }
+    void output(double time, const Workspace& workspace, const Counters&) override {
+        watch.add(eye_.observe(time, workspace.states[0], workspace.phases.data()), workspace);
+    }
     void transition(const TransitionRecord&) override {}
     RunWatch watch;
 

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
 #include <filesystem>
 #include <string>
-#include <unistd.h>
 
 #include "engine/graph/race_check.hpp"
 #include "engine/method/catalogue.hpp"
@@ -39,7 +39,7 @@ std::vector<double> slope_of(const Simulation& simulation, double t) {
 
 TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
     std::uint64_t expected = 0;
-    for (const AutoNumber step : {AutoNumber(5e-8), AutoNumber()}) {   // automatic steps are long here: tips come and go within one
+    for (const AutoNumber step : {AutoNumber(5e-8), AutoNumber()}) {  // automatic steps are long here: tips come and go within one
         for (const bool stick_slip : {false, true}) {
             for (const int segments : {1, 2, 3, 5, 7, 14, 24}) {
                 Scene scene = tiny_scene();
@@ -70,7 +70,7 @@ TEST(Simulation, AnyNumberMayLiveSideBySide) {
     other.parameters.detail.order = 2;
     other.run.segments = 3;
     Simulation first(tiny_scene()), second(other);
-    for (int part = 0; part < 2; ++part) {   // by turns
+    for (int part = 0; part < 2; ++part) {  // by turns
         ASSERT_FALSE(part == 0 ? first.settle(silent, uncancelled) : first.run(1e-5, silent, uncancelled));
         ASSERT_FALSE(part == 0 ? second.settle(silent, uncancelled) : second.run(1e-5, silent, uncancelled));
     }
@@ -85,13 +85,15 @@ TEST(Simulation, RunsInOneGoAsInPieces) {
     ASSERT_FALSE(pieces.run(4e-5, silent, uncancelled));
     EXPECT_DOUBLE_EQ(pieces.time(), whole.time());
     // Times of steps may differ in their last digit.
-    for (int k = 0; k < whole.variator().layout().size(); ++k) EXPECT_NEAR(pieces.state()[k], whole.state()[k], 1e-7 + 1e-7 * std::abs(whole.state()[k]));
+    for (int k = 0; k < whole.variator().layout().size(); ++k)
+        EXPECT_NEAR(pieces.state()[k], whole.state()[k], 1e-7 + 1e-7 * std::abs(whole.state()[k]));
 }
 
 /// A state file that is gone with the test.
 class StateFile {
 public:
-    explicit StateFile(const Simulation& simulation) : path_(std::filesystem::temp_directory_path() / ("cvtflow_simulation_test_" + std::to_string(::getpid()) + ".h5")) {
+    explicit StateFile(const Simulation& simulation)
+        : path_(std::filesystem::temp_directory_path() / ("cvtflow_simulation_test_" + std::to_string(::getpid()) + ".h5")) {
         engine::write_state(path_.string(), simulation.saved_state());
     }
     ~StateFile() { std::filesystem::remove(path_); }
@@ -140,7 +142,8 @@ TEST(Simulation, TakesASavedStateWithOrWithoutControlAndLedger) {
         scene.parameters.ledger = !had;
         Simulation other(scene);
         const model::ChainLayout& at = other.variator().layout();
-        EXPECT_EQ(std::vector<double>(other.state(), other.state() + at.control_begin()), std::vector<double>(simulation.state(), simulation.state() + at.control_begin()));
+        EXPECT_EQ(std::vector<double>(other.state(), other.state() + at.control_begin()),
+                  std::vector<double>(simulation.state(), simulation.state() + at.control_begin()));
         for (int k = at.control_begin(); k < at.size(); ++k) EXPECT_EQ(other.state()[k], 0.0);
     }
 }
@@ -211,7 +214,8 @@ TEST(FusedGraph, EveryTaskDeclaresWhatItsCycleWrites) {
                                           {Field::cut_state, Field::load, Field::account, Field::window}};
     for (int task = 0; task < graph.size(); ++task) {
         const engine::Task& one = graph.task(task);
-        for (const Field field : written[one.cycle]) EXPECT_TRUE(declares(one, field, true)) << one.name << ", field " << static_cast<int>(field);
+        for (const Field field : written[one.cycle])
+            EXPECT_TRUE(declares(one, field, true)) << one.name << ", field " << static_cast<int>(field);
     }
 }
 

@@ -15,10 +15,12 @@
 namespace cvtflow::tasks {
 namespace {
 
-/// Tiny without elastic pulleys and inner coordinates, settled for a moment: 296 unknowns, so that the dense spectrum takes a fraction of a second.
+/// Tiny without elastic pulleys and inner coordinates, settled for a moment: 296 unknowns, so that the dense spectrum takes a fraction of a
+/// second.
 Scene small() {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
-    set_values(scene, std::vector<std::string>{"detail.order=0", "detail.pulleys=rigid", "start.settling_time=0.2 ms", "start.ramp_time=0.2 ms", "run.schedule=serial"});
+    set_values(scene, std::vector<std::string>{"detail.order=0", "detail.pulleys=rigid", "start.settling_time=0.2 ms",
+                                               "start.ramp_time=0.2 ms", "run.schedule=serial"});
     return scene;
 }
 
@@ -43,7 +45,7 @@ TEST(StableStep, FindsTheOutermostEigenvaluesOfTheDenseSpectrum) {
 
 TEST(StableStep, IsTheReachOfTheMethodOverTheEigenvalue) {
     EXPECT_NEAR(largest_stable_step("rk4", {{-1e6, 0.0}}), 2.785e-6, 2e-9);
-    EXPECT_NEAR(largest_stable_step("rk4", {{-1e6, 0.0}, {-1e2, 1e5}}), 2.785e-6, 2e-9);   // the first one sets the limit
+    EXPECT_NEAR(largest_stable_step("rk4", {{-1e6, 0.0}, {-1e2, 1e5}}), 2.785e-6, 2e-9);  // the first one sets the limit
     EXPECT_NEAR(largest_stable_step("euler", {{-1e6, 0.0}}), 2e-6, 1e-9);
     EXPECT_TRUE(std::isinf(largest_stable_step("no table of stages", {{-1e6, 0.0}})));
     EXPECT_TRUE(std::isinf(largest_stable_step("rk4", std::vector<std::complex<double>>{})));
@@ -54,7 +56,8 @@ TEST(StableStep, OfManyEigenvaluesIsTheLeastOfEach) {
     for (const char* method : {"rk4", "dumka3-p2", "rkc-s10"}) {
         double least = std::numeric_limits<double>::infinity();
         for (const auto& value : all) least = std::min(least, largest_stable_step(method, {value}));
-        EXPECT_EQ(largest_stable_step(method, all), least) << method << ": directions that were looked at already, and scans cut short, change nothing";
+        EXPECT_EQ(largest_stable_step(method, all), least)
+            << method << ": directions that were looked at already, and scans cut short, change nothing";
     }
 }
 

@@ -22,9 +22,9 @@ TEST_F(KeptStateTest, IsReadOnceForAllCopies) {
     const auto first = kept_.read(file_);
     EXPECT_EQ(first->state, std::vector<double>{1.0});
     const KeptState copy = kept_;
-    EXPECT_EQ(copy.read(file_), first);   // the same object
+    EXPECT_EQ(copy.read(file_), first);  // the same object
     std::filesystem::remove(file_);
-    EXPECT_EQ(copy.read(file_), first);   // and it outlives its file
+    EXPECT_EQ(copy.read(file_), first);  // and it outlives its file
 }
 
 TEST_F(KeptStateTest, IsReadAnewWhenTheFileIsAnotherOne) {

@@ -59,7 +59,9 @@ TEST(ParameterTable, NumbersHaveAUnitWithANameAndOthersHaveNone) {
         const Kind kind = parameter.kind();
         const bool number = kind != Kind::choice && kind != Kind::boolean && kind != Kind::text;
         EXPECT_EQ(!parameter.unit.empty(), number) << parameter.key;
-        if (number) { EXPECT_NE(dimension_name(dimension_of(parameter.unit)), "") << parameter.key; }
+        if (number) {
+            EXPECT_NE(dimension_name(dimension_of(parameter.unit)), "") << parameter.key;
+        }
         EXPECT_EQ(!parameter.choices.empty(), kind == Kind::choice) << parameter.key;
         EXPECT_EQ(number, parameter.min < parameter.max) << parameter.key;
     }

@@ -77,7 +77,8 @@ TEST(Scene, EachKeyRoundTrips) {
 }
 
 TEST(Scene, FileThatIsNotThereIsAnError) {
-    EXPECT_EQ(complaint([] { (void)read_scene("/nowhere/at/all.toml"); }), "/nowhere/at/all.toml: cannot be read: No such file or directory");
+    EXPECT_EQ(complaint([] { (void)read_scene("/nowhere/at/all.toml"); }),
+              "/nowhere/at/all.toml: cannot be read: No such file or directory");
     EXPECT_EQ(complaint([] { (void)read_scene(scenes); }), scenes.string() + ": cannot be read: a folder, not a file");
 }
 

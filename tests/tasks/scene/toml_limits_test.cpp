@@ -36,7 +36,8 @@ TEST(TomlLimits, RefuseWhatWouldOverflowTheStack) {
 
 TEST(TomlLimits, RefuseKeysAndTextsThatTakeSecondsOrGigabytes) {
     const auto begin = std::chrono::steady_clock::now();
-    EXPECT_EQ(complaint("[chain]\n" + std::string(1 << 20, 'k') + " = 1\n"), "s.toml:2:257: not valid TOML: a key or number of more than 256 characters");
+    EXPECT_EQ(complaint("[chain]\n" + std::string(1 << 20, 'k') + " = 1\n"),
+              "s.toml:2:257: not valid TOML: a key or number of more than 256 characters");
     EXPECT_EQ(complaint(std::string((4 << 20) + 1, '\n')), "s.toml:1:1: not valid TOML: longer than 4194304 bytes");
     const std::string quoted = complaint("[chain]\n\"" + std::string(1 << 20, 'k') + "\" = 1\n");
     EXPECT_EQ(quoted, "s.toml:2:1: chain." + std::string(54, 'k') + "…: unknown key");
@@ -45,11 +46,13 @@ TEST(TomlLimits, RefuseKeysAndTextsThatTakeSecondsOrGigabytes) {
     const std::string told = complaint(many);
     EXPECT_EQ(std::count(told.begin(), told.end(), '\n'), 100);
     EXPECT_EQ(told.substr(told.rfind('\n') + 1), "… and 49900 more problems");
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));   // 12 s for one key before
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));  // 12 s for one key before
 }
 
 TEST(TomlLimits, KnowWhatIsTextAndWhatIsNot) {
-    EXPECT_FALSE(beyond_limits("[scene]\ndescription = \"" + repeated("a.", 1000) + repeated("[", 1000) + std::string(1000, 'x') + "\\\"" + "\"\n").has_value());
+    EXPECT_FALSE(
+        beyond_limits("[scene]\ndescription = \"" + repeated("a.", 1000) + repeated("[", 1000) + std::string(1000, 'x') + "\\\"" + "\"\n")
+            .has_value());
     EXPECT_FALSE(beyond_limits("x = '''\n" + repeated("[{.", 1000) + "'''\n").has_value());
     EXPECT_FALSE(beyond_limits("x = \"\"\"\n" + repeated("[{\\\"\"", 1000) + "\"\"\"\n").has_value());
     EXPECT_FALSE(beyond_limits("# " + repeated("[.", 1000) + "\nx = 1\n# " + repeated("[", 1000)).has_value());
@@ -60,7 +63,7 @@ TEST(TomlLimits, KnowWhatIsTextAndWhatIsNot) {
 
 TEST(Settings, AreNotBlamedForWhatTheyDidNotSay) {
     Scene scene = parse_scene("[scene]\nname = \"mine\"\n", "s.toml");
-    scene.run.state_interval = 0.5 * scene.run.output_interval;   // as a program may leave it
+    scene.run.state_interval = 0.5 * scene.run.output_interval;  // as a program may leave it
     try {
         set_value(scene, "run.seed=3");
         FAIL();

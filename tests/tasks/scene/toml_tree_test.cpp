@@ -43,8 +43,8 @@ TEST(TomlTree, TextsThatBreakTheParsersOwnAssumptionsAreProblemsToo) {
 TEST(TomlTree, CharactersBeyondAsciiBelongInQuotesAndComments) {
     const std::string good = "\xef\xbb\xbf# é\nk = \"é \\\" é\" # é\n'é' = \"\"\"é\n\"é\" é\"\"\"\"\nl = '''\né'''\ne = \"\"\n";
     EXPECT_TRUE(std::holds_alternative<Node>(parse_toml(good)));
-    for (const char* text : {"\nµ = 1", "# é\nµ = 1", "k = \"é\" µ", "k = 'é\\' µ", "k = \"\"\"é\"\"\" µ", "k = 5 µ",
-                             "k = 5\"µ", "k = \"é\nµ"})
+    for (const char* text :
+         {"\nµ = 1", "# é\nµ = 1", "k = \"é\" µ", "k = 'é\\' µ", "k = \"\"\"é\"\"\" µ", "k = 5 µ", "k = 5\"µ", "k = \"é\nµ"})
         EXPECT_TRUE(std::holds_alternative<Problem>(parse_toml(text))) << text;
     EXPECT_EQ(std::get<Problem>(parse_toml("a = 1\nk = \"é\" µ")).position, (Position{2, 9}));
 }

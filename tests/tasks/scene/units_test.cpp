@@ -55,9 +55,7 @@ TEST(Units, ProductsAndPowersMultiply) {
     EXPECT_DOUBLE_EQ(si("1 N/mm^1.5"), std::pow(1e3, 1.5));
 }
 
-TEST(Units, SlashDividesByTheNextSymbolOnly) {
-    EXPECT_EQ(std::get<Quantity>(parse_quantity("1 N/m*s")).dimension, dimension_of("N*s/m"));
-}
+TEST(Units, SlashDividesByTheNextSymbolOnly) { EXPECT_EQ(std::get<Quantity>(parse_quantity("1 N/m*s")).dimension, dimension_of("N*s/m")); }
 
 TEST(Units, SignsBeyondAsciiAreUnderstood) {
     EXPECT_EQ(si("20 µs"), 20e-6);

@@ -19,10 +19,12 @@ using Machine = std::function<double(int candidate, double time)>;
 /// What a run of so many cycles took, and what it would have taken with the first candidate only.
 struct Invented {
     double seconds = 0.0, serial = 0.0;
-    long decisions_late = 0;   ///< windows in which the chosen candidate was not the fastest
+    long decisions_late = 0;  ///< windows in which the chosen candidate was not the fastest
 };
 
-Invented run(ScheduleChooser& chooser, const Machine& machine, double seconds, const std::function<int(double)>& touching = [](double) { return 30; }) {
+Invented run(
+    ScheduleChooser& chooser, const Machine& machine, double seconds,
+    const std::function<int(double)>& touching = [](double) { return 30; }) {
     Invented outcome;
     while (outcome.seconds < seconds) {
         const double cost = machine(chooser.candidate(), outcome.seconds), serial = machine(0, outcome.seconds);
@@ -38,10 +40,11 @@ constexpr double serial_cost = 25e-6;
 
 TEST(ScheduleChooser, TakesWhatIsFaster) {
     ScheduleChooser chooser(3, {});
-    const Invented outcome = run(chooser, [](int candidate, double) { return serial_cost / (1.0 + 0.4 * candidate); }, 10.0);
+    const Invented outcome = run(
+        chooser, [](int candidate, double) { return serial_cost / (1.0 + 0.4 * candidate); }, 10.0);
     EXPECT_EQ(chooser.chosen(), 2);
     EXPECT_EQ(chooser.changes(), 1);
-    EXPECT_GT(outcome.serial / outcome.seconds, 0.93 * 1.8);   // half a second passes before the first trial may cost anything
+    EXPECT_GT(outcome.serial / outcome.seconds, 0.93 * 1.8);  // half a second passes before the first trial may cost anything
     EXPECT_DOUBLE_EQ(chooser.per_cycle(1), serial_cost / 1.4);
 }
 
@@ -49,7 +52,8 @@ TEST(ScheduleChooser, NeverCostsTwoPercentOfSerialHoweverBadTheOthersAre) {
     for (const double factor : {1.01, 1.2, 2.0, 6.0, 100.0}) {
         for (const double seconds : {0.01, 0.3, 0.6, 1.0, 3.0, 60.0}) {
             ScheduleChooser chooser(4, {});
-            const Invented outcome = run(chooser, [=](int candidate, double) { return candidate == 0 ? serial_cost : factor * serial_cost; }, seconds);
+            const Invented outcome = run(
+                chooser, [=](int candidate, double) { return candidate == 0 ? serial_cost : factor * serial_cost; }, seconds);
             EXPECT_EQ(chooser.chosen(), 0);
             EXPECT_LT(outcome.seconds, 1.02 * outcome.serial) << factor << " " << seconds;
         }
@@ -58,30 +62,37 @@ TEST(ScheduleChooser, NeverCostsTwoPercentOfSerialHoweverBadTheOthersAre) {
 
 TEST(ScheduleChooser, PrefersTheFirstIfTheGainIsSmall) {
     ScheduleChooser chooser(2, {});
-    run(chooser, [](int candidate, double) { return candidate == 0 ? serial_cost : serial_cost / 1.04; }, 5.0);
+    run(
+        chooser, [](int candidate, double) { return candidate == 0 ? serial_cost : serial_cost / 1.04; }, 5.0);
     EXPECT_EQ(chooser.chosen(), 0);
     EXPECT_GT(chooser.checks(), 0);
 }
 
 TEST(ScheduleChooser, LeavesAScheduleThatALoadHasMadeSlow) {
     ScheduleChooser chooser(2, {});
-    const Machine machine = [](int candidate, double time) { return candidate == 0 ? serial_cost : time < 5.0 || time > 10.0 ? serial_cost / 1.9 : 2.0 * serial_cost; };
+    const Machine machine = [](int candidate, double time) {
+        return candidate == 0 ? serial_cost : time < 5.0 || time > 10.0 ? serial_cost / 1.9 : 2.0 * serial_cost;
+    };
     const Invented before = run(chooser, machine, 5.0);
     EXPECT_EQ(chooser.chosen(), 1);
     const double then = before.seconds;
-    const Invented under_load = run(chooser, [&](int candidate, double time) { return machine(candidate, time + then); }, 0.4);   // 0.1 s to see it, and a check
+    const Invented under_load = run(
+        chooser, [&](int candidate, double time) { return machine(candidate, time + then); }, 0.4);  // 0.1 s to see it, and a check
     EXPECT_EQ(chooser.chosen(), 0) << "within 0.4 s";
     EXPECT_LT(under_load.seconds, 2.0 * under_load.serial);
 }
 
 TEST(ScheduleChooser, FindsOutThatALoadHasGoneThoughTheFirstDoesNotFeelIt) {
     ScheduleChooser chooser(2, {});
-    const Machine machine = [](int candidate, double time) { return candidate == 0 ? serial_cost : time < 5.0 ? 1.2 * serial_cost : serial_cost / 1.9; };
+    const Machine machine = [](int candidate, double time) {
+        return candidate == 0 ? serial_cost : time < 5.0 ? 1.2 * serial_cost : serial_cost / 1.9;
+    };
     run(chooser, machine, 5.0);
     EXPECT_EQ(chooser.chosen(), 0);
-    const Invented outcome = run(chooser, [&](int candidate, double time) { return machine(candidate, time + 5.0); }, 20.0);
+    const Invented outcome = run(
+        chooser, [&](int candidate, double time) { return machine(candidate, time + 5.0); }, 20.0);
     EXPECT_EQ(chooser.chosen(), 1);
-    EXPECT_GT(outcome.serial / outcome.seconds, 1.4);   // the period between checks has grown to 4 s
+    EXPECT_GT(outcome.serial / outcome.seconds, 1.4);  // the period between checks has grown to 4 s
 }
 
 TEST(ScheduleChooser, ChecksAgainWhenOtherLinksTouch) {
@@ -97,7 +108,7 @@ TEST(ScheduleChooser, ChecksAgainWhenOtherLinksTouch) {
 
 TEST(ScheduleChooser, StaysWithOneOfTwoThatAreEquallyFast) {
     ScheduleChooser chooser(3, {});
-    const Machine machine = [](int candidate, double time) {   // noise of 1 %
+    const Machine machine = [](int candidate, double time) {  // noise of 1 %
         return candidate == 0 ? serial_cost : serial_cost / 1.8 * (1.0 + 0.01 * std::sin(1e4 * time * candidate));
     };
     run(chooser, machine, 60.0);
@@ -109,7 +120,8 @@ TEST(ScheduleChooser, StaysWithOneOfTwoThatAreEquallyFast) {
 
 TEST(ScheduleChooser, OfOneCandidateNeverChangesAnything) {
     ScheduleChooser chooser(1, {});
-    run(chooser, [](int, double time) { return (1.0 + time) * serial_cost; }, 5.0);
+    run(
+        chooser, [](int, double time) { return (1.0 + time) * serial_cost; }, 5.0);
     EXPECT_EQ(chooser.checks(), 0);
     EXPECT_EQ(chooser.candidate(), 0);
 }

@@ -22,7 +22,8 @@ using testing::StartsWith;
 /// From a settled state of full chain and medium detail, with transitions.
 Scene settled(const std::vector<std::string>& settings = {}) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/shift.toml");
-    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=50 ns", "run.until=60 us", "run.output_interval=20 us", "run.state_interval=20 us", "clamping.driving=27.1 kN"});
+    set_values(scene, std::vector<std::string>{"run.method=rk4", "run.step=50 ns", "run.until=60 us", "run.output_interval=20 us",
+                                               "run.state_interval=20 us", "clamping.driving=27.1 kN"});
     set_values(scene, settings);
     return scene;
 }
@@ -69,7 +70,7 @@ TEST(ScheduleRunner, ChangingTheScheduleEveryFewStepsDoesNotChangeTheBits) {
         const RunnerOutcome changing = runner_outcome(scene, mixed(), restless());
         EXPECT_GT(serial.counters.detected, 0) << "the run should cross transitions";
         EXPECT_EQ(serial.rests, 0);
-        EXPECT_GT(changing.rests, serial.counters.steps / 12);   // every four to eight steps
+        EXPECT_GT(changing.rests, serial.counters.steps / 12);  // every four to eight steps
         EXPECT_EQ(changing.hash, serial.hash);
         EXPECT_EQ(changing.counters, serial.counters);
     }
@@ -90,11 +91,13 @@ TEST(ScheduleRunner, NoMethodMindsOtherSegmentsBetweenItsSteps) {
     for (const std::string& method : method_names()) {
         Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
         scene.run.method = method;
-        scene.run.step = 1e-8;   // within every method's stability
+        scene.run.step = 1e-8;  // within every method's stability
         SilentObserver quiet;
         const engine::Cancellation never;
         std::uint64_t expected = 0;
-        for (const std::vector<Schedule>& candidates : {std::vector{Schedule{}}, std::vector{Schedule{}, Schedule{"barrier", {Assembly::staged}, 5, 2}, Schedule{"serial", {Assembly::fused}, 24, 1}}}) {
+        for (const std::vector<Schedule>& candidates :
+             {std::vector{Schedule{}},
+              std::vector{Schedule{}, Schedule{"barrier", {Assembly::staged}, 5, 2}, Schedule{"serial", {Assembly::fused}, 24, 1}}}) {
             Simulation simulation(scene, candidates, restless());
             EXPECT_EQ(simulation.run_steps(30, quiet, never).kind, FaultKind::max_steps) << method;
             if (candidates.size() == 1) expected = simulation.hash();
@@ -128,7 +131,7 @@ TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     Scene scene = settled({"run.until=150 us"});
     scene.run.output_interval = 8.0 * scene.run.step;
     ChooserOptions options = restless();
-    options.window = options.turn = 2e-3;   // some outputs
+    options.window = options.turn = 2e-3;  // some outputs
     Simulation simulation(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::staged}, 5, 2}}, options);
     QuietAllocations counter;
     counter.watch(simulation);
@@ -161,10 +164,11 @@ TEST(ScheduleRunner, SaysWhatItCameTo) {
     EXPECT_EQ(brief.runner().text(), "serial (auto: no check finished, trials may cost 1 % of the time)");
     EXPECT_EQ(Simulation(scene, Schedule{"barrier", {Assembly::staged}, 5, 2}).runner().text(), "barrier, staged, 5 segments, 2 threads");
     ChooserOptions options = restless();
-    options.gain = options.edge = 1e9;   // nothing can bring that
+    options.gain = options.edge = 1e9;  // nothing can bring that
     Simulation longer(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, options);
     EXPECT_EQ(longer.run_steps(200, quiet, never).kind, FaultKind::max_steps);
-    EXPECT_THAT(longer.runner().text(), AllOf(StartsWith("serial (auto: "), HasSubstr(" us per cycle, barrier, fused, 2 segments, 2 threads "), HasSubstr("0 changes)")));
+    EXPECT_THAT(longer.runner().text(), AllOf(StartsWith("serial (auto: "),
+                                              HasSubstr(" us per cycle, barrier, fused, 2 segments, 2 threads "), HasSubstr("0 changes)")));
 }
 
 TEST(AutoSchedule, RespectsWhatTheSceneFixes) {
@@ -177,8 +181,10 @@ TEST(AutoSchedule, RespectsWhatTheSceneFixes) {
     std::vector<Schedule> list = schedules_for(scene);
     EXPECT_GE(list.size(), 2u);
     EXPECT_EQ(list.front().executor, "serial");
-    EXPECT_TRUE(std::all_of(list.begin(), list.end(), [](const Schedule& each) { return each.segments == 6 && each.assembly.kind == Assembly::staged; }));
-    EXPECT_TRUE(std::all_of(list.begin() + 1, list.end(), [](const Schedule& each) { return each.executor == "flow" && each.threads == 2; }));
+    EXPECT_TRUE(std::all_of(list.begin(), list.end(),
+                            [](const Schedule& each) { return each.segments == 6 && each.assembly.kind == Assembly::staged; }));
+    EXPECT_TRUE(
+        std::all_of(list.begin() + 1, list.end(), [](const Schedule& each) { return each.executor == "flow" && each.threads == 2; }));
     scene.run.schedule = "barrier";
     EXPECT_EQ(schedules_for(scene), (std::vector<Schedule>{{"barrier", {Assembly::staged}, 6, 2}}));
 }

@@ -37,15 +37,18 @@ Outcome outcome(const Scene& scene, const Schedule& schedule) {
 }
 
 /// From the settled baseline at medium detail, long enough for transitions.
-Scene settled(const std::string& until) { return scene_of("shift", {"run.method=rk4", "run.step=50 ns", "run.until=" + until, "run.output_interval=20 us", "run.state_interval=20 us", "clamping.driving=27.1 kN"}); }
+Scene settled(const std::string& until) {
+    return scene_of("shift", {"run.method=rk4", "run.step=50 ns", "run.until=" + until, "run.output_interval=20 us",
+                              "run.state_interval=20 us", "clamping.driving=27.1 kN"});
+}
 
 TEST(Schedule, EveryAssemblyExecutorSegmentsAndThreadsGiveTheSameBits) {
     const Scene scene = settled("60 us");
     const Outcome serial = outcome(scene, {});
     EXPECT_GT(serial.transitions, 0) << "the run should cross transitions";
     for (const engine::ExecutorRow& row : engine::executors()) {
-        if (row.name.starts_with("omp")) continue;   // a contended OpenMP team takes minutes: nightly
-        if (engine::test::thread_sanitizer && row.parallel && row.name != "barrier") continue;   // it sees into neither oneTBB nor OpenMP
+        if (row.name.starts_with("omp")) continue;  // a contended OpenMP team takes minutes: nightly
+        if (engine::test::thread_sanitizer && row.parallel && row.name != "barrier") continue;  // it sees into neither oneTBB nor OpenMP
         for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
             for (const auto& [segments, threads] : {std::pair{1, 1}, {2, 2}, {3, 2}, {7, 4}, {28, 2}, {84, 2}}) {
                 Schedule schedule{std::string(row.name), {assembly}, segments, row.parallel ? threads : 1};
@@ -133,12 +136,13 @@ TEST(StepGraph, RemovingAnyEdgeOnWhichDataFlowIsFoundByTheRaceCheck) {
         for (const int after : graph.successors(before)) {
             // No stage is skipped, so a removed edge leaves no other path between its ends.
             const bool matters = share_data(graph.task(before), graph.task(after));
-            EXPECT_EQ(!engine::race_check(without_edge(graph, before, after)).empty(), matters) << graph.task(before).name << " -> " << graph.task(after).name;
+            EXPECT_EQ(!engine::race_check(without_edge(graph, before, after)).empty(), matters)
+                << graph.task(before).name << " -> " << graph.task(after).name;
             ++(matters ? with_data : barriers);
         }
     }
-    EXPECT_GE(with_data, 5 * 5);   // contact reads the stage state of all segments
-    EXPECT_GT(barriers, 0);        // the published barriers order more than the data ask for
+    EXPECT_GE(with_data, 5 * 5);  // contact reads the stage state of all segments
+    EXPECT_GT(barriers, 0);       // the published barriers order more than the data ask for
 }
 
 TEST(Schedule, BalancedSegmentsCostAboutTheSame) {
@@ -158,7 +162,7 @@ TEST(Schedule, BalancedSegmentsCostAboutTheSame) {
             least = std::min(least, cost);
             most = std::max(most, cost);
         }
-        EXPECT_LE(most - least, 2.0 * 3.0);   // borders fall on whole links
+        EXPECT_LE(most - least, 2.0 * 3.0);  // borders fall on whole links
     }
 }
 
@@ -169,7 +173,7 @@ TEST(Schedule, BalancingIsWorthWhatTheLongestSegmentSays) {
     EXPECT_DOUBLE_EQ(longest_segment(phases, std::vector<int>{0, 6, 12}, costs), 4 * 2.0 + 2);
     std::vector<int> cuts(3);
     balance(phases, cuts, costs);
-    EXPECT_EQ(cuts, (std::vector<int>{0, 4, 12}));   // 8 and 8
+    EXPECT_EQ(cuts, (std::vector<int>{0, 4, 12}));  // 8 and 8
     EXPECT_DOUBLE_EQ(longest_segment(phases, cuts, costs), 8.0);
 }
 
@@ -194,7 +198,7 @@ TEST(UsableThreads, AreNoMoreThanTheQuotaOfAnyGroupAround) {
     write("outer/cpu.max", "350000 100000");
     EXPECT_EQ(quota_processors(root, root / "membership"), 3);
     write("outer/inner/cpu.max", "50000 100000");
-    EXPECT_EQ(quota_processors(root, root / "membership"), 1);   // half a processor is one thread
+    EXPECT_EQ(quota_processors(root, root / "membership"), 1);  // half a processor is one thread
     std::filesystem::remove_all(root);
 }
 

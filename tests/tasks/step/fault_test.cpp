@@ -17,13 +17,15 @@ using claims::Rig;
 
 void expect_state_before(const Rig& rig, const Fault& fault) {
     for (int k = 0; k < rig.variator().layout().size(); ++k) ASSERT_TRUE(std::isfinite(rig.state()[k])) << "the last accepted state stays";
-    EXPECT_GT(fault.time, rig.time());   // found at the end of the step that was not accepted
+    EXPECT_GT(fault.time, rig.time());  // found at the end of the step that was not accepted
 }
 
 TEST(Faults, AStepFarTooLongForTheChainIsReportedAtItsPin) {
     Rig rig(tiny_parameters());
-    const Fault fault = rig.run({settling_begin, 0.0, 5e-6, 5e-6});   // a hundred times the stable step
-    EXPECT_TRUE(fault.kind == FaultKind::non_finite || fault.kind == FaultKind::left_sheave || fault.kind == FaultKind::penetration || fault.kind == FaultKind::blow_up) << fault.message();
+    const Fault fault = rig.run({settling_begin, 0.0, 5e-6, 5e-6});  // a hundred times the stable step
+    EXPECT_TRUE(fault.kind == FaultKind::non_finite || fault.kind == FaultKind::left_sheave || fault.kind == FaultKind::penetration ||
+                fault.kind == FaultKind::blow_up)
+        << fault.message();
     EXPECT_GE(fault.pin, 0) << fault.message();
     EXPECT_LT(fault.time, 0.0);
     expect_state_before(rig, fault);
@@ -31,7 +33,7 @@ TEST(Faults, AStepFarTooLongForTheChainIsReportedAtItsPin) {
 
 TEST(Faults, ALinkThatIsNotFiniteIsNamed) {
     model::Parameters p = tiny_parameters();
-    p.detail.pulleys = model::PulleyDetail::absent;   // they would not be finite either, and come first
+    p.detail.pulleys = model::PulleyDetail::absent;  // they would not be finite either, and come first
     p.start.layout = model::StartLayout::ring;
     Rig rig(p);
     const model::ChainLayout& at = rig.variator().layout();
@@ -61,7 +63,7 @@ TEST(Faults, PulleysThatAreNotFiniteAreNamed) {
     model::Parameters p = tiny_parameters();
     p.detail.pulleys = model::PulleyDetail::rigid;
     Rig rig(p);
-    rig.mutable_state()[rig.variator().layout().pulley_begin() + 4] = std::numeric_limits<double>::infinity();   // speed of shaft 1
+    rig.mutable_state()[rig.variator().layout().pulley_begin() + 4] = std::numeric_limits<double>::infinity();  // speed of shaft 1
     const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-5});
     EXPECT_EQ(fault.kind, FaultKind::non_finite);
     EXPECT_EQ(fault.pin, -1) << fault.message();
@@ -70,11 +72,12 @@ TEST(Faults, PulleysThatAreNotFiniteAreNamed) {
 
 TEST(Faults, APenetrationBeyondTheLimitIsReportedWithDepthAndPin) {
     model::Parameters p = tiny_parameters();
-    p.tip.deepest = 2e-6;   // the settled variator needs about 9 µm
+    p.tip.deepest = 2e-6;  // the settled variator needs about 9 µm
     Rig rig(p);
     const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-4});
     ASSERT_EQ(fault.kind, FaultKind::penetration) << fault.message();
-    EXPECT_NE(fault.message().find("too little damps the contacts (chain.damping_ratio)"), std::string::npos) << "clamping alone is not to blame";
+    EXPECT_NE(fault.message().find("too little damps the contacts (chain.damping_ratio)"), std::string::npos)
+        << "clamping alone is not to blame";
     EXPECT_GT(fault.value, 2e-6);
     EXPECT_LT(fault.value, 2.1e-6) << "found in the step in which it happens";
     EXPECT_EQ(fault.limit, 2e-6);
@@ -85,7 +88,7 @@ TEST(Faults, APenetrationBeyondTheLimitIsReportedWithDepthAndPin) {
 
 TEST(Faults, APinInsideTheSheaveIsReportedWithItsRadius) {
     model::Parameters p = tiny_parameters();
-    p.pulley.innermost = 15.9e-3;   // the arcs lie on 16 mm, links' middles a little inside
+    p.pulley.innermost = 15.9e-3;  // the arcs lie on 16 mm, links' middles a little inside
     Rig rig(p);
     const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-4});
     ASSERT_EQ(fault.kind, FaultKind::left_sheave) << fault.message();
@@ -107,7 +110,8 @@ TEST(Faults, ATouchingPinOutsideTheSheaveIsReportedWithItsRadius) {
 }
 
 TEST(Faults, EachHasANameAndAMessage) {
-    for (const FaultKind kind : {FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::max_steps, FaultKind::max_wall, FaultKind::cancelled, FaultKind::blow_up, FaultKind::step_too_short}) {
+    for (const FaultKind kind : {FaultKind::non_finite, FaultKind::penetration, FaultKind::left_sheave, FaultKind::max_steps,
+                                 FaultKind::max_wall, FaultKind::cancelled, FaultKind::blow_up, FaultKind::step_too_short}) {
         const Fault fault{kind, 1.5e-3, 12, 1e-3, 2e-3};
         EXPECT_TRUE(static_cast<bool>(fault));
         EXPECT_NE(fault.name(), "unknown");
@@ -117,8 +121,9 @@ TEST(Faults, EachHasANameAndAMessage) {
 }
 
 TEST(FaultText, SaysWhatBlewUpAndWhichStepIsLost) {
-    EXPECT_EQ((Fault{FaultKind::blow_up, 1e-3, 7, 2.5e4, 1e4}).message(),
-              "pin 7 moves at 2.5e+04 m/s at t = 0.001 s (limit 1e+04 m/s, faster than sound in steel): the step is too long for this scene");
+    EXPECT_EQ(
+        (Fault{FaultKind::blow_up, 1e-3, 7, 2.5e4, 1e4}).message(),
+        "pin 7 moves at 2.5e+04 m/s at t = 0.001 s (limit 1e+04 m/s, faster than sound in steel): the step is too long for this scene");
     EXPECT_EQ((Fault{FaultKind::step_too_short, 1e4, -1, 1e-12, 2.2e-9}).message(),
               "a step of 1e-12 s is lost in the rounding of the time at t = 10000 s (limit 2.2e-09 s)");
 }

@@ -149,7 +149,8 @@ IntegrationState midway(const Scene& scene) {
 }
 
 TEST(IntegrationState, WithLessThanItsMethodRemembersIsRefused) {
-    for (const char* method : {"dopri54", "dumka3", "fitted", "leapfrog-chebyshev", "leapfrog-rkc", "leapfrog-be", "trapezoidal-broyden", "trapezoidal-frozen"}) {
+    for (const char* method : {"dopri54", "dumka3", "fitted", "leapfrog-chebyshev", "leapfrog-rkc", "leapfrog-be", "trapezoidal-broyden",
+                               "trapezoidal-frozen"}) {
         Scene scene = tiny();
         scene.run.method = method;
         const IntegrationState whole = midway(scene);
@@ -160,7 +161,8 @@ TEST(IntegrationState, WithLessThanItsMethodRemembersIsRefused) {
             Simulation simulation(scene);
             simulation.restore(cut);
             SilentObserver silent;
-            EXPECT_THROW((void)simulation.proceed(0.0, silent, never), std::invalid_argument) << method << ", " << kept << " of " << whole.method.size();
+            EXPECT_THROW((void)simulation.proceed(0.0, silent, never), std::invalid_argument)
+                << method << ", " << kept << " of " << whole.method.size();
         }
     }
 }
@@ -182,7 +184,7 @@ TEST(IntegrationState, ThatCannotBeIsRefused) {
     refused([](IntegrationState& s) { s.time = std::numeric_limits<double>::quiet_NaN(); });
     refused([](IntegrationState& s) { s.output_interval = 0.0; });
     refused([](IntegrationState& s) { s.step = std::numeric_limits<double>::infinity(); });
-    refused([](IntegrationState& s) { s.step = 1e-300; });   // output_interval / step is counted
+    refused([](IntegrationState& s) { s.step = 1e-300; });  // output_interval / step is counted
 }
 
 TEST(Simulation, ResetIsANewOne) {

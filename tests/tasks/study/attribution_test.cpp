@@ -46,7 +46,8 @@ TEST(Attribution, SharesOfStiffEigenvaluesSumToOne) {
 
 TEST(Attribution, TriesKindsAloneAndOneAfterTheOther) {
     std::vector<std::string> told;
-    const Attribution found = attribute(brief_scene().parameters, brief_start(), -1e6, [&](const std::string& what) { told.push_back(what); });
+    const Attribution found =
+        attribute(brief_scene().parameters, brief_start(), -1e6, [&](const std::string& what) { told.push_back(what); });
     std::vector<std::string> contacts;
     for (const SlowedSpectrum& slowed : found.slowed) contacts.push_back(slowed.contacts);
     EXPECT_THAT(contacts, testing::ElementsAre("", "joints", "plates", "tips", "joints, plates", "joints, plates, tips"));

@@ -24,7 +24,7 @@ TEST(Comparison, OfTheReferenceWithItselfFindsNoError) {
     EXPECT_EQ(same.candidates[0].error_axial, 0.0);
     EXPECT_EQ(same.candidates[0].error_tension, 0.0);
     EXPECT_EQ(same.candidates[0].error_pin, 0.0);
-    EXPECT_EQ(same.reference.time.size(), 6u);   // 0, 12 … 60 us
+    EXPECT_EQ(same.reference.time.size(), 6u);  // 0, 12 … 60 us
     EXPECT_GT(same.candidates[0].seconds, 0.0);
 }
 
@@ -70,7 +70,7 @@ TEST(Comparison, FindsAPinThatEntersTheDrivingSheaves) {
 TEST(Comparison, APinsForceIsThatOfItsTwoHalves) {
     Course course;
     course.side = {0.0, 0.0, 0.0};
-    course.tip_axial = {{1, 2, 3, 4, 10, 20, 30, 40, 100, 200, 300, 400}};   // 4 per link: rear -z, rear +z, front -z, front +z
+    course.tip_axial = {{1, 2, 3, 4, 10, 20, 30, 40, 100, 200, 300, 400}};  // 4 per link: rear -z, rear +z, front -z, front +z
     EXPECT_EQ(course.pin_axial(1, 0), std::vector<double>{10 + 3});
     EXPECT_EQ(course.pin_axial(1, 1), std::vector<double>{20 + 4});
     EXPECT_EQ(course.pin_axial(0, 0), std::vector<double>{1 + 300});

@@ -60,11 +60,11 @@ TEST(MethodRun, LocalErrorsByNameAreThoseOfTheTable) {
 }
 
 TEST(MethodRun, LocalErrorsOfAProgramFallWithItsOrderPlusOne) {
-    const std::vector<double> steps{200e-9, 100e-9, 50e-9};   // within half a microsecond a tip changes
+    const std::vector<double> steps{200e-9, 100e-9, 50e-9};  // within half a microsecond a tip changes
     const std::vector<LocalError> errors = local_errors(brief_scene().parameters, "trapezoidal-analytic", brief_start(), steps);
     int slopes = 0;
     for (std::size_t k = 1; k < errors.size(); ++k) {
-        if (!(errors[k].positions > 0.0 && errors[k - 1].positions > 0.0)) continue;   // a transition came in between
+        if (!(errors[k].positions > 0.0 && errors[k - 1].positions > 0.0)) continue;  // a transition came in between
         EXPECT_NEAR(std::log2(errors[k - 1].positions / errors[k].positions), 3.0, 0.2);
         ++slopes;
     }

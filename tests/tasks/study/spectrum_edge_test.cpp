@@ -31,7 +31,10 @@ TEST(SpectrumEdge, OfTheVariatorIsThoseOfTheDenseMethod) {
     const auto found = std::count_if(edge.values.begin(), edge.values.end(), [&](const Complex& value) { return value.real() < border; });
     EXPECT_GT(left, 20);
     EXPECT_EQ(found, left);
-    for (int k = 0; k < left; ++k) EXPECT_LT(std::abs(edge.values[static_cast<std::size_t>(k)] - all[static_cast<std::size_t>(k)]), 1e-5 * std::abs(all[static_cast<std::size_t>(k)])) << k;
+    for (int k = 0; k < left; ++k)
+        EXPECT_LT(std::abs(edge.values[static_cast<std::size_t>(k)] - all[static_cast<std::size_t>(k)]),
+                  1e-5 * std::abs(all[static_cast<std::size_t>(k)]))
+            << k;
     const auto fastest = [](const engine::Eigenvalues& values) {
         double frequency = 0.0;
         for (const Complex& value : values) frequency = std::max(frequency, std::abs(value.imag()));

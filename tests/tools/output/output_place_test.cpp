@@ -43,7 +43,8 @@ TEST_F(OutputPlace, OnlyPlainFilesAreReplaced) {
         expect_refused(run({command, "scene.toml", "-o", "pipe"}), "pipe: cannot create: a device, pipe or socket, not a file");
         expect_refused(run({command, "scene.toml", "-o", "link.h5"}), "link.h5: cannot create: a symbolic link; name what it points to");
     }
-    expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "pipe"}), "pipe: cannot create: a device, pipe or socket, not a file");
+    expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "pipe"}),
+                   "pipe: cannot create: a device, pipe or socket, not a file");
     EXPECT_FALSE(exists("r.h5"));
 }
 
@@ -62,19 +63,25 @@ TEST_F(OutputPlace, NoInputIsReplacedUnderWhateverName) {
     expect_refused(run_to({"-o", "scene.toml"}), "scene.toml: cannot create: it would replace the input scene.toml");
     expect_refused(run_to({"-o", "./same.toml"}), "./same.toml: cannot create: it would replace the input scene.toml");
     expect_refused(run({"settle", "scene.toml", "-o", "scene.toml"}), "scene.toml: cannot create: it would replace the input scene.toml");
-    expect_refused(run_to({"-o", "none", "--checkpoint-every", "1 h", "--checkpoint", "scene.toml"}), "scene.toml: cannot create: it would replace the input scene.toml");
-    expect_refused(run({"profile", "scene.toml", "--csv", "scene.toml"}), "scene.toml: cannot create: it would replace the input scene.toml");
+    expect_refused(run_to({"-o", "none", "--checkpoint-every", "1 h", "--checkpoint", "scene.toml"}),
+                   "scene.toml: cannot create: it would replace the input scene.toml");
+    expect_refused(run({"profile", "scene.toml", "--csv", "scene.toml"}),
+                   "scene.toml: cannot create: it would replace the input scene.toml");
     ASSERT_EQ(run({"settle", "scene.toml", "-q", "-o", "state.h5"}).status, 0);
     const std::string state = read("state.h5"), path = (folder_ / "state.h5").string();
-    expect_refused(run_to({"--set", "start.state=state.h5", "-o", "state.h5"}), "state.h5: cannot create: it would replace the input " + path);
+    expect_refused(run_to({"--set", "start.state=state.h5", "-o", "state.h5"}),
+                   "state.h5: cannot create: it would replace the input " + path);
     fs::create_hard_link(folder_ / "state.h5", folder_ / "d.h5.part");
-    expect_refused(run_to({"--set", "start.state=state.h5", "-o", "d.h5"}), "d.h5: cannot create: its .part would replace the input " + path);
+    expect_refused(run_to({"--set", "start.state=state.h5", "-o", "d.h5"}),
+                   "d.h5: cannot create: its .part would replace the input " + path);
     EXPECT_EQ(read("state.h5"), state);
 }
 
 TEST_F(OutputPlace, ACheckpointTakesTheNameOfNothingElseAndIsAllThatIsRemoved) {
-    expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "r.h5"}), "--checkpoint r.h5: the run needs that name for its record r.h5");
-    expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "./r.h5.part"}), "--checkpoint ./r.h5.part: the run needs that name for its record r.h5");
+    expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "r.h5"}),
+                   "--checkpoint r.h5: the run needs that name for its record r.h5");
+    expect_refused(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "./r.h5.part"}),
+                   "--checkpoint ./r.h5.part: the run needs that name for its record r.h5");
     const Outcome outcome = run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--checkpoint", "notes.txt"});
     expect_refused(outcome, "--checkpoint: the file is there and no checkpoint: notes.txt: not an HDF5 file");
 }
@@ -82,7 +89,8 @@ TEST_F(OutputPlace, ACheckpointTakesTheNameOfNothingElseAndIsAllThatIsRemoved) {
 TEST_F(OutputPlace, ResumeDoesNotWriteOverItsCheckpoint) {
     ASSERT_EQ(run_to({"-o", "r.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=5"}).status, 4);
     ASSERT_TRUE(exists("r.checkpoint.h5"));
-    expect_refused(run({"resume", "r.checkpoint.h5", "-q", "-o", "r.checkpoint.h5"}), "r.checkpoint.h5: cannot create: it would replace the input r.checkpoint.h5");
+    expect_refused(run({"resume", "r.checkpoint.h5", "-q", "-o", "r.checkpoint.h5"}),
+                   "r.checkpoint.h5: cannot create: it would replace the input r.checkpoint.h5");
     EXPECT_EQ(run({"resume", "r.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
 }
 

@@ -115,10 +115,11 @@ TEST(Svg, ShadesARegionWhereItsConditionHolds) {
     const std::string text = svg(plot);
     const std::regex run(R"(M([0-9.]+) ([0-9.]+)H([0-9.]+)V([0-9.]+)H[0-9.]+z)");
     std::smatch frame;
-    ASSERT_TRUE(std::regex_search(text, frame, std::regex("<clipPath[^>]*><rect x=\"([0-9.]+)\" y=\"([0-9.]+)\" width=\"([0-9.]+)\" height=\"([0-9.]+)\"")));
+    ASSERT_TRUE(std::regex_search(
+        text, frame, std::regex("<clipPath[^>]*><rect x=\"([0-9.]+)\" y=\"([0-9.]+)\" width=\"([0-9.]+)\" height=\"([0-9.]+)\"")));
     double area = 0.0;
     for (auto match = std::sregex_iterator(text.begin(), text.end(), run); match != std::sregex_iterator(); ++match)
-        area += (std::stod((*match)[3]) - std::stod((*match)[1])) * 1.5;   // rows overlap a little
+        area += (std::stod((*match)[3]) - std::stod((*match)[1])) * 1.5;  // rows overlap a little
     const double share = area / (std::stod(frame[3]) * std::stod(frame[4]));
     EXPECT_NEAR(share, 3.14159 * 0.25 / 4.0, 0.01 * share);
     EXPECT_THAT(text, HasSubstr(">disc</text>"));

@@ -11,7 +11,7 @@ namespace cvtflow::model {
 namespace {
 
 inline constexpr int native_lanes = 1;
-inline constexpr Isa compiled_isa = static_cast<Isa>(-1);   // no instruction set of the program: only the bench knows it
+inline constexpr Isa compiled_isa = static_cast<Isa>(-1);  // no instruction set of the program: only the bench knows it
 inline constexpr bool slopes_alone = true;
 
 template <int W>
@@ -20,19 +20,29 @@ struct NativeVector {
 };
 
 template <int W>
-[[nodiscard]] inline double native_sqrt(double v) noexcept { return __builtin_sqrt(v); }
+[[nodiscard]] inline double native_sqrt(double v) noexcept {
+    return __builtin_sqrt(v);
+}
 template <int W>
-[[nodiscard]] inline double native_abs(double v) noexcept { return __builtin_fabs(v); }
+[[nodiscard]] inline double native_abs(double v) noexcept {
+    return __builtin_fabs(v);
+}
 template <int W>
-[[nodiscard]] inline double native_larger(double a, double b) noexcept { return a > b ? a : b; }
+[[nodiscard]] inline double native_larger(double a, double b) noexcept {
+    return a > b ? a : b;
+}
 
 template <int W>
-[[nodiscard]] inline double native_smaller(double a, double b) noexcept { return a < b ? a : b; }
+[[nodiscard]] inline double native_smaller(double a, double b) noexcept {
+    return a < b ? a : b;
+}
 
 template <int W>
-[[nodiscard]] inline bool native_all_at_most(double v, double limit) noexcept { return v <= limit; }
+[[nodiscard]] inline bool native_all_at_most(double v, double limit) noexcept {
+    return v <= limit;
+}
 template <int W>
-[[nodiscard]] double native_half(double v, int) noexcept;   // never used: one lane has no halves
+[[nodiscard]] double native_half(double v, int) noexcept;  // never used: one lane has no halves
 template <int W>
 [[nodiscard]] double native_join(double low, double high) noexcept;
 template <int W, int by, int... lane>

@@ -15,17 +15,25 @@ TEST(JobPool, RunsEveryJobOnceForAnyNumberOfThreads) {
     for (const int threads : {1, 2, 5}) {
         std::vector<std::atomic<int>> runs(200);
         long next = 0;
-        JobPool({threads, false}).run([&](int) { return next < 200 ? next++ : -1L; }, [&](int worker, long job) {
-            EXPECT_TRUE(worker >= 0 && worker < threads);
-            ++runs[static_cast<std::size_t>(job)];
-        });
+        JobPool({threads, false})
+            .run([&](int) { return next < 200 ? next++ : -1L; },
+                 [&](int worker, long job) {
+                     EXPECT_TRUE(worker >= 0 && worker < threads);
+                     ++runs[static_cast<std::size_t>(job)];
+                 });
         for (const auto& count : runs) EXPECT_EQ(count.load(), 1);
     }
 }
 
 TEST(JobPool, EndsWithWhatAJobThrows) {
     long next = 0;
-    const auto run = [&] { JobPool({2, false}).run([&](int) { return next < 1000 ? next++ : -1L; }, [](int, long job) { if (job == 3) throw std::runtime_error("job 3"); }); };
+    const auto run = [&] {
+        JobPool({2, false})
+            .run([&](int) { return next < 1000 ? next++ : -1L; },
+                 [](int, long job) {
+                     if (job == 3) throw std::runtime_error("job 3");
+                 });
+    };
     EXPECT_THROW(run(), std::runtime_error);
     EXPECT_LT(next, 1000);
 }
@@ -58,12 +66,14 @@ TEST(OnceEach, IsMadeByOneWhileOthersWait) {
     OnceEach once;
     std::atomic<int> makers{0};
     long next = 0;
-    JobPool({4, false}).run([&](int) { return next < 40 ? next++ : -1L; }, [&](int, long job) {
-        const auto key = static_cast<std::uint64_t>(job % 3);
-        if (!once.claim(key)) return;
-        ++makers;
-        once.made(key);
-    });
+    JobPool({4, false})
+        .run([&](int) { return next < 40 ? next++ : -1L; },
+             [&](int, long job) {
+                 const auto key = static_cast<std::uint64_t>(job % 3);
+                 if (!once.claim(key)) return;
+                 ++makers;
+                 once.made(key);
+             });
     EXPECT_EQ(makers.load(), 3);
 }
 

@@ -54,7 +54,8 @@ TEST(StableStep, WithoutEigenvaluesIsNotDefined) {
 TEST(StableStep, StabilityFunctionReadyForManyCallsIsTheSame) {
     const StagePlan& plan = *find_method("dumka3-p4");
     const auto factor = stability_function(plan);
-    for (const std::complex<double> z : {std::complex<double>(-100.0), {-3.0, 2.0}, {0.0, 1.0}}) EXPECT_EQ(factor(z), stability_function(plan, z));
+    for (const std::complex<double> z : {std::complex<double>(-100.0), {-3.0, 2.0}, {0.0, 1.0}})
+        EXPECT_EQ(factor(z), stability_function(plan, z));
 }
 
 }  // namespace

@@ -97,8 +97,9 @@ TEST(Fitted, HasNames) {
     EXPECT_EQ(make_method("fitted-l200-w2")->stages, fit(region(200.0, 2.0))->plan.stages);
     EXPECT_EQ(make_method("fitted-l200-w2-s30")->stages.size(), 31u);
     EXPECT_EQ(make_method("fitted-w2-l200-r0.5-p2")->stages, fit(region(200.0, 2.0, 0.5, 2))->plan.stages);
-    for (const char* name : {"fitted", "fitted-l200", "fitted-w2", "fitted-l200-w2-s12", "fitted-l200-w2-s3", "fitted-l200-w2-p4", "fitted-l1-w1",
-                             "fitted-l200-w2-r0", "fitted-l200-w2-l200", "fitted-l200-w2-x1", "fitted-l1e2-w2", "fitted-linf-w2"})
+    for (const char* name :
+         {"fitted", "fitted-l200", "fitted-w2", "fitted-l200-w2-s12", "fitted-l200-w2-s3", "fitted-l200-w2-p4", "fitted-l1-w1",
+          "fitted-l200-w2-r0", "fitted-l200-w2-l200", "fitted-l200-w2-x1", "fitted-l1e2-w2", "fitted-linf-w2"})
         EXPECT_FALSE(make_method(name)) << name;
     EXPECT_THROW((void)fit(region(1.0, 1.0)), std::invalid_argument);
     EXPECT_THROW((void)fit(region(200.0, 2.0), 3), std::invalid_argument);
@@ -116,7 +117,9 @@ TEST(ChebyshevBasis, DerivativesAreThoseOfItsStages) {
         EXPECT_DOUBLE_EQ(at[i].real(), 1.0);
         EXPECT_NEAR(basis.derivative(j, 1), (above[i].real() - below[i].real()) / 2e-3, 1e-6);
         EXPECT_NEAR(basis.derivative(j, 2), (above[i].real() - 2.0 * at[i].real() + below[i].real()) / 1e-6, 1e-5);
-        if (j > 1) { EXPECT_NEAR(basis.derivative(j, 2), basis.derivative(j, 1) * basis.derivative(j, 1), 1e-12); }
+        if (j > 1) {
+            EXPECT_NEAR(basis.derivative(j, 2), basis.derivative(j, 1) * basis.derivative(j, 1), 1e-12);
+        }
     }
 }
 

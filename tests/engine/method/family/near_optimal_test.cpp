@@ -19,7 +19,7 @@ TEST(NearOptimal, IsStableOnItsIntervalOfEightyOneHundredthsDegreeSquared) {
         const NearOptimalPolynomial p = near_optimal_polynomial(degree);
         const double length = p.real_length(), square = degree * degree;
         EXPECT_GT(length / square, degree < 8 ? 0.77 : 0.79) << degree;
-        EXPECT_LT(length / square, 0.82) << degree;   // 0.8222 is the optimum without damping
+        EXPECT_LT(length / square, 0.82) << degree;  // 0.8222 is the optimum without damping
         long double largest = 0.0L, ripple = 0.0L;
         for (int i = 1; i <= 4000; ++i) {
             const long double z = -length * i / 4000;
@@ -27,7 +27,7 @@ TEST(NearOptimal, IsStableOnItsIntervalOfEightyOneHundredthsDegreeSquared) {
             if (z < -0.2 * length) ripple = std::max(ripple, std::abs(p.value(z)));
         }
         EXPECT_LE(largest, 1.0L) << degree;
-        EXPECT_LT(ripple, degree < 10 ? 0.99L : 0.97L) << degree;   // damped: 0.985 for degree 5, 0.964 for many
+        EXPECT_LT(ripple, degree < 10 ? 0.99L : 0.97L) << degree;  // damped: 0.985 for degree 5, 0.964 for many
     }
 }
 
@@ -43,7 +43,10 @@ TEST(NearOptimal, OfOrderFourIsStableOnItsIntervalOfThirtyFiveHundredthsDegreeSq
     for (const int degree : {5, 6, 7, 10, 20, 50, 100, 400}) {
         const NearOptimalPolynomial p = near_optimal_polynomial_of_order_4(degree);
         const double length = p.real_length(), square = degree * degree;
-        EXPECT_GT(length / square, degree < 10 ? 0.238 : degree < 30 ? 0.32 : 0.349) << degree;   // 0.353 is the optimum with a ripple of 0.95
+        EXPECT_GT(length / square, degree < 10   ? 0.238
+                                   : degree < 30 ? 0.32
+                                                 : 0.349)
+            << degree;  // 0.353 is the optimum with a ripple of 0.95
         EXPECT_LT(length / square, 0.353) << degree;
         long double bump = 0.0L, ripple = 0.0L;
         for (int i = 1; i <= 20000; ++i) {
@@ -53,7 +56,8 @@ TEST(NearOptimal, OfOrderFourIsStableOnItsIntervalOfThirtyFiveHundredthsDegreeSq
         }
         EXPECT_LT(bump, 0.95L) << degree;
         EXPECT_LT(ripple, degree < 10 ? 0.95L : 0.905L) << degree;
-        for (const long double z : {-0.03L, 0.03L}) EXPECT_NEAR(static_cast<double>((p.value(z) - std::exp(z)) / (z * z * z * z * z)), 0.0, 0.01) << degree;
+        for (const long double z : {-0.03L, 0.03L})
+            EXPECT_NEAR(static_cast<double>((p.value(z) - std::exp(z)) / (z * z * z * z * z)), 0.0, 0.01) << degree;
     }
 }
 
@@ -74,7 +78,7 @@ TEST(NearOptimal, Rock4ReachesAsFarAsItsPolynomial) {
         const StagePlan plan = rock4(stages);
         const double length = near_optimal_polynomial_of_order_4(stages).real_length();
         EXPECT_NEAR(real_stability(plan), length, 0.005 * length) << stages;
-        EXPECT_GT(imaginary_stability(plan), stages < 20 ? 3.2 : 4.0) << stages;   // published: 4.0
+        EXPECT_GT(imaginary_stability(plan), stages < 20 ? 3.2 : 4.0) << stages;  // published: 4.0
         EXPECT_LT(stage_growth(plan, length), stages < 12 ? 1.8 : 1.05) << stages;
     }
 }
@@ -94,8 +98,8 @@ TEST(NearOptimal, ErrorsOfStagesGrow) {
     EXPECT_GT(perturbation_gain(*make_method("serk2-s20"), 300.0), 1e3);
 }
 
-/// The finish of ROCK4 multiplies by the fourth power of z what the stages before it leave behind. Published as millions for 24 stages; with
-/// the most stages, rounding errors become a thousandth.
+/// The finish of ROCK4 multiplies by the fourth power of z what the stages before it leave behind. Published as millions for 24 stages;
+/// with the most stages, rounding errors become a thousandth.
 TEST(NearOptimal, ErrorsOfStagesOfRock4GrowToMillions) {
     EXPECT_NEAR(perturbation_gain(rock4(24), 197.0), 2.1e7, 0.5e7);
     const double most = perturbation_gain(rock4(most_rock4_stages), 3470.0);
@@ -108,7 +112,8 @@ TEST(NearOptimal, DegreesHaveLimits) {
         EXPECT_THROW((void)near_optimal_polynomial(degree), std::invalid_argument);
         EXPECT_THROW((void)near_optimal_polynomial_of_order_4(degree), std::invalid_argument);
     }
-    for (const char* name : {"rock2-s4", "rock2-s401", "rock2-s10.5", "rock2", "rock2-s", "serk2-s15", "serk2-s260", "serk2-s0", "rock4-s4", "rock4-s101", "rock4-s7.5", "rock4"})
+    for (const char* name : {"rock2-s4", "rock2-s401", "rock2-s10.5", "rock2", "rock2-s", "serk2-s15", "serk2-s260", "serk2-s0", "rock4-s4",
+                             "rock4-s101", "rock4-s7.5", "rock4"})
         EXPECT_FALSE(make_method(name)) << name;
 }
 

@@ -39,7 +39,7 @@ TEST_F(FileSealTest, IsOnFinishedRecordsAndOnInterruptedOnes) {
         RunFile file(path("out.h5"), example_contents());
         append_example(file, 0);
         file.flush();
-        EXPECT_FALSE(RunReader(file.part_path()).sealed());   // being written
+        EXPECT_FALSE(RunReader(file.part_path()).sealed());  // being written
         file.close();
     }
     EXPECT_TRUE(RunReader(path("out.h5")).sealed());
@@ -47,15 +47,19 @@ TEST_F(FileSealTest, IsOnFinishedRecordsAndOnInterruptedOnes) {
     EXPECT_TRUE(RunReader(path("cut.h5.part")).sealed());
     without_seal(path("out.h5"));
     EXPECT_FALSE(RunReader(path("out.h5")).sealed());
-    EXPECT_EQ(RunReader(path("out.h5")).rows(), 1U);   // readable all the same: what h5py or h5repack made of a record has none
+    EXPECT_EQ(RunReader(path("out.h5")).rows(), 1U);  // readable all the same: what h5py or h5repack made of a record has none
 }
 
 TEST_F(FileSealTest, KeepsABrokenRecordFromTheLibrary) {
-    { RunFile file(path("out.h5"), example_contents()); file.close(); }
+    {
+        RunFile file(path("out.h5"), example_contents());
+        file.close();
+    }
     std::string bytes = read_text_file(path("out.h5"));
     bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
     std::ofstream(path("out.h5")) << bytes;
-    EXPECT_EQ(error_of([&] { RunReader reader(path("out.h5")); }), path("out.h5") + ": damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)");
+    EXPECT_EQ(error_of([&] { RunReader reader(path("out.h5")); }),
+              path("out.h5") + ": damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)");
 }
 
 }  // namespace

@@ -27,13 +27,16 @@ std::string verdict(const std::function<void()>& look) {
 /// In a child, since trials cannot be asked off again. @return what is said of each look, in one line
 std::string verdicts(const std::string& file, const std::vector<std::function<void()>>& looks, bool second_thread = false) {
     EXPECT_EQ(wait_for(start_child([&] {
-        try_files_first();
-        std::jthread other([&](const std::stop_token& stop) { while (second_thread && !stop.stop_requested()) usleep(1000); });
-        if (!second_thread) other.join();
-        std::ofstream out(file);
-        for (const auto& look : looks) out << verdict(look) << "; ";
-        out.flush();
-    })), 0);
+                  try_files_first();
+                  std::jthread other([&](const std::stop_token& stop) {
+                      while (second_thread && !stop.stop_requested()) usleep(1000);
+                  });
+                  if (!second_thread) other.join();
+                  std::ofstream out(file);
+                  for (const auto& look : looks) out << verdict(look) << "; ";
+                  out.flush();
+              })),
+              0);
     return read_text_file(file);
 }
 
@@ -41,9 +44,13 @@ using Hdf5TrialTest = RecordTest;
 
 TEST_F(Hdf5TrialTest, TellsWhatBecameOfTheChild) {
     const auto begun = std::chrono::steady_clock::now();
-    EXPECT_EQ(verdicts(path("out"), {[] {}, [] { throw std::runtime_error("for the parent to say"); }, [] { std::raise(SIGSEGV); }, [] { while (getpid() != 0) {} }, [] { throw std::bad_alloc(); }}),
+    EXPECT_EQ(verdicts(path("out"), {[] {}, [] { throw std::runtime_error("for the parent to say"); }, [] { std::raise(SIGSEGV); },
+                                     [] {
+                                         while (getpid() != 0) {}
+                                     },
+                                     [] { throw std::bad_alloc(); }}),
               "survived; survived; HDF5 crashes on it; it takes HDF5 too long; HDF5 wants more than 1 GiB for it; ");
-    EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(990));   // of processor time
+    EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(990));  // of processor time
 }
 
 TEST_F(Hdf5TrialTest, IsNotHeldBesideOtherThreads) {

@@ -31,7 +31,11 @@ TEST_F(RunFileTest, TakesItsFinalNameOnlyWhenClosed) {
 }
 
 TEST_F(RunFileTest, KeepsTheFormerFileUntilTheNewOneIsComplete) {
-    { RunFile first(path("out.h5"), example_contents()); append_example(first, 7); first.close(); }
+    {
+        RunFile first(path("out.h5"), example_contents());
+        append_example(first, 7);
+        first.close();
+    }
     RunFile second(path("out.h5"), example_contents());
     second.flush();
     EXPECT_EQ(RunReader(path("out.h5")).rows(), 1U);
@@ -64,7 +68,10 @@ TEST_F(RunFileTest, GivesBackEveryRowAcrossManyChunksAndFlushes) {
 }
 
 TEST_F(RunFileTest, SaysInterruptedAndKeepsThePartIfItIsNotClosed) {
-    { RunFile file(path("out.h5"), example_contents()); append_example(file, 3); }
+    {
+        RunFile file(path("out.h5"), example_contents());
+        append_example(file, 3);
+    }
     EXPECT_FALSE(fs::exists(path("out.h5")));
     const RunReader reader(path("out.h5.part"));
     EXPECT_EQ(reader.status(), "interrupted");
@@ -72,7 +79,10 @@ TEST_F(RunFileTest, SaysInterruptedAndKeepsThePartIfItIsNotClosed) {
 }
 
 TEST_F(RunFileTest, SaysWhatEndedTheRun) {
-    { RunFile file(path("out.h5"), example_contents()); file.set_status("fault: pin 12 left the sheave at t = 0.1 s"); }
+    {
+        RunFile file(path("out.h5"), example_contents());
+        file.set_status("fault: pin 12 left the sheave at t = 0.1 s");
+    }
     EXPECT_EQ(RunReader(path("out.h5.part")).status(), "fault: pin 12 left the sheave at t = 0.1 s");
 }
 
@@ -121,7 +131,7 @@ TEST_F(RunFileTest, SaysWhyAFileCannotBeCreated) {
     };
     fs::create_directory(path("folder"));
     EXPECT_EQ(create(path("missing/out.h5")),
-        path("missing/out.h5") + ": cannot create: the folder '" + path("missing") + "' does not exist");
+              path("missing/out.h5") + ": cannot create: the folder '" + path("missing") + "' does not exist");
     EXPECT_EQ(create(path("folder")), path("folder") + ": cannot create: a folder, not a file");
     EXPECT_EQ(create(""), "cannot create a file without a name");
     fs::create_directory(path("out.h5.part"));
@@ -138,7 +148,10 @@ TEST_F(RunFileTest, DoesNotReplaceFilesIfToldSo) {
     const auto create = [](const std::string& name) { return error_of([&] { RunFile(name, example_contents(), {.replace = false}); }); };
     { RunFile killed(path("a.h5"), example_contents()); }
     EXPECT_EQ(create(path("a.h5")), path("a.h5.part") + ": cannot create: the file exists (a run is writing it, or was killed)");
-    { RunFile finished(path("b.h5"), example_contents()); finished.close(); }
+    {
+        RunFile finished(path("b.h5"), example_contents());
+        finished.close();
+    }
     EXPECT_EQ(create(path("b.h5")), path("b.h5") + ": cannot create: the file exists");
 }
 
@@ -146,7 +159,7 @@ TEST_F(RunFileTest, RefusesAFileThatAnotherRunIsWriting) {
     RunFile first(path("out.h5"), example_contents());
     append_example(first, 0);
     EXPECT_EQ(error_of([&] { RunFile(path("out.h5"), example_contents()); }),
-        path("out.h5.part") + ": cannot create: another run is writing it");
+              path("out.h5.part") + ": cannot create: another run is writing it");
     first.close();
     EXPECT_EQ(RunReader(path("out.h5")).rows(), 1U);
 }
@@ -161,7 +174,7 @@ TEST_F(RunFileTest, RefusesContentsThatContradictAndLeavesNoFile) {
     EXPECT_EQ(create({.tables = {{"events", "", {}}}}), part + "the table 'events' has no columns");
     EXPECT_EQ(create({.attributes = {{"status", 1.0}}}), part + "the name 'status' is reserved (attribute)");
     EXPECT_THAT(create({.channels = {{"a", "N", ""}, {"a/b", "N", ""}}}),
-        testing::StartsWith(part + "cannot create dataset '/channels/a/b': "));
+                testing::StartsWith(part + "cannot create dataset '/channels/a/b': "));
     EXPECT_FALSE(fs::exists(path("out.h5.part")));
 }
 

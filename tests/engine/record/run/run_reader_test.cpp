@@ -65,7 +65,10 @@ TEST_F(RunReaderTest, FindsTheLastAndTheNearestState) {
 }
 
 TEST_F(RunReaderTest, ReadsARunWithoutAnything) {
-    { RunFile file(path("empty.h5"), {}); file.close(); }
+    {
+        RunFile file(path("empty.h5"), {});
+        file.close();
+    }
     const RunReader reader(path("empty.h5"));
     EXPECT_TRUE(reader.channels().empty());
     EXPECT_TRUE(reader.tables().empty());
@@ -137,12 +140,12 @@ t = f["tables/transitions"]
 print(t.dtype.names, t["pin"], t["pin"].dtype, list(t.attrs["units"]), list(t.attrs["descriptions"]), t.attrs["description"])
 )";
     EXPECT_EQ(python(program, example()),
-        "b'cvtflow run' b'finished' b'baseline' 84 0.00812\n"
-        "b'N' | b'tension of every link' (10, 3) float64 ['time', 'link']\n"
-        "True b'DIMENSION_SCALE' b's'\n"
-        "(10,) time 0.003\n"
-        "(5, 4) [0.  0.1 0.2 0.3 0.4] uint8 [4 1]\n"
-        "('time', 'pin') [80 81 82] int64 [b's', b'1'] [b'when', b'which pin'] b'changes of phase'\n");
+              "b'cvtflow run' b'finished' b'baseline' 84 0.00812\n"
+              "b'N' | b'tension of every link' (10, 3) float64 ['time', 'link']\n"
+              "True b'DIMENSION_SCALE' b's'\n"
+              "(10,) time 0.003\n"
+              "(5, 4) [0.  0.1 0.2 0.3 0.4] uint8 [4 1]\n"
+              "('time', 'pin') [80 81 82] int64 [b's', b'1'] [b'when', b'which pin'] b'changes of phase'\n");
 }
 
 }  // namespace

@@ -158,7 +158,7 @@ TEST_F(RunWriterTest, SaysPathReasonAndWhatIsSavedIfTheDiskIsFull) {
     EXPECT_GT(rows, 1000U);
     // Room is made for 100 rows at a time; those that wait in memory are saved by the destructor, for which there is room again.
     EXPECT_EQ(read_text_file(path("message")), fmt::format("{}: cannot write: File too large; saved: {} rows up to t = {:.9g} s",
-        path("out.h5.part"), rows - 100, static_cast<double>(rows - 101) / 1000.0));
+                                                           path("out.h5.part"), rows - 100, static_cast<double>(rows - 101) / 1000.0));
     EXPECT_EQ(RunReader(path("out.h5.part")).status(), "interrupted");
 }
 
@@ -197,7 +197,7 @@ TEST_F(RunWriterTest, SurvivesAnErrorInsideHdf5AndKeepsWhatWasSaved) {
     });
     EXPECT_EQ(wait_for(child), 0);
     EXPECT_EQ(read_text_file(path("message")),
-        path("out.h5.part") + ": cannot write: Bad file descriptor; saved: 1000 rows up to t = 0.999 s");
+              path("out.h5.part") + ": cannot write: Bad file descriptor; saved: 1000 rows up to t = 0.999 s");
     EXPECT_EQ(read_text_file(path("stderr")), "");
     EXPECT_EQ(check_example(path("out.h5.part")), 1000U);
 }

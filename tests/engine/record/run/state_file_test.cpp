@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 using StateFileTest = RecordTest;
 
 SavedState example(std::size_t size = 100) {
-    SavedState saved{0.25, {}, {0, 1, 255}, "cbf29ce484222325",
-        {{"scene", std::string("baseline")}, {"step", 1e-7}, {"steps", std::int64_t{1} << 40U}}};
+    SavedState saved{
+        0.25, {}, {0, 1, 255}, "cbf29ce484222325", {{"scene", std::string("baseline")}, {"step", 1e-7}, {"steps", std::int64_t{1} << 40U}}};
     for (std::size_t i = 0; i < size; ++i) {
         saved.state.push_back(1.0 / (1.0 + static_cast<double>(i)));
     }
@@ -57,11 +57,13 @@ TEST_F(StateFileTest, MayBeWrittenByManyThreadsAtOnce) {
     std::vector<std::jthread> writers;
     for (int writer = 0; writer < 4; ++writer) {
         writers.emplace_back([&, writer] {
-            for (int i = 0; i < 50; ++i) write_state(path("s" + std::to_string(writer) + ".h5"), example(static_cast<std::size_t>(100 + writer)));
+            for (int i = 0; i < 50; ++i)
+                write_state(path("s" + std::to_string(writer) + ".h5"), example(static_cast<std::size_t>(100 + writer)));
         });
     }
     writers.clear();
-    for (int writer = 0; writer < 4; ++writer) EXPECT_EQ(read_state(path("s" + std::to_string(writer) + ".h5")), example(static_cast<std::size_t>(100 + writer)));
+    for (int writer = 0; writer < 4; ++writer)
+        EXPECT_EQ(read_state(path("s" + std::to_string(writer) + ".h5")), example(static_cast<std::size_t>(100 + writer)));
 }
 
 TEST_F(StateFileTest, KeepsFurtherNumbersByName) {
@@ -88,36 +90,50 @@ TEST_F(StateFileTest, LeavesTheFormerFileIfTheDiskIsFull) {
 
 TEST_F(StateFileTest, SaysWhyAFileCannotBeWritten) {
     EXPECT_EQ(error_of([&] { write_state(path("absent/s.h5"), {}); }),
-        path("absent/s.h5") + ": cannot create: the folder '" + path("absent") + "' does not exist");
-    EXPECT_EQ(error_of([&] { write_state(path("s.h5"), {.attributes = {{"time", 1.0}}}); }),
-        path("s.h5") + ": the name 'time' is reserved (attribute)");
+              path("absent/s.h5") + ": cannot create: the folder '" + path("absent") + "' does not exist");
+    EXPECT_EQ(error_of([&] {
+                  write_state(path("s.h5"), {.attributes = {{"time", 1.0}}});
+              }),
+              path("s.h5") + ": the name 'time' is reserved (attribute)");
 }
 
 TEST_F(StateFileTest, SaysWhyAFileCannotBeRead) {
     EXPECT_EQ(reading(path("absent.h5")), path("absent.h5") + ": No such file or directory");
-    { RunFile run(path("run.h5"), {}); run.close(); }
+    {
+        RunFile run(path("run.h5"), {});
+        run.close();
+    }
     EXPECT_EQ(reading(path("run.h5")), path("run.h5") + ": an HDF5 file, but not a cvtflow state (format: 'cvtflow run')");
     write_state(path("s.h5"), example());
     const auto size = fs::file_size(path("s.h5")) - seal_size;
     fs::resize_file(path("s.h5"), size - 100);
     EXPECT_EQ(reading(path("s.h5")),
-        path("s.h5") + ": truncated HDF5 file: " + std::to_string(size - 100) + " bytes of " + std::to_string(size));
+              path("s.h5") + ": truncated HDF5 file: " + std::to_string(size - 100) + " bytes of " + std::to_string(size));
 }
 
 TEST_F(StateFileTest, NoticesAStateThatChangedOnDisk) {
     write_state(path("s.h5"), example());
     const std::string good = read_text_file(path("s.h5"));
-    python("import h5py, sys\nf = h5py.File(sys.argv[1], \"r+\"); f[\"y\"][7] += 1e-15", path("s.h5"));   // which cuts the file where HDF5's part of it ends
-    EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged HDF5 file (it has no seal: changed after it was finished, or its end is missing)");
+    python("import h5py, sys\nf = h5py.File(sys.argv[1], \"r+\"); f[\"y\"][7] += 1e-15",
+           path("s.h5"));  // which cuts the file where HDF5's part of it ends
+    EXPECT_EQ(reading(path("s.h5")),
+              path("s.h5") + ": damaged HDF5 file (it has no seal: changed after it was finished, or its end is missing)");
     std::string bad = good;
     bad[good.size() / 2] = static_cast<char>(good[good.size() / 2] ^ 1);
     std::ofstream(path("s.h5")) << bad;
-    EXPECT_EQ(reading(path("s.h5")), path("s.h5") + ": damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)");
+    EXPECT_EQ(reading(path("s.h5")),
+              path("s.h5") + ": damaged HDF5 file (it is not what was sealed when it was finished: its checksum differs)");
 }
 
 TEST_F(StateFileTest, HashesAllThatItHolds) {
-    const std::vector<std::string> changes{"f[\"y\"][7] += 1e-15", "f[\"phases\"][1] = 2", "f.attrs[\"time\"] = 0.26", "f.attrs[\"step\"] = 2e-7", "f.attrs[\"steps\"] += 1",
-                                           "f.attrs[\"scene\"] = numpy.bytes_(b\"baselina\")", "f.attrs[\"fingerprint\"] = numpy.bytes_(b\"0\")", "f[\"more/a\"][0] = 2",
+    const std::vector<std::string> changes{"f[\"y\"][7] += 1e-15",
+                                           "f[\"phases\"][1] = 2",
+                                           "f.attrs[\"time\"] = 0.26",
+                                           "f.attrs[\"step\"] = 2e-7",
+                                           "f.attrs[\"steps\"] += 1",
+                                           "f.attrs[\"scene\"] = numpy.bytes_(b\"baselina\")",
+                                           "f.attrs[\"fingerprint\"] = numpy.bytes_(b\"0\")",
+                                           "f[\"more/a\"][0] = 2",
                                            "f.attrs[\"added\"] = 1"};
     for (const std::string& change : changes) {
         SavedState saved = example();

@@ -31,7 +31,7 @@ std::vector<double> outcome(const Variator& variator, const oracle::RandomState&
         if (tips[0] == Phase::free && tips[1] == Phase::free && tips[2] == Phase::free && tips[3] == Phase::free) continue;
         const LinkLoad& load = scratch.loads[static_cast<std::size_t>(link - first)];
         for (const auto& pair : {load.load.fz, load.load.mz}) all.insert(all.end(), pair, pair + 2);
-        if (at.pulley_size == 36) {   // rigid sheaves only turn and move along z: the others are not written side by side
+        if (at.pulley_size == 36) {  // rigid sheaves only turn and move along z: the others are not written side by side
             for (const auto& pair : {load.load.fx, load.load.fy, load.load.mx, load.load.my}) all.insert(all.end(), pair, pair + 2);
         }
         all.push_back(load.shaft);
@@ -45,7 +45,8 @@ void expect_lanes_equal_links(const Parameters& p, const std::string& name, std:
         const Variator variator(p, isa);
         const int links = variator.layout().links;
         for (const auto& [first, last] : {std::pair{0, links}, {0, 1}, {links - 1, links}, {1, links - 2}, {3, 8}, {5, 13}, {2, 11}}) {
-            const std::vector<double> side_by_side = outcome(variator, random, first, last, false), one_by_one = outcome(variator, random, first, last, true);
+            const std::vector<double> side_by_side = outcome(variator, random, first, last, false),
+                                      one_by_one = outcome(variator, random, first, last, true);
             ASSERT_EQ(side_by_side.size(), one_by_one.size());
             EXPECT_EQ(std::memcmp(side_by_side.data(), one_by_one.data(), one_by_one.size() * sizeof(double)), 0)
                 << name_of(isa) << ", links " << first << " to " << last << ", " << name;

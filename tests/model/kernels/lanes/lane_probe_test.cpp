@@ -22,7 +22,9 @@ TEST(LaneProbe, GivesTheBitsOfOneLinkAtATimeForRangesOfAnyLength) {
             variator.pulleys().motions(random.state.data() + at.pulley_begin(), sheaves);
             for (const bool slip : {false, true}) {
                 std::vector<TipProbe> expected(static_cast<std::size_t>(at.links));
-                for (int link = 0; link < at.links; ++link) variator.chain().probe(random.state.data() + at.link_begin(link), sheaves, slip, expected[static_cast<std::size_t>(link)]);
+                for (int link = 0; link < at.links; ++link)
+                    variator.chain().probe(random.state.data() + at.link_begin(link), sheaves, slip,
+                                           expected[static_cast<std::size_t>(link)]);
                 for (const auto& [first, last] : {std::pair{0, at.links}, {1, 2}, {3, 8}, {2, at.links - 1}}) {
                     std::vector<TipProbe> probes(static_cast<std::size_t>(last - first));
                     variator.chain().probe_links(random.state.data() + at.link_begin(first), last - first, sheaves, slip, probes.data());

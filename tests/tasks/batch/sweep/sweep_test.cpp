@@ -4,10 +4,10 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
-#include <cmath>
 #include <random>
 #include <set>
 
@@ -22,13 +22,16 @@ using testing::HasSubstr;
 
 class SweepFile : public testing::Test {
 protected:
-    SweepFile() : folder_(std::filesystem::temp_directory_path() / ("cvtflow_sweep_" + std::to_string(getpid()))) { std::filesystem::create_directory(folder_); }
+    SweepFile() : folder_(std::filesystem::temp_directory_path() / ("cvtflow_sweep_" + std::to_string(getpid()))) {
+        std::filesystem::create_directory(folder_);
+    }
     ~SweepFile() override { std::filesystem::remove_all(folder_); }
 
     void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
     [[nodiscard]] Sweep read(const std::string& text) const {
         write("s.toml", text);
-        return read_sweep(folder_ / "s.toml", [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
+        return read_sweep(folder_ / "s.toml",
+                          [](const std::string& name) { return std::string(CVTFLOW_SOURCE_DIR) + "/scenes/" + name + ".toml"; });
     }
     /// The error, without the folder.
     [[nodiscard]] std::string error(const std::string& text) const {
@@ -59,7 +62,9 @@ TEST_F(SweepFile, ReadsACsvThatBeginsWithAByteOrderMark) {
 }
 
 TEST_F(SweepFile, MultipliesItsAxesTheLastFastest) {
-    const Sweep sweep = read(head + "[[axes]]\nkey = \"load.torque\"\nvalues = [\"1 N*m\", 2]\n[[axes]]\nkey = \"clamping.driven\"\nfrom = \"1 kN\"\nto = \"100 kN\"\ncount = 3\nscale = \"log\"\n");
+    const Sweep sweep = read(head +
+                             "[[axes]]\nkey = \"load.torque\"\nvalues = [\"1 N*m\", 2]\n[[axes]]\nkey = \"clamping.driven\"\nfrom = \"1 "
+                             "kN\"\nto = \"100 kN\"\ncount = 3\nscale = \"log\"\n");
     ASSERT_EQ(sweep.cases(), 6);
     EXPECT_EQ(value(sweep, 2, "load.torque"), 1.0);
     EXPECT_EQ(value(sweep, 3, "load.torque"), 2.0);
@@ -69,7 +74,9 @@ TEST_F(SweepFile, MultipliesItsAxesTheLastFastest) {
 
 TEST_F(SweepFile, ZipsKeysAndReadsCsv) {
     write("rows.csv", "# measured\nload.torque [N*m], detail.pulleys, clamping.driven\n1, elastic, 5 kN\n2.5, rigid, \"6 kN\"\n");
-    const Sweep sweep = read(head + "[[axes]]\ncsv = \"rows.csv\"\n[[axes]]\nzip = [{key = \"start.ratio\", values = [0.9, 1.1]}, {key = \"drive.speed\", values = [\"1000 rpm\", \"2000 rpm\"]}]\n");
+    const Sweep sweep = read(head +
+                             "[[axes]]\ncsv = \"rows.csv\"\n[[axes]]\nzip = [{key = \"start.ratio\", values = [0.9, 1.1]}, {key = "
+                             "\"drive.speed\", values = [\"1000 rpm\", \"2000 rpm\"]}]\n");
     ASSERT_EQ(sweep.cases(), 4);
     EXPECT_EQ(value(sweep, 3, "load.torque"), 2.5);
     EXPECT_EQ(value(sweep, 3, "clamping.driven"), 6e3);
@@ -88,39 +95,52 @@ TEST_F(SweepFile, LatinHypercubeHitsEveryIntervalOnceAndIsTheSameEverywhere) {
     }
     EXPECT_EQ(latin_hypercube(50, 3, 4), samples);
     EXPECT_NE(latin_hypercube(50, 3, 5), samples);
-    std::mt19937_64 generator(9);   // 64-bit Mersenne twister: the standard fixes its numbers
+    std::mt19937_64 generator(9);  // 64-bit Mersenne twister: the standard fixes its numbers
     EXPECT_EQ(random_samples(1, 1, 9).front(), static_cast<double>(generator() >> 11U) * 0x1p-53);
 }
 
 TEST_F(SweepFile, SamplesStayInTheirBox) {
-    const Sweep sweep = read(head + "[[axes]]\nsample = \"random\"\ncount = 40\nseed = 3\nkeys = [{key = \"load.torque\", from = 1, to = 4}, {key = \"tip.hertz\", from = 1e9, to = 1e11, scale = \"log\"}]\n");
+    const Sweep sweep = read(head +
+                             "[[axes]]\nsample = \"random\"\ncount = 40\nseed = 3\nkeys = [{key = \"load.torque\", from = 1, to = 4}, {key "
+                             "= \"tip.hertz\", from = 1e9, to = 1e11, scale = \"log\"}]\n");
     ASSERT_EQ(sweep.cases(), 40);
     int below = 0;
     for (long number = 0; number < 40; ++number) {
         EXPECT_TRUE(value(sweep, number, "load.torque") >= 1.0 && value(sweep, number, "load.torque") <= 4.0);
         below += value(sweep, number, "tip.hertz") < 1e10;
     }
-    EXPECT_TRUE(below > 8 && below < 32) << "half of a logarithmic interval lies below its geometric mean: 20 of 40, 4 standard deviations are 12.6";
+    EXPECT_TRUE(below > 8 && below < 32)
+        << "half of a logarithmic interval lies below its geometric mean: 20 of 40, 4 standard deviations are 12.6";
 }
 
 TEST_F(SweepFile, TellsEveryMistakeWithItsPlace) {
-    EXPECT_EQ(error("[sweep]\nscene = \"tny\"\n"), "s.toml:2:9: sweep.scene: " + std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tny.toml: cannot be read: No such file or directory");
+    EXPECT_EQ(error("[sweep]\nscene = \"tny\"\n"), "s.toml:2:9: sweep.scene: " + std::string(CVTFLOW_SOURCE_DIR) +
+                                                       "/scenes/tny.toml: cannot be read: No such file or directory");
     EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torqe\"\nvlues = [1]\n"),
-              "s.toml:6:7: axes.key: there is no key \"load.torqe\" (did you mean \"load.torque\"?)\ns.toml:7:1: axes.vlues: unknown key (did you mean \"values\"?)");
-    EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torque\"\nvalues = [\"1 N\"]\n"), "s.toml:7:11: load.torque: 1 N is a force, expected a torque (N*m)");
-    EXPECT_EQ(error(head + "[[axes]]\nkey = \"detail.pulleys\"\nfrom = \"elastic\"\nto = \"rigid\"\ncount = 2\n"), "s.toml:5:1: axes.from: detail.pulleys has no values in between; list them");
-    EXPECT_EQ(error("[sweep]\nscene = \"tiny\"\n[outputs]\nscalars = [\"slp mean\", \"slip men\", \"sheaves/axial_force mean\", \"slip at 3\"]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1]\n"),
+              "s.toml:6:7: axes.key: there is no key \"load.torqe\" (did you mean \"load.torque\"?)\ns.toml:7:1: axes.vlues: unknown key "
+              "(did you mean \"values\"?)");
+    EXPECT_EQ(error(head + "[[axes]]\nkey = \"load.torque\"\nvalues = [\"1 N\"]\n"),
+              "s.toml:7:11: load.torque: 1 N is a force, expected a torque (N*m)");
+    EXPECT_EQ(error(head + "[[axes]]\nkey = \"detail.pulleys\"\nfrom = \"elastic\"\nto = \"rigid\"\ncount = 2\n"),
+              "s.toml:5:1: axes.from: detail.pulleys has no values in between; list them");
+    EXPECT_EQ(error("[sweep]\nscene = \"tiny\"\n[outputs]\nscalars = [\"slp mean\", \"slip men\", \"sheaves/axial_force mean\", \"slip at "
+                    "3\"]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1]\n"),
               "s.toml:4:12: outputs.scalars: \"slp mean\": there is no channel \"slp\" (did you mean \"slip\"?)\n"
-              "s.toml:4:24: outputs.scalars: \"slip men\": \"men\" is not one of mean, min, max, rms, final, at, median (did you mean \"mean\"?)\n"
-              "s.toml:4:36: outputs.scalars: \"sheaves/axial_force mean\": sheaves/axial_force has several numbers; write sheaves/axial_force[0] … or sheaves/axial_force[*] for all of them\n"
+              "s.toml:4:24: outputs.scalars: \"slip men\": \"men\" is not one of mean, min, max, rms, final, at, median (did you mean "
+              "\"mean\"?)\n"
+              "s.toml:4:36: outputs.scalars: \"sheaves/axial_force mean\": sheaves/axial_force has several numbers; write "
+              "sheaves/axial_force[0] … or sheaves/axial_force[*] for all of them\n"
               "s.toml:4:64: outputs.scalars: \"slip at 3\": \"3\" is not a time");
     EXPECT_EQ(error(head), "s.toml:1:1: axes: there are none; nothing varies");
     write("rows.csv", "load.torque\n1 kg\n");
-    EXPECT_EQ(error(head + "[[axes]]\ncsv = \"rows.csv\"\n"), "s.toml:6:7: axes.csv: rows.csv:2:1: load.torque: 1 kg is a mass, expected a torque (N*m)");
+    EXPECT_EQ(error(head + "[[axes]]\ncsv = \"rows.csv\"\n"),
+              "s.toml:6:7: axes.csv: rows.csv:2:1: load.torque: 1 kg is a mass, expected a torque (N*m)");
 }
 
 TEST_F(SweepFile, ShardsHaveEveryCaseOnceAndAboutEqualCost) {
-    const Sweep sweep = read(head + "[[axes]]\nkey = \"run.until\"\nvalues = [\"1 ms\", \"2 ms\", \"7 ms\"]\n[[axes]]\nkey = \"load.torque\"\nfrom = 1\nto = 9\ncount = 30\n");
+    const Sweep sweep = read(head +
+                             "[[axes]]\nkey = \"run.until\"\nvalues = [\"1 ms\", \"2 ms\", \"7 ms\"]\n[[axes]]\nkey = "
+                             "\"load.torque\"\nfrom = 1\nto = 9\ncount = 30\n");
     for (const int of : {2, 7}) {
         std::multiset<long> all;
         std::vector<double> costs;
@@ -139,14 +159,16 @@ TEST_F(SweepFile, ShardsHaveEveryCaseOnceAndAboutEqualCost) {
         EXPECT_EQ(all.size(), 90u);
         EXPECT_EQ(std::set<long>(all.begin(), all.end()).size(), 90u);
         const auto [least, most] = std::minmax_element(costs.begin(), costs.end());
-        EXPECT_LE(*most - *least, cheapest * (1.0 + 1e-9)) << of << ": the last cases given out are the cheapest, each to the shard with the least";
+        EXPECT_LE(*most - *least, cheapest * (1.0 + 1e-9))
+            << of << ": the last cases given out are the cheapest, each to the shard with the least";
     }
 }
 
 TEST(Reducer, ReducesAsItSays) {
     std::vector<Problem> none;
-    const std::map<std::string, double> expected{{"slip mean", 7.0 / 3.0}, {"slip min", 1.0}, {"slip max", 4.0}, {"slip rms", std::sqrt(7.0)}, {"slip final", 2.0}, {"slip at 0.5 s", 4.0},
-                                                 {"slip median", 2.0}, {"slip max / slip mean", 12.0 / 7.0}};
+    const std::map<std::string, double> expected{
+        {"slip mean", 7.0 / 3.0}, {"slip min", 1.0},      {"slip max", 4.0},    {"slip rms", std::sqrt(7.0)},
+        {"slip final", 2.0},      {"slip at 0.5 s", 4.0}, {"slip median", 2.0}, {"slip max / slip mean", 12.0 / 7.0}};
     for (const auto& [text, value] : expected) {
         const Scalar scalar = parse_scalar(text, {}, none);
         Reducer reducer;

@@ -45,12 +45,20 @@ std::array<std::vector<Vector>, 2> parts(const AdditiveTable& t) {
 void expect_order(const AdditiveTable& t, const Vector& b, int order) {
     const Vector one(b.size(), 1.0), &c = t.times;
     EXPECT_NEAR(dot(b, one), 1.0, exact);
-    if (order >= 2) { EXPECT_NEAR(dot(b, c), 1.0 / 2.0, exact); }
-    if (order >= 3) { EXPECT_NEAR(dot(b, times(c, c)), 1.0 / 3.0, exact); }
-    if (order >= 4) { EXPECT_NEAR(dot(b, times(c, times(c, c))), 1.0 / 4.0, exact); }
+    if (order >= 2) {
+        EXPECT_NEAR(dot(b, c), 1.0 / 2.0, exact);
+    }
+    if (order >= 3) {
+        EXPECT_NEAR(dot(b, times(c, c)), 1.0 / 3.0, exact);
+    }
+    if (order >= 4) {
+        EXPECT_NEAR(dot(b, times(c, times(c, c))), 1.0 / 4.0, exact);
+    }
     for (const auto& outer : parts(t)) {
         const Vector ac = product(outer, c);
-        if (order >= 3) { EXPECT_NEAR(dot(b, ac), 1.0 / 6.0, exact); }
+        if (order >= 3) {
+            EXPECT_NEAR(dot(b, ac), 1.0 / 6.0, exact);
+        }
         if (order < 4) continue;
         EXPECT_NEAR(dot(b, times(c, ac)), 1.0 / 8.0, exact);
         EXPECT_NEAR(dot(b, product(outer, times(c, c))), 1.0 / 12.0, exact);
@@ -62,7 +70,8 @@ TEST(AdditiveTables, FulfilAllConditionsOfTheirOrderCouplingIncluded) {
     for (const AdditiveTable& t : {ark436(), ars343()}) {
         for (const auto& part : parts(t)) {
             const Vector sums = product(part, Vector(t.times.size(), 1.0));
-            for (std::size_t stage = 0; stage < sums.size(); ++stage) EXPECT_NEAR(sums[stage], t.times[stage], exact) << t.name << " " << stage;
+            for (std::size_t stage = 0; stage < sums.size(); ++stage)
+                EXPECT_NEAR(sums[stage], t.times[stage], exact) << t.name << " " << stage;
         }
         expect_order(t, t.weights, t.order);
         if (!t.embedded.empty()) expect_order(t, t.embedded, t.order - 1);
@@ -96,7 +105,9 @@ TEST(DirkTables, HaveTheirOrderAndTheSameImpulseOfAConstantForce) {
             EXPECT_NEAR(time, t.times[stage], exact);
         }
         EXPECT_NEAR(sum, 1.0, exact);
-        if (t.order == 2) { EXPECT_NEAR(t.centre(), 0.5, exact); }
+        if (t.order == 2) {
+            EXPECT_NEAR(t.centre(), 0.5, exact);
+        }
     }
 }
 

@@ -32,7 +32,7 @@ TEST(FrictionLeapfrog, GivesTheSameBitsForEverySchedule) {
         const std::uint64_t serial = with({"run.schedule=serial"});
         EXPECT_EQ(with({"run.schedule=barrier", "run.threads=2", "run.segments=3"}), serial);
         EXPECT_EQ(with({"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial);
-        if (engine::test::thread_sanitizer) continue;   // it sees into neither oneTBB nor OpenMP
+        if (engine::test::thread_sanitizer) continue;  // it sees into neither oneTBB nor OpenMP
         EXPECT_EQ(with({"run.schedule=flow", "run.threads=2", "run.segments=7"}), serial);
         EXPECT_EQ(with({"run.schedule=flow_messages", "run.threads=2", "run.segments=2"}), serial);
         EXPECT_EQ(with({"run.schedule=serial", "run.segments=84"}), serial);
@@ -52,7 +52,8 @@ TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
 }
 
 TEST(FrictionLeapfrog, FrictionTooStiffForItIsAFaultThatSaysSo) {
-    Simulation simulation(claims::ready_scene("baseline", {"run.method=leapfrog-rkc", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-6"}));
+    Simulation simulation(
+        claims::ready_scene("baseline", {"run.method=leapfrog-rkc", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-6"}));
     SilentObserver nobody;
     const Fault fault = simulation.run(1e-5, nobody, uncancelled);
     EXPECT_EQ(fault.kind, FaultKind::too_stiff);
@@ -72,7 +73,7 @@ TEST(KickTables, ReachFurtherTheMoreStagesTheyHaveAndTheCheapestIsTaken) {
             stages = table->plan.stages();
             double sum = 0.0;
             for (const double weight : table->weights) sum += weight;
-            EXPECT_NEAR(sum, 1.0, 1e-12);   // the impulse of a constant force is exact
+            EXPECT_NEAR(sum, 1.0, 1e-12);  // the impulse of a constant force is exact
         }
         EXPECT_EQ(tables.reaching(1.01 * tables.longest_reach()), nullptr);
     }

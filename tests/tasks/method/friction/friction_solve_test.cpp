@@ -1,5 +1,5 @@
-/// Friction solved for inside a step: slips and forces are those of the friction kernels, what comes out solves the equation of a stage, and the
-/// methods on top give the same bits for every schedule.
+/// Friction solved for inside a step: slips and forces are those of the friction kernels, what comes out solves the equation of a stage,
+/// and the methods on top give the same bits for every schedule.
 
 #include "tasks/method/friction/friction_solve.hpp"
 
@@ -26,12 +26,19 @@ const std::vector<std::string> methods{"leapfrog-be", "leapfrog-sdirk2", "ark436
 class Contacts {
 public:
     explicit Contacts(const std::vector<std::string>& settings, double g, const std::string& scene = "baseline")
-        : scene_(claims::ready_scene(scene, settings)), simulation_(scene_), links(scene_.parameters.chain.pins),
-          workspace_(scene_.parameters, *plan_for("leapfrog-be"), Partition::equal(links, 1)), solve(workspace_),
-          field_(workspace_.variator.chain()), loads_(static_cast<std::size_t>(links)), scratch_(static_cast<std::size_t>(friction().scratch_size(links))) {
+        : scene_(claims::ready_scene(scene, settings)),
+          simulation_(scene_),
+          links(scene_.parameters.chain.pins),
+          workspace_(scene_.parameters, *plan_for("leapfrog-be"), Partition::equal(links, 1)),
+          solve(workspace_),
+          field_(workspace_.variator.chain()),
+          loads_(static_cast<std::size_t>(links)),
+          scratch_(static_cast<std::size_t>(friction().scratch_size(links))) {
         std::copy_n(simulation_.state(), layout().size(), workspace_.states[0]);
-        if (layout().pulley_size != 0) workspace_.variator.pulleys().motions(workspace_.states[0] + layout().pulley_begin(), workspace_.sheaves);
-        friction().record({0, links, window_of(workspace_, workspace_.states[0], 0), workspace_.sheaves, simulation_.phases().data()}, {}, field_, loads_.data());
+        if (layout().pulley_size != 0)
+            workspace_.variator.pulleys().motions(workspace_.states[0] + layout().pulley_begin(), workspace_.sheaves);
+        friction().record({0, links, window_of(workspace_, workspace_.states[0], 0), workspace_.sheaves, simulation_.phases().data()}, {},
+                          field_, loads_.data());
         for (int k = 0; k < solve.groups(); ++k) solve.space().gather(field_, simulation_.phases().data(), g, solve.group(k));
     }
 
@@ -40,7 +47,8 @@ public:
         model::Columns v(layout().link_size(), links + 2);
         for (int link = 0; link < links; ++link) {
             for (int k = 0; k < layout().link_size(); ++k)
-                *v.at(k, link + 1) = workspace_.states[0][layout().link_begin(link) + layout().link_size() + k] + amount * std::sin(1.0 + 2.399 * link + 0.7 * k);
+                *v.at(k, link + 1) = workspace_.states[0][layout().link_begin(link) + layout().link_size() + k] +
+                                     amount * std::sin(1.0 + 2.399 * link + 0.7 * k);
         }
         repeat(v);
         return v;
@@ -53,7 +61,7 @@ public:
         return a;
     }
     /// Slips of these velocities, each link's part into `rows`.
-    void slips(const model::Columns& v, model::LaneRows model::SlipGroup::* rows) {
+    void slips(const model::Columns& v, model::LaneRows model::SlipGroup::*rows) {
         for (int k = 0; k < solve.groups(); ++k) {
             model::SlipGroup& g = solve.group(k);
             for (const auto& [link, lane] : g.links) {
@@ -70,7 +78,9 @@ public:
     int run() {
         int cycle = solve.begin(0.0);
         for (; cycle >= 0; cycle = solve.next()) {
-            const auto each = [&](void (FrictionSolve::*body)(int) noexcept) { for (int k = 0; k < solve.groups(); ++k) (solve.*body)(k); };
+            const auto each = [&](void (FrictionSolve::*body)(int) noexcept) {
+                for (int k = 0; k < solve.groups(); ++k) (solve.*body)(k);
+            };
             if (cycle == iterate_cycle) {
                 each(&FrictionSolve::eliminate);
                 solve.join();
@@ -110,7 +120,8 @@ private:
     std::vector<double> scratch_;
 };
 
-const std::vector<std::vector<std::string>> details{{"detail.joint_points=3"}, {"detail.joint_points=1"}, {"detail.joint_points=5"}, {"detail.friction=smoothed"}};
+const std::vector<std::vector<std::string>> details{
+    {"detail.joint_points=3"}, {"detail.joint_points=1"}, {"detail.joint_points=5"}, {"detail.friction=smoothed"}};
 
 /// Two independent ways from velocities to accelerations. Tangents are taken at right angles to a tip's normal, which the equations scale
 /// by 1 + τ²/2 of the sheave's tilt τ: a part in a million.
@@ -141,7 +152,8 @@ TEST(SlipSpace, GivesTheAccelerationsOfTheFrictionKernels) {
 }
 
 /// v - v̂ = g a(v) with a(v) of the friction kernels, from slips far from the solution, in so many iterations at most.
-void expect_solution(const std::vector<std::string>& settings, double g, double amount, int iterations, const std::string& scene = "baseline") {
+void expect_solution(const std::vector<std::string>& settings, double g, double amount, int iterations,
+                     const std::string& scene = "baseline") {
     Contacts contacts(settings, g, scene);
     const std::string title = settings.front() + " g = " + std::to_string(1e6 * g) + "e-6, " + std::to_string(amount) + ": ";
     const model::Columns far = contacts.velocities(10.0 * amount), before = contacts.velocities(amount);
@@ -156,7 +168,8 @@ void expect_solution(const std::vector<std::string>& settings, double g, double 
         model::SlipGroup& group = contacts.solve.group(k);
         contacts.solve.space().accelerate(group);
         for (const auto& [link, lane] : group.links) {
-            for (int row = 0; row < contacts.layout().link_size(); ++row) *v.at(row, link + 1) = *before.at(row, link + 1) + g * group.acceleration.at(row)[lane];
+            for (int row = 0; row < contacts.layout().link_size(); ++row)
+                *v.at(row, link + 1) = *before.at(row, link + 1) + g * group.acceleration.at(row)[lane];
         }
     }
     const model::Columns a = contacts.accelerations(v);
@@ -179,7 +192,8 @@ TEST(FrictionSolve, SolvesTheEquationOfAStageWhateverItStartsFrom) {
     }
 }
 
-/// Fewer links than lanes, stretches of unequal length, odd numbers of joints that are left; with a wrong matrix Newton's method would take more iterations.
+/// Fewer links than lanes, stretches of unequal length, odd numbers of joints that are left; with a wrong matrix Newton's method would take
+/// more iterations.
 TEST(FrictionSolve, SolvesForChainsOfAnyLength) {
     for (const int links : {6, 7, 12, 16, 17, 31, 33, 50}) {
         expect_solution({"chain.pins=" + std::to_string(links)}, 2e-6, 1e-2, 10, "free_ring");
@@ -188,9 +202,12 @@ TEST(FrictionSolve, SolvesForChainsOfAnyLength) {
 }
 
 TEST(FrictionSolve, SaysHowItFared) {
-    EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 5, .searches = 2}), "2.50 iterations per friction solve (most 5), 0.50 searches");
-    EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 50, .searches = 2, .widened = 3, .unconverged = 1, .worst = 2e-4}),
-              "2.50 iterations per friction solve (most 50), 0.50 searches, 3 solves by way of higher saturation speeds; 1 of 4 solves did not converge and went on with the last iterate (residual up to 0.0002 m/s)");
+    EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 5, .searches = 2}),
+              "2.50 iterations per friction solve (most 5), 0.50 searches");
+    EXPECT_EQ(
+        text(SolveStatistics{.solves = 4, .iterations = 10, .most = 50, .searches = 2, .widened = 3, .unconverged = 1, .worst = 2e-4}),
+        "2.50 iterations per friction solve (most 50), 0.50 searches, 3 solves by way of higher saturation speeds; 1 of 4 solves did not "
+        "converge and went on with the last iterate (residual up to 0.0002 m/s)");
 }
 
 /// A finer step is not spoiled by what a solve leaves.
@@ -205,7 +222,9 @@ TEST(FrictionImplicit, ConvergesHoweverLowSaturationSpeedsAre) {
     for (const std::string& method : methods) {
         for (const double factor : {1.0, 0.1, 0.01, 0.001}) {
             const auto speed = [&](double usual) { return std::to_string(usual * factor * 1e9) + "e-9"; };
-            const Scene scene = claims::ready_scene("baseline", {"joint.saturation_speed=" + speed(5e-3), "plate.saturation_speed=" + speed(1e-2), "tip.saturation_speed=" + speed(1e-2)});
+            const Scene scene = claims::ready_scene(
+                "baseline",
+                {"joint.saturation_speed=" + speed(5e-3), "plate.saturation_speed=" + speed(1e-2), "tip.saturation_speed=" + speed(1e-2)});
             const bool leapfrog = method.starts_with("leapfrog");
             const TrialEnd end = try_method(scene.parameters, frozen_start(Simulation(scene)), method, 1e-6, leapfrog ? 50e-6 : 10e-6);
             EXPECT_FALSE(end.fault) << method << " " << factor;
@@ -232,7 +251,7 @@ TEST(FrictionImplicit, GivesTheSameBitsForEverySchedule) {
         const std::uint64_t serial = with({"run.schedule=serial"});
         EXPECT_EQ(with({"run.schedule=barrier", "run.threads=2", "run.segments=3"}), serial) << method;
         EXPECT_EQ(with({"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial) << method;
-        if (engine::test::thread_sanitizer) continue;   // it sees into neither oneTBB nor OpenMP
+        if (engine::test::thread_sanitizer) continue;  // it sees into neither oneTBB nor OpenMP
         EXPECT_EQ(with({"run.schedule=flow", "run.threads=2", "run.segments=7"}), serial) << method;
         EXPECT_EQ(with({"run.schedule=flow_messages", "run.threads=2", "run.segments=2"}), serial) << method;
         EXPECT_EQ(with({"run.schedule=serial", "run.segments=84"}), serial) << method;
@@ -246,9 +265,11 @@ TEST(FrictionImplicit, GivesTheSameBitsForEveryInstructionSet) {
         for (const char* points : {"2", "3"}) {
             const auto with = [&](model::Isa isa) {
                 setenv("CVTFLOW_ISA", std::string(model::name_of(isa)).c_str(), 1);
-                return hash_of({"run.method=" + method, "run.step=2us", "run.schedule=serial", std::string("detail.joint_points=") + points});
+                return hash_of(
+                    {"run.method=" + method, "run.step=2us", "run.schedule=serial", std::string("detail.joint_points=") + points});
             };
-            for (const model::Isa isa : model::usable_isas()) EXPECT_EQ(with(isa), with(model::Isa::baseline)) << method << " " << points << " " << model::name_of(isa);
+            for (const model::Isa isa : model::usable_isas())
+                EXPECT_EQ(with(isa), with(model::Isa::baseline)) << method << " " << points << " " << model::name_of(isa);
         }
     }
     setenv("CVTFLOW_ISA", kept.c_str(), 1);

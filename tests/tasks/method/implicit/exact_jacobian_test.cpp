@@ -14,14 +14,13 @@ model::AccelerationJacobian exact(const Settled& at, int ranges = 1) {
     model::AccelerationJacobian jacobian(layout);
     model::ExactJacobian derivatives(at.variator());
     const BasePoint base = at.base();
-    for (int r = 0; r < ranges; ++r) derivatives.links(base.state, base.phases, layout.links * r / ranges, layout.links * (r + 1) / ranges, jacobian);
+    for (int r = 0; r < ranges; ++r)
+        derivatives.links(base.state, base.phases, layout.links * r / ranges, layout.links * (r + 1) / ranges, jacobian);
     derivatives.corner(base.time, base.state, base.phases, jacobian);
     return jacobian;
 }
 
-double difference(const Settled& at) {
-    return largest_difference(at.variator().layout(), exact(at), at.dense(), at.dense(-1.0));
-}
+double difference(const Settled& at) { return largest_difference(at.variator().layout(), exact(at), at.dense(), at.dense(-1.0)); }
 
 // The derivative lies between forward and backward differences, also at a kink: their errors of first order have opposite signs. Outside
 // remain those of second order, for a tip 0.1 µm deep (ε/δ)²/24 = 4e-6, and rounding, 1e-7.

@@ -37,7 +37,8 @@ TEST(ImplicitMatrix, SolvesForTheWholeStateInVelocitiesAlone) {
     Eigen::VectorXd rhs = Eigen::VectorXd::Zero(n);
     const auto velocity = [&](int number) {
         const int edge = at.links * at.link_size();
-        return number < edge ? at.link_begin(number / at.link_size()) + at.link_size() + number % at.link_size() : at.pulley_begin() + at.pulley_size + number - edge;
+        return number < edge ? at.link_begin(number / at.link_size()) + at.link_size() + number % at.link_size()
+                             : at.pulley_begin() + at.pulley_size + number - edge;
     };
     for (int k = 0; k < matrix.unknowns(); ++k) rhs(velocity(k)) = r[static_cast<std::size_t>(k)];
     const Eigen::VectorXd should = (Eigen::MatrixXd::Identity(n, n) - theta * j).partialPivLu().solve(rhs);

@@ -18,7 +18,8 @@ using testing::HasSubstr;
 /// The tiny scene from its geometric start, settled by the method itself for so short that tips come and go.
 Scene brief(const std::string& method, const std::vector<std::string>& extra = {}) {
     Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
-    std::vector<std::string> values{"start.settling_time=8us", "start.ramp_time=4us", "run.step=1us", "run.output_interval=4us", "run.method=" + method};
+    std::vector<std::string> values{"start.settling_time=8us", "start.ramp_time=4us", "run.step=1us", "run.output_interval=4us",
+                                    "run.method=" + method};
     values.insert(values.end(), extra.begin(), extra.end());
     set_values(scene, values);
     return scene;
@@ -43,13 +44,15 @@ TEST(ImplicitMethods, NewtonConvergesWithEveryMatrix) {
         ASSERT_FALSE(end.fault) << variant.name;
         EXPECT_EQ(end.newton->unconverged, 0) << variant.name;
         EXPECT_GE(end.newton->steps, 20);
-        EXPECT_LE(static_cast<double>(end.newton->iterations), 12.0 * static_cast<double>(end.newton->steps)) << variant.name << ": " << end.report;
+        EXPECT_LE(static_cast<double>(end.newton->iterations), 12.0 * static_cast<double>(end.newton->steps))
+            << variant.name << ": " << end.report;
     }
 }
 
 TEST(ImplicitMethods, AreStableWhereExplicitOnesAreNot) {
     const Settled settled;
-    for (const char* method : {"rk4", "dopri54"}) EXPECT_TRUE(try_method(settled.parameters(), settled.start(), method, 10e-6, 200e-6).fault) << method;
+    for (const char* method : {"rk4", "dopri54"})
+        EXPECT_TRUE(try_method(settled.parameters(), settled.start(), method, 10e-6, 200e-6).fault) << method;
     EXPECT_FALSE(try_method(settled.parameters(), settled.start(), "trapezoidal-analytic", 10e-6, 200e-6).fault);
 }
 
@@ -67,7 +70,8 @@ protected:
 TEST_P(EveryImplicitMethod, HasOneResultForEverySchedule) {
     const std::uint64_t expected = hash({});
     for (const char* executor : {"barrier", "flow", "flow_messages"}) {
-        for (const Assembly assembly : {Assembly::fused, Assembly::staged}) EXPECT_EQ(hash({executor, {assembly}, 3, 2}), expected) << executor;
+        for (const Assembly assembly : {Assembly::fused, Assembly::staged})
+            EXPECT_EQ(hash({executor, {assembly}, 3, 2}), expected) << executor;
     }
     EXPECT_EQ(hash({"serial", {}, 24, 1}), expected);
     EXPECT_EQ(hash({"tbb_loop", {}, 7, 3}), expected);
@@ -132,11 +136,21 @@ TEST(ImplicitMethods, RunAFreeRingAndRigidPulleysToo) {
 }
 
 TEST(NewtonStatistics, SayWhatHappened) {
-    EXPECT_EQ(text(NewtonStatistics{.steps = 4, .iterations = 10, .most = 3, .jacobians = 5, .factorisations = 6, .solves = 10, .backtracks = 2}),
-              "2.50 iterations per step (most 3), 5 Jacobians, 6 factorisations, 2 halvings");
-    EXPECT_EQ(text(NewtonStatistics{.steps = 4, .iterations = 10, .most = 3, .jacobians = 5, .factorisations = 6, .solves = 10, .backtracks = 2, .refreshed = 1,
-                                    .unconverged = 2, .worst = 0.0123}),
-              "2.50 iterations per step (most 3), 5 Jacobians, 6 factorisations, 2 halvings; 1 of 4 steps fell back on a new Jacobian; 2 of 4 steps did not converge and "
+    EXPECT_EQ(
+        text(NewtonStatistics{.steps = 4, .iterations = 10, .most = 3, .jacobians = 5, .factorisations = 6, .solves = 10, .backtracks = 2}),
+        "2.50 iterations per step (most 3), 5 Jacobians, 6 factorisations, 2 halvings");
+    EXPECT_EQ(text(NewtonStatistics{.steps = 4,
+                                    .iterations = 10,
+                                    .most = 3,
+                                    .jacobians = 5,
+                                    .factorisations = 6,
+                                    .solves = 10,
+                                    .backtracks = 2,
+                                    .refreshed = 1,
+                                    .unconverged = 2,
+                                    .worst = 0.0123}),
+              "2.50 iterations per step (most 3), 5 Jacobians, 6 factorisations, 2 halvings; 1 of 4 steps fell back on a new Jacobian; 2 "
+              "of 4 steps did not converge and "
               "went on with the best iterate (residual up to 0.012 m/s)");
 }
 

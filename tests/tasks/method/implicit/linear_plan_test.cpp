@@ -13,7 +13,9 @@ using SmallVector = Eigen::Vector3d;
 using SmallMatrix = Eigen::Matrix3d;
 
 /// y' = f(t, y), nonlinear and non-autonomous.
-SmallVector slope(double t, const SmallVector& y) { return {y(1) * y(2) + std::cos(t), -y(0) * y(2), -0.5 * y(0) * y(1) - y(2) * y(2) + 0.3 * t}; }
+SmallVector slope(double t, const SmallVector& y) {
+    return {y(1) * y(2) + std::cos(t), -y(0) * y(2), -0.5 * y(0) * y(1) - y(2) * y(2) + 0.3 * t};
+}
 
 /// One step of the table as it is written down, with any J.
 SmallVector step(const LinearPlan& plan, const SmallMatrix& j, double t, double h, const SmallVector& y) {
@@ -39,7 +41,7 @@ SmallVector integrated(const LinearPlan& plan, const SmallMatrix& j, int steps) 
 }
 
 TEST(LinearPlan, HasItsOrderWithAnyJacobian) {
-    SmallMatrix wrong;   // of the size of the true one, and nothing like it
+    SmallMatrix wrong;  // of the size of the true one, and nothing like it
     wrong << 0.7, -1.1, 0.4, 0.2, -0.5, 1.3, -0.8, 0.6, 0.1;
     for (const LinearPlan& plan : linear_plans()) {
         for (const SmallMatrix& j : {SmallMatrix(SmallMatrix::Zero()), wrong}) {
@@ -57,7 +59,8 @@ std::complex<double> stability(const LinearPlan& plan, std::complex<double> z, d
         for (const engine::Term& term : terms) total += term.factor * u[static_cast<std::size_t>(term.slot)];
         return total;
     };
-    for (const LinearStage& stage : plan.stages) u.push_back(stage.gamma * (z * (1.0 + sum(stage.states)) + sum(stage.right)) / (1.0 - stage.gamma * share * z));
+    for (const LinearStage& stage : plan.stages)
+        u.push_back(stage.gamma * (z * (1.0 + sum(stage.states)) + sum(stage.right)) / (1.0 - stage.gamma * share * z));
     return 1.0 + sum(plan.result);
 }
 
@@ -67,7 +70,8 @@ TEST(LinearPlan, DampsWhatIsInfinitelyStiff) {
 
 TEST(LinearPlan, TwoAreStableOnTheWholeImaginaryAxis) {
     for (const LinearPlan& plan : {steihaug_wolfbrandt(), ros34pw2()}) {
-        for (double y = 0.01; y < 1e4; y *= 1.1) EXPECT_LE(std::abs(stability(plan, {0.0, y}, 1.0)), 1.0 + 1e-12) << plan.name << " at " << y;
+        for (double y = 0.01; y < 1e4; y *= 1.1)
+            EXPECT_LE(std::abs(stability(plan, {0.0, y}, 1.0)), 1.0 + 1e-12) << plan.name << " at " << y;
     }
 }
 

@@ -26,11 +26,17 @@ FrozenStart settled(const Scene& scene) {
 }  // namespace
 
 Settled::Settled(const std::vector<std::string>& extra)
-    : scene_(tiny_with(extra)), variator_(scene_.parameters), start_(settled(scene_)), slope_(start_.state.size()), scratch_(variator_.layout()) {
+    : scene_(tiny_with(extra)),
+      variator_(scene_.parameters),
+      start_(settled(scene_)),
+      slope_(start_.state.size()),
+      scratch_(variator_.layout()) {
     evaluate();
 }
 
-void Settled::evaluate() { model::right_hand_side(variator_, start_.time, start_.state.data(), start_.phases.data(), slope_.data(), scratch_); }
+void Settled::evaluate() {
+    model::right_hand_side(variator_, start_.time, start_.state.data(), start_.phases.data(), slope_.data(), scratch_);
+}
 
 BasePoint Settled::base() const {
     return {start_.time, start_.state.data(), slope_.data(), start_.phases.data(), scratch_.loads.data(), scratch_.accounts.data()};

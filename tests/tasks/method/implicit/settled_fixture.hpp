@@ -21,8 +21,8 @@ public:
     [[nodiscard]] BasePoint base() const;
     /// Moves every velocity by a pseudo-random amount, so that contacts slip.
     void stir(double amount);
-    /// Differences of the whole right-hand side with the steps of ColouredJacobian, one unknown at a time, forward or backward: [size * size],
-    /// column by column.
+    /// Differences of the whole right-hand side with the steps of ColouredJacobian, one unknown at a time, forward or backward: [size *
+    /// size], column by column.
     [[nodiscard]] std::vector<double> dense(double sign = 1.0) const;
 
 private:

@@ -17,7 +17,7 @@ TEST(Growth, IsTheLargestMultiplierThatIsNotNearOne) {
         return true;
     };
     const Growth growth = fastest_growth(size, map, {});
-    EXPECT_NEAR(growth.factor, 1.05, 1e-9);   // a Krylov space of the whole: exact but for rounding
+    EXPECT_NEAR(growth.factor, 1.05, 1e-9);  // a Krylov space of the whole: exact but for rounding
     EXPECT_NEAR(growth.multiplier.real(), -1.05, 1e-9);
     EXPECT_NEAR(std::abs(growth.real[size - 2]), 1.0, 1e-6);
     EXPECT_NEAR(fastest_growth(size, map, {}, {.from_one = 0.0}).factor, 1.06, 1e-9);
@@ -37,7 +37,13 @@ TEST(Growth, FindsPairsOfComplexMultipliers) {
 
 TEST(Growth, IsInfiniteWhereTheMapFails) {
     EXPECT_TRUE(std::isinf(fastest_growth(3, [](const double*, double*) { return false; }, {}).factor));
-    EXPECT_TRUE(std::isinf(fastest_growth(1, [](const double*, double* to) { *to = NAN; return true; }, {}).factor));
+    EXPECT_TRUE(std::isinf(fastest_growth(1,
+                                          [](const double*, double* to) {
+                                              *to = NAN;
+                                              return true;
+                                          },
+                                          {})
+                               .factor));
 }
 
 }  // namespace

@@ -20,8 +20,8 @@ TEST(StepLimitBound, SaysWhatLimitsALeapfrogAndGoesOnCheaply) {
     const int cold = bound.look(start.time, start.state.data(), start.phases.data());
     const StepLimit first = bound.limit();
     EXPECT_EQ(first.by, StepLimiter::oscillation);
-    EXPECT_GT(first.oscillation * first.step, 1.41);   // no friction makes it less
-    EXPECT_LE(first.oscillation * first.step, 2.0);    // the leapfrog without friction
+    EXPECT_GT(first.oscillation * first.step, 1.41);  // no friction makes it less
+    EXPECT_LE(first.oscillation * first.step, 2.0);   // the leapfrog without friction
     const int warm = bound.look(start.time, start.state.data(), start.phases.data());
     RecordProperty("evaluations", std::to_string(cold) + " " + std::to_string(warm));
     EXPECT_LT(warm, cold / 2);

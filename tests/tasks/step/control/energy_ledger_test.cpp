@@ -30,7 +30,7 @@ TEST(EnergyLedger, ClosesWhereWhatIsLostWasStored) {
 }
 
 TEST(EnergyLedger, CallsEnergyFromNowhereUnreliable) {
-    const EnergyLedger wrong = sampled(300.0, -297.0);   // a hundredth of what is lost comes from nowhere: ten times the tolerance
+    const EnergyLedger wrong = sampled(300.0, -297.0);  // a hundredth of what is lost comes from nowhere: ten times the tolerance
     EXPECT_NEAR(wrong.balance().relative(), 0.01, 1e-9);
     EXPECT_GT(wrong.suspicion(), 5.0);
     EXPECT_FALSE(wrong.reliable());
@@ -52,14 +52,14 @@ TEST(EnergyLedger, GoesOnFromItsMemoryBitByBit) {
 TEST(EnergySums, EfficiencyIsOneLessLossesOverWhatTheInputsBrought) {
     EnergySums before, after;
     after.loss[0] = 2.0;
-    after.work = {100.0, -98.0, 0.0};   // drive brings, load takes
+    after.work = {100.0, -98.0, 0.0};  // drive brings, load takes
     EXPECT_DOUBLE_EQ(after.efficiency_since(before), 0.98);
     EXPECT_TRUE(std::isnan(before.efficiency_since(before))) << "without input there is none";
 }
 
 TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
     RunMeans means;
-    for (int k = 0; k <= 5000; ++k) {   // more outputs than bins: 100 ms of a chain that begins to slide
+    for (int k = 0; k <= 5000; ++k) {  // more outputs than bins: 100 ms of a chain that begins to slide
         model::Observation now;
         now.time = 2e-5 * k;
         now.ratio = 1.0;
@@ -72,7 +72,7 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
         means.add(now, sums, 7e-4);
     }
     EXPECT_NEAR(means.all().slip, 0.051, 1e-4);
-    EXPECT_NEAR(means.last_fifth().slip, 0.1, 1e-14);   // rounding of a sum of a thousand
+    EXPECT_NEAR(means.last_fifth().slip, 0.1, 1e-14);  // rounding of a sum of a thousand
     EXPECT_NEAR(means.all().efficiency, 0.98, 1e-9);
     EXPECT_EQ(means.all().periods, std::floor(0.1 / 7e-4));
     std::string names;

@@ -11,7 +11,7 @@ namespace {
 
 TEST(ErrorScale, MeasuresCoordinatesInMicrometresAndVelocitiesInSaturationSpeeds) {
     const ErrorScale scale{1e-6, 2e-3};
-    const std::array<double, 4> errors{3e-6, 0.0, 0.0, 8e-3};   // q, q, v, v
+    const std::array<double, 4> errors{3e-6, 0.0, 0.0, 8e-3};  // q, q, v, v
     EXPECT_DOUBLE_EQ(scale.norm(errors.data(), 2), std::sqrt((9.0 + 16.0) / 4.0));
 }
 

@@ -39,18 +39,18 @@ TEST(StepControllerOutputs, ComeFirstAndLastAlsoIfTheEndIsNoMultiple) {
     ASSERT_EQ(times.size(), 4u);
     EXPECT_EQ(times[0], 0.0);
     EXPECT_EQ(times[2], 2e-6);
-    EXPECT_GE(times[3], 2.52e-6 - 1e-15);          // the first step at or after the end
+    EXPECT_GE(times[3], 2.52e-6 - 1e-15);  // the first step at or after the end
     EXPECT_LT(times[3], 2.52e-6 + 1e-7);
     const std::vector<double> none = output_times(rig, {times[3], times[3], 1e-7, 1e-6});
-    EXPECT_EQ(none, std::vector<double>{times[3]});   // nothing to do: one output, no step
+    EXPECT_EQ(none, std::vector<double>{times[3]});  // nothing to do: one output, no step
     EXPECT_EQ(rig.counters().steps, 0);
 }
 
 TEST(StepControllerOutputs, ShortenTheStepSoThatItDividesTheInterval) {
     Rig rig(tiny_parameters());
     EXPECT_EQ(output_times(rig, {0.0, 1e-5, 3e-8, 1e-6}).size(), 11u);
-    EXPECT_EQ(rig.counters().steps - rig.counters().truncated, 10 * 34);   // 1 µs/30 ns rounded up
-    EXPECT_GE(rig.counters().evaluations, 4 * rig.counters().steps + rig.counters().truncated);   // a cut needs the slope at the end
+    EXPECT_EQ(rig.counters().steps - rig.counters().truncated, 10 * 34);                         // 1 µs/30 ns rounded up
+    EXPECT_GE(rig.counters().evaluations, 4 * rig.counters().steps + rig.counters().truncated);  // a cut needs the slope at the end
 }
 
 /// Looks at each transition as it happens: how far from its threshold the tip is, against how far it moves in a whole step.
@@ -59,7 +59,7 @@ public:
     explicit CutWatcher(const Workspace& workspace) : w_(workspace) {}
     void output(double, const Workspace&, const Counters&) override {}
     void transition(const TransitionRecord& event) override {
-        const model::TipIndicator& at = w_.before[static_cast<std::size_t>(event.tip)];   // at the cut
+        const model::TipIndicator& at = w_.before[static_cast<std::size_t>(event.tip)];  // at the cut
         const double miss = std::abs(w_.rule.due(event.from, event.to, at));
         const bool by_depth = event.from == model::Phase::free || event.to == model::Phase::free;
         by_depth ? depth_.push_back(miss) : slip_.push_back(miss);
@@ -90,7 +90,9 @@ TEST(StepControllerTransitions, CutTheStepWhereTheTipReachesItsThreshold) {
         ASSERT_EQ(watcher.slip_.empty(), !stick_slip);
         // Tips close at some mm/s or faster: 1e-10 m in a step, of which 1e-3 would do. The cut is within 1e-9 of the step and 1e-17 m of
         // rounding (measured 2e-17 m and 3e-12 m/s). Those that were put off before (suppressed) are wherever they have got to by then.
-        const auto exact = [](const std::vector<double>& misses, double limit) { return std::count_if(misses.begin(), misses.end(), [=](double m) { return m < limit; }); };
+        const auto exact = [](const std::vector<double>& misses, double limit) {
+            return std::count_if(misses.begin(), misses.end(), [=](double m) { return m < limit; });
+        };
         EXPECT_GE(exact(watcher.depth_, 1e-13), static_cast<long>(watcher.depth_.size()) - controller.counters().suppressed);
         EXPECT_GE(exact(watcher.slip_, 1e-8), static_cast<long>(watcher.slip_.size()) - controller.counters().suppressed);
     }
@@ -102,7 +104,7 @@ TEST(StepControllerTransitions, PutOffWhileATipHasJustChangedAreMadeUpForAndTheR
     ASSERT_FALSE(free_running.run({settling_begin, settling_begin + 1e-4, 5e-8, 1e-5}));
     ASSERT_GT(free_running.counters().detected, 0);
     Rig rig(p);
-    std::fill(rig.workspace().changed.begin(), rig.workspace().changed.end(), settling_begin + 3e-5);   // as if all had changed at that time
+    std::fill(rig.workspace().changed.begin(), rig.workspace().changed.end(), settling_begin + 3e-5);  // as if all had changed at that time
     ASSERT_FALSE(rig.run({settling_begin, settling_begin + 1e-4, 5e-8, 1e-5}));
     EXPECT_GT(rig.counters().suppressed, 0);
     EXPECT_GT(rig.counters().detected, 0);
@@ -112,25 +114,28 @@ TEST(StepControllerTransitions, PutOffWhileATipHasJustChangedAreMadeUpForAndTheR
 }
 
 TEST(StepControllerTransitions, AChatteringChainMakesProgress) {
-    model::Parameters p = tiny_parameters();   // undamped and suddenly clamped: everything rattles
+    model::Parameters p = tiny_parameters();  // undamped and suddenly clamped: everything rattles
     claims::make_conservative(p);
     p.start.settling_time = p.start.ramp_time = 0.0;
     Rig rig(p);
     ASSERT_FALSE(rig.run({0.0, 1e-3, 5e-8, 1e-4}));
     const Counters& c = rig.counters();
-    EXPECT_EQ(c.steps - c.truncated, 20000);   // every grid point is reached once
+    EXPECT_EQ(c.steps - c.truncated, 20000);  // every grid point is reached once
     EXPECT_GT(c.detected, 300);
     EXPECT_LE(c.truncated, c.detected);
     // No tip changes again before its dwell of one and a half steps is over.
     std::map<int, double> last;
     for (const auto& event : rig.transitions()) {
-        if (last.contains(event.tip)) { EXPECT_GT(event.time - last[event.tip], 0.49 * 5e-8); }
+        if (last.contains(event.tip)) {
+            EXPECT_GT(event.time - last[event.tip], 0.49 * 5e-8);
+        }
         last[event.tip] = event.time;
     }
 }
 
 /// Runs with settings that a Rig does not offer.
-Fault run_with(Rig& rig, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel, Counters* counters = nullptr) {
+Fault run_with(Rig& rig, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel,
+               Counters* counters = nullptr) {
     StepController controller(rig.workspace(), settings, observer, cancel);
     engine::Serial().run(step_graph(rig.workspace(), {}), &rig.workspace(), controller);
     if (counters != nullptr) *counters = controller.counters();

@@ -34,7 +34,9 @@ class ExtremesOf : public testing::TestWithParam<const char*> {};
 
 TEST_P(ExtremesOf, EndAsStated) { judge_group(GetParam(), false); }
 
-INSTANTIATE_TEST_SUITE_P(Group, ExtremesOf, testing::Values("friction", "damping", "stiffness", "masses", "pins", "pitch", "plates", "joints", "operation", "contact", "steps", "numbers"),
+INSTANTIATE_TEST_SUITE_P(Group, ExtremesOf,
+                         testing::Values("friction", "damping", "stiffness", "masses", "pins", "pitch", "plates", "joints", "operation",
+                                         "contact", "steps", "numbers"),
                          [](const auto& group) { return std::string(group.param); });
 
 TEST(NightlyExtremes, OfEveryParametersRange) { judge_group("limits", false); }
@@ -50,7 +52,8 @@ TEST(Extremes, HaveNamesOfTheirOwn) {
 void run_long(long steps) {
     Scene scene = tiny();
     const double step = 1e-9;
-    set_values(scene, std::vector<std::string>{"start.settling_time=0.3 ms", "start.ramp_time=0.3 ms", "record.ledger=true", "run.schedule=serial"});
+    set_values(scene, std::vector<std::string>{"start.settling_time=0.3 ms", "start.ramp_time=0.3 ms", "record.ledger=true",
+                                               "run.schedule=serial"});
     Simulation settled(scene);
     SilentObserver silent;
     const engine::Cancellation never;
@@ -65,7 +68,8 @@ void run_long(long steps) {
     const auto energy = [&] {
         const model::ChainLayout& at = simulation.variator().layout();
         double sum = 0.0;
-        for (const double part : observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).account.energy) sum += part;
+        for (const double part : observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).account.energy)
+            sum += part;
         for (int k = 0; k < model::loss_kinds; ++k) sum += simulation.state()[at.ledger_begin() + k];
         for (int k = 0; k < model::work_kinds; ++k) sum -= simulation.state()[at.ledger_begin() + model::loss_kinds + k];
         return sum;

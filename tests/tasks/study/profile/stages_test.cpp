@@ -16,7 +16,8 @@ namespace {
 class GraphOf {
 public:
     GraphOf(const Scene& scene, const std::string& method, const AssemblyOptions& options)
-        : workspace_(scene.parameters, *plan_for(method), Partition::equal(scene.parameters.chain.pins, 3)), method_(make_step_method(method, workspace_)) {
+        : workspace_(scene.parameters, *plan_for(method), Partition::equal(scene.parameters.chain.pins, 3)),
+          method_(make_step_method(method, workspace_)) {
         workspace_.method = method_.get();
         graph_ = step_graph(workspace_, options);
     }
@@ -45,7 +46,8 @@ TEST(Stages, EveryTaskOfEveryMethodHasOneWithALetterOfItsOwn) {
                 const StageRow& row = stages.rows()[stages.row(of.graph().task(task).stage_name())];
                 EXPECT_TRUE(row.task) << method;
                 const int cycle = of.graph().task(task).cycle;
-                EXPECT_EQ(row.name == "transition", cycle > evaluate_cycle && cycle < observe_cycle) << method << " " << of.graph().task(task).name;
+                EXPECT_EQ(row.name == "transition", cycle > evaluate_cycle && cycle < observe_cycle)
+                    << method << " " << of.graph().task(task).name;
             }
         }
     }
@@ -61,11 +63,15 @@ TEST(Stages, AreNamedByTheTasks) {
         return list;
     };
     using testing::ElementsAre;
-    EXPECT_THAT(names({scene, "rk4", {}}), ElementsAre("enter", "all forces (fused)", "transition", "observe", "controller", "wait", "exit"));
+    EXPECT_THAT(names({scene, "rk4", {}}),
+                ElementsAre("enter", "all forces (fused)", "transition", "observe", "controller", "wait", "exit"));
     EXPECT_THAT(names({scene, "rk4", {Assembly::staged}}),
-                ElementsAre("enter", "combine", "contact forces", "chain forces", "boundary pins", "Cholesky", "observe", "transition", "controller", "wait", "exit"));
-    EXPECT_THAT(names({scene, "leapfrog-chebyshev", {}}), ElementsAre("enter", "all forces (fused)", "transition", "observe", "push", "friction", "finish", "controller", "wait", "exit"));
-    EXPECT_THAT(names({scene, "trapezoidal-full", {Assembly::staged}}), testing::AllOf(testing::Contains("Cholesky"), testing::Contains("jacobian"), testing::Contains("backward")));
+                ElementsAre("enter", "combine", "contact forces", "chain forces", "boundary pins", "Cholesky", "observe", "transition",
+                            "controller", "wait", "exit"));
+    EXPECT_THAT(names({scene, "leapfrog-chebyshev", {}}), ElementsAre("enter", "all forces (fused)", "transition", "observe", "push",
+                                                                      "friction", "finish", "controller", "wait", "exit"));
+    EXPECT_THAT(names({scene, "trapezoidal-full", {Assembly::staged}}),
+                testing::AllOf(testing::Contains("Cholesky"), testing::Contains("jacobian"), testing::Contains("backward")));
 }
 
 TEST(Stages, OfOtherGraphsAreRefused) { EXPECT_THROW(static_cast<void>(StageTable().row("push")), std::invalid_argument); }
@@ -85,8 +91,15 @@ protected:
     }
     engine::TaskGraph graph_;
     StageTable stages_;
-    Spans spans_{{{engine::span_enter, 0, 10}, {engine::span_controller, 10, 15}, {0, 15, 45}, {engine::span_wait, 45, 47}, {engine::span_controller, 47, 52}, {0, 52, 72},
-                  {engine::span_wait, 72, 74}, {engine::span_controller, 74, 79}, {engine::span_exit, 79, 80}},
+    Spans spans_{{{engine::span_enter, 0, 10},
+                  {engine::span_controller, 10, 15},
+                  {0, 15, 45},
+                  {engine::span_wait, 45, 47},
+                  {engine::span_controller, 47, 52},
+                  {0, 52, 72},
+                  {engine::span_wait, 72, 74},
+                  {engine::span_controller, 74, 79},
+                  {engine::span_exit, 79, 80}},
                  {{engine::span_enter, 0, 16}, {1, 16, 26}, {engine::span_wait, 26, 53}, {1, 53, 73}, {engine::span_exit, 73, 80}}};
 };
 
@@ -107,7 +120,7 @@ TEST_F(TwoThreads, LoseWhatIsNeitherTaskNorController) {
     const RecordedPass pass = sum_up(graph_, stages_, spans_);
     EXPECT_EQ(pass.active(), 2);
     EXPECT_NEAR(pass.synchronisation(), (2e-9 + 2e-9 + 27e-9 - 15e-9) / (2 * 2), 1e-18);
-    EXPECT_NEAR(pass.least_task(), pass.synchronisation(), 1e-18);   // one level per cycle
+    EXPECT_NEAR(pass.least_task(), pass.synchronisation(), 1e-18);  // one level per cycle
     EXPECT_NEAR(pass.imbalance(), 50.0 / 40.0, 1e-12);
 }
 

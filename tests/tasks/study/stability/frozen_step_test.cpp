@@ -26,7 +26,7 @@ TEST(FrozenStep, ErrorsOfOneStepGrowWithOrderPlusOne) {
 
 TEST(FrozenStep, TheReferenceAgreesWithItself) {
     const model::Variator variator(brief_scene().parameters);
-    const std::vector<double> steps{12.5e-9};   // the reference takes one step, too
+    const std::vector<double> steps{12.5e-9};  // the reference takes one step, too
     const LocalError none = local_errors(variator, *engine::find_method("rk4"), brief_start(), steps, 1).front();
     EXPECT_EQ(none.positions, 0.0);
     EXPECT_EQ(none.velocities, 0.0);

@@ -25,7 +25,8 @@ struct Place {
     model::Variator variator;
     LinearChain chain;
 
-    explicit Place(const Scene& of) : scene(of), start(frozen_start(Simulation(of))), variator(of.parameters), chain(variator, of.parameters, start) {}
+    explicit Place(const Scene& of)
+        : scene(of), start(frozen_start(Simulation(of))), variator(of.parameters), chain(variator, of.parameters, start) {}
 };
 
 [[nodiscard]] Scene ready(const std::string& name, const std::vector<std::string>& settings = {}) {
@@ -39,7 +40,8 @@ struct Place {
 void expect_agreement(const Place& place, const std::string& method) {
     const StepLimit predicted = predicted_step_limit(place.chain, method);
     const MeasuredLimit measured = measured_step_limit(place.scene, method, place.start, predicted.step);
-    testing::Test::RecordProperty(place.scene.name + " " + method, text_of(predicted) + ", measured " + std::to_string(1e6 * measured.step) + " us");
+    testing::Test::RecordProperty(place.scene.name + " " + method,
+                                  text_of(predicted) + ", measured " + std::to_string(1e6 * measured.step) + " us");
     if (std::isinf(predicted.step)) {
         EXPECT_TRUE(std::isinf(measured.step)) << method << ": " << measured.step;
     } else {
@@ -49,7 +51,8 @@ void expect_agreement(const Place& place, const std::string& method) {
 
 TEST(LargestStep, IsMeasuredAsPredictedOnTheSmallestScene) {
     const Place tiny(settled_tiny());
-    for (const char* method : {"rk4", "euler", "dumka3-p3", "rkc-s10", "dumka3", "leapfrog-rkc", "leapfrog-chebyshev", "leapfrog-be", "leapfrog-sdirk2", "ark436"})
+    for (const char* method : {"rk4", "euler", "dumka3-p3", "rkc-s10", "dumka3", "leapfrog-rkc", "leapfrog-chebyshev", "leapfrog-be",
+                               "leapfrog-sdirk2", "ark436"})
         expect_agreement(tiny, method);
 }
 
@@ -63,7 +66,7 @@ TEST(LargestStep, OfALeapfrogIsBelowTwoMicrosecondsWhereItsRunsWentWrong) {
     const Place control(ready("control"));
     const StepLimit limit = predicted_step_limit(control.chain, "leapfrog-chebyshev");
     EXPECT_LT(limit.step, 2e-6);
-    EXPECT_GT(limit.step, 1.8e-6);   // with which these runs are right
+    EXPECT_GT(limit.step, 1.8e-6);  // with which these runs are right
     EXPECT_EQ(limit.by, StepLimiter::oscillation);
     EXPECT_GT(limit.step * limit.oscillation, 1.0);
     EXPECT_LT(limit.step * limit.oscillation, 2.0);
@@ -101,8 +104,9 @@ TEST(LargestStep, OfTheTrapezoidalRuleHasNoLimit) {
     EXPECT_THROW((void)predicted_step_limit(tiny.chain, "rk5"), std::invalid_argument);
 }
 
-/// W-methods, and Newton's method with a matrix that is kept, take friction as their Jacobian has it; a contact that comes to its kink within the step
-/// then grows for a while. So it does in the long steps of fitted. Linear stability does not speak of that (measured: 1.3 to 4.9 us).
+/// W-methods, and Newton's method with a matrix that is kept, take friction as their Jacobian has it; a contact that comes to its kink
+/// within the step then grows for a while. So it does in the long steps of fitted. Linear stability does not speak of that (measured: 1.3
+/// to 4.9 us).
 [[nodiscard]] bool limited_by_kinks(const std::string& method) {
     const MethodProgram* program = find_program(method);
     if (program == nullptr) return false;

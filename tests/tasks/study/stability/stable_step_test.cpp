@@ -17,7 +17,7 @@ TEST(MeasuredStep, IsWhatTheSpectrumPredictsWithinFivePercent) {
     const model::Variator variator(brief_scene().parameters);
     const FrozenStart& start = brief_start();
     const engine::Eigenvalues all = spectrum(variator, start.time, start.state, start.phases);
-    double growth = 0.0;   // barely settled, something still buckles
+    double growth = 0.0;  // barely settled, something still buckles
     for (const auto& value : all) growth = std::max(growth, value.real());
     for (const char* name : {"rk4", "heun", "dumka3-p2"}) {
         const engine::StagePlan& plan = *engine::find_method(name);

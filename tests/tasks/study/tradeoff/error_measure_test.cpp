@@ -51,7 +51,8 @@ class ErrorMeasureRuns : public testing::Test {
 protected:
     static Scene settled() {
         Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
-        const std::string file = (std::filesystem::temp_directory_path() / ("cvtflow_error_measure_" + std::to_string(getpid()) + ".h5")).string();
+        const std::string file =
+            (std::filesystem::temp_directory_path() / ("cvtflow_error_measure_" + std::to_string(getpid()) + ".h5")).string();
         set_values(scene, std::vector<std::string>{"start.settling_time=1ms", "start.ramp_time=0.5ms", "run.schedule=serial"});
         settle_scene(scene, file, {});
         set_value(scene, "start.state=" + file);
@@ -71,7 +72,8 @@ TEST_F(ErrorMeasureRuns, TheReferenceAgreesWithItselfAndALongerStepDoesNot) {
     EXPECT_EQ(same.hash, measure.reference().hash);
     EXPECT_EQ(measure.errors(same).worst.largest(), 0.0);
     EXPECT_EQ(same.times.size(), 2u);
-    const Trajectory fine = measure.run(std::vector<std::string>{"run.step=25ns"}), coarse = measure.run(std::vector<std::string>{"run.step=50ns"});
+    const Trajectory fine = measure.run(std::vector<std::string>{"run.step=25ns"}),
+                     coarse = measure.run(std::vector<std::string>{"run.step=50ns"});
     EXPECT_LT(measure.errors(fine).overall.axial_force, measure.errors(coarse).overall.axial_force);
     EXPECT_GT(measure.errors(fine).overall.axial_force, 0.0);
     EXPECT_NEAR(coarse.evaluations_per_second(), 8e7, 0.1e7);

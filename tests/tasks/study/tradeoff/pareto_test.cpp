@@ -7,7 +7,11 @@
 namespace cvtflow::tasks {
 namespace {
 
-const std::vector<TradeoffPoint> points{{"exact", 1e-6, 100.0}, {"good", 1e-4, 10.0}, {"beaten", 2e-4, 12.0}, {"fast", 1e-2, 1.0}, {"lost", std::numeric_limits<double>::infinity(), 0.1}};
+const std::vector<TradeoffPoint> points{{"exact", 1e-6, 100.0},
+                                        {"good", 1e-4, 10.0},
+                                        {"beaten", 2e-4, 12.0},
+                                        {"fast", 1e-2, 1.0},
+                                        {"lost", std::numeric_limits<double>::infinity(), 0.1}};
 
 TEST(ParetoFront, HoldsWhatNothingElseBeatsInBoth) { EXPECT_EQ(pareto_front(points), (std::vector<bool>{true, true, false, true, false})); }
 
