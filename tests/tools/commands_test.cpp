@@ -89,6 +89,14 @@ TEST_F(Commands, ExplainKeysAndSections) {
     EXPECT_THAT(run({"explain", "tip"}).out, AllOf(HasSubstr("tip.radius\n"), HasSubstr("tip.angle\n")));
 }
 
+TEST_F(Commands, ExplainSaysWhatAKeyIsInASceneAndHowFarItsStepIsStable) {
+    const std::string clamping = run({"explain", "chain.pins", "--scene", "tiny"}).out;
+    EXPECT_THAT(clamping, HasSubstr("here:     24 in tiny"));
+    const std::string step = run({"explain", "run.step", "--scene", "baseline", "--set", "run.method=leapfrog-chebyshev"}).out;
+    EXPECT_THAT(step, AllOf(HasSubstr("stable:   baseline with leapfrog-chebyshev up to 2"), HasSubstr("auto is:  1.")));
+    EXPECT_THAT(run({"explain", "run.step", "--scene", "baseline", "--set", "run.step=3us"}).out, HasSubstr("run.step is beyond"));
+}
+
 TEST_F(Commands, SchemaIsJson) {
     const auto schema = nlohmann::json::parse(run({"schema"}).out);
     EXPECT_TRUE(schema["properties"].contains("chain"));
