@@ -29,13 +29,13 @@ public:
     [[nodiscard]] int decide(int thread) noexcept;
 
     void task(int task, int thread) const noexcept {
-        const auto [body, item] = graph_.call(task);
+        const TaskCall call = graph_.call(task);
         if (recorder_ == nullptr) {
-            body(context_, item);
+            call(context_);
             return;
         }
         const std::int64_t begin = ticks();
-        body(context_, item);
+        call(context_);
         recorder_->add(thread, task, begin, ticks());
     }
     void tasks(std::span<const int> tasks, int thread) const noexcept {

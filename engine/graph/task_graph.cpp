@@ -25,7 +25,7 @@ void TaskGraph::require_open() const {
 
 int TaskGraph::add(Task task) {
     require_open();
-    if (task.body == nullptr) throw std::invalid_argument("task graph: task " + task.name + " has no body");
+    if (task.code.body == nullptr) throw std::invalid_argument("task graph: task " + task.name + " has no body");
     if (task.cycle < 0) throw std::invalid_argument("task graph: task " + task.name + " belongs to a negative cycle");
     for (const Access& access : task.accesses) {
         if (access.begin >= access.end) throw std::invalid_argument("task graph: task " + task.name + " has an empty access");
@@ -50,7 +50,7 @@ void TaskGraph::freeze() {
     index_edges();
     index_levels(level_of_tasks());
     calls_.clear();
-    for (const Task& task : tasks_) calls_.push_back({task.body, task.item});
+    for (const Task& task : tasks_) calls_.push_back({task.code.body, task.code.owner, task.item});
     frozen_ = true;
 }
 

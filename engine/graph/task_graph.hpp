@@ -5,6 +5,7 @@
 
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace cvtflow::engine {
@@ -19,10 +20,35 @@ struct Access {
 
 using TaskBody = void (*)(void* context, int item) noexcept;
 
+/// What a task does, and to whom: a function of the context that the executor was given, or a member of an object of one's own.
+struct TaskCode {
+    TaskCode() = default;
+    /// A function, or a lambda without captures, of the run's context.
+    template <class Function>
+    requires std::is_convertible_v<Function, TaskBody> TaskCode(Function function) : body(function) {}
+    TaskCode(TaskBody function, void* context) : body(function), owner(context) {}
+
+    TaskBody body = nullptr;
+    void* owner = nullptr;  ///< nullptr: the run's context
+};
+
+/// owner.member(item), or owner.member(), whoever runs the graph. `owner` must outlive it.
+template <auto member, class Owner>
+[[nodiscard]] TaskCode code_of(Owner& owner) noexcept {
+    return {[](void* context, [[maybe_unused]] int item) noexcept {
+                Owner& self = *static_cast<Owner*>(context);
+                if constexpr (std::is_invocable_v<decltype(member), Owner&, int>)
+                    (self.*member)(item);
+                else
+                    (self.*member)();
+            },
+            &owner};
+}
+
 struct Task {
     std::string name;
     int cycle = 0;
-    TaskBody body = nullptr;
+    TaskCode code{};
     int item = 0;  ///< handed to the body, e.g. the segment number
     std::vector<Access> accesses;
     std::string stage{};  ///< what profiles sum its time up under; empty: its name without a number
@@ -35,7 +61,10 @@ struct Task {
 /// What executors read in their inner loop.
 struct TaskCall {
     TaskBody body;
+    void* owner;  ///< nullptr: the run's context
     int item;
+
+    void operator()(void* context) const noexcept { body(owner != nullptr ? owner : context, item); }
 };
 
 /// Built by add() and order(), then frozen; the accessors below freeze() are for frozen graphs only.

@@ -18,26 +18,20 @@ namespace cvtflow::tasks {
 
 namespace {
 
-engine::StagePlan plan_of(const Scene& scene) {
-    auto plan = plan_for(scene.run.method);
-    if (!plan) throw SimulationError("run.method: " + no_method(scene.run.method));
-    return std::move(*plan);
-}
-
-std::unique_ptr<StepMethod> method_of(const Scene& scene, Workspace& workspace) {
-    std::unique_ptr<StepMethod> method;
+std::unique_ptr<Integrator> integrator_of(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
+                                          engine::StampRecorder* recorder) {
+    std::unique_ptr<Integrator> integrator;
     try {
-        method = make_step_method(scene.run.method, workspace);
-    } catch (const std::invalid_argument& error) {
-        throw SimulationError(fmt::format("run.method: {}", error.what()));
+        integrator = std::make_unique<Integrator>(scene.parameters, scene.run.method, candidates, options, recorder);
+    } catch (const MethodRefused& refused) {
+        throw SimulationError(fmt::format("run.method: {}", refused.what()));
     }
-    if (scene.run.step_control != StepControl::fixed && method->error_power() == 0) {
+    if (scene.run.step_control != StepControl::fixed && integrator->method().error_power() == 0) {
         throw SimulationError(
             fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
                         scene.run.method));
     }
-    workspace.method = method.get();  // its tasks are in every graph
-    return method;
+    return integrator;
 }
 
 }  // namespace
@@ -49,11 +43,7 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
 
 Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
                        engine::StampRecorder* recorder)
-    : scene_(scene),
-      workspace_(std::make_unique<Workspace>(scene.parameters, plan_of(scene),
-                                             Partition::equal(scene.parameters.chain.pins, candidates.front().segments))),
-      method_(method_of(scene, *workspace_)),
-      runner_(*workspace_, candidates, options, recorder) {
+    : scene_(scene), integrator_(integrator_of(scene, candidates, options, recorder)), workspace_(&integrator_->workspace()) {
     if (!scene_.state_file.empty()) {
         const auto saved = scene_.start_state.read(scene_.state_file);
         start_differences_ = tasks::start_differences(*saved, scene_);
@@ -70,11 +60,7 @@ bool Simulation::fits(const Scene& scene) const {
 
 void Simulation::reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed) {
     scene_ = scene;
-    workspace_->adopt(scene.parameters);
-    if (find_program(scene.run.method) != nullptr) {  // what a program has derived from the parameters
-        method_ = method_of(scene, *workspace_);
-        runner_.forget_graphs();
-    }
+    integrator_->adopt(scene.parameters);
     counters_ = {};
     rest_.settling_suspicion = rest_.settling_residual = 0.0;
     start_differences_.clear();
@@ -140,13 +126,13 @@ void Simulation::take_state(const engine::SavedState& saved) {
 }
 
 Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
-    StepController controller(*workspace_, *method_, settings, observer, cancel);
+    StepController controller(*workspace_, integrator_->method(), settings, observer, cancel);
     rest_.settling = settings.begin < 0.0 && needs_settling_;
     return drive(controller);
 }
 
 Fault Simulation::drive(StepController& controller) {
-    runner_.run(controller);
+    integrator_->run(controller);
     counters_ = controller.counters();
     local_errors_ = controller.local_errors();
     step_ = controller.step();
@@ -195,7 +181,7 @@ Fault Simulation::proceed(double until, RunObserver& observer, const engine::Can
     settings.begin = rest_.begin;
     settings.output_interval = rest_.output_interval;
     settings.step = rest_.step;
-    StepController controller(*workspace_, *method_, settings, rest_, observer, cancel);
+    StepController controller(*workspace_, integrator_->method(), settings, rest_, observer, cancel);
     const Fault fault = drive(controller);
     if (!fault && rest_.settling) end_settling();
     return fault;
@@ -218,10 +204,10 @@ Fault Simulation::advance(double until, long steps, RunObserver& observer, const
         settings.begin = rest_.begin;
         settings.output_interval = rest_.output_interval;
         settings.step = rest_.step;
-        StepController controller(*workspace_, *method_, settings, rest_, observer, cancel);
+        StepController controller(*workspace_, integrator_->method(), settings, rest_, observer, cancel);
         fault = drive(controller);
     } else {
-        StepController controller(*workspace_, *method_, settings, observer, cancel);
+        StepController controller(*workspace_, integrator_->method(), settings, observer, cancel);
         fault = drive(controller);
     }
     if (rest_.settling && time_ > -1e-9 * settings.output_interval) end_settling();
@@ -241,7 +227,7 @@ void Simulation::rest_at_start() {
         choice_.reset();
     else if (choice_ == nullptr)
         choice_ = std::make_unique<AutoStep>(w.variator, scene_.run.method);
-    workspace_->energy.restart(method_->observation_stride());
+    workspace_->energy.restart(integrator_->method().observation_stride());
     rest_.started = false;
     rest_.settling = needs_settling_;
     rest_.time = time_;
@@ -267,8 +253,8 @@ void Simulation::restore(const IntegrationState& from) {
     w.changed = from.changed;
     w.before = from.before;
     w.list_touching();
-    method_->restart();
-    w.energy.load(from.energy, method_->observation_stride());
+    integrator_->method().restart();
+    w.energy.load(from.energy, integrator_->method().observation_stride());
     rest_ = from;
     needs_settling_ = from.settling;
     time_ = from.time;

@@ -9,7 +9,7 @@
 #include "model/start/start_state.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/schedule/schedule_runner.hpp"
+#include "tasks/schedule/integrator.hpp"
 #include "tasks/step/control/step_controller.hpp"
 #include "tasks/step/frozen_start.hpp"
 #include "tasks/step/integration_state.hpp"
@@ -81,10 +81,10 @@ public:
     [[nodiscard]] Fault run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel);
 
     /// At present.
-    [[nodiscard]] const Schedule& schedule() const noexcept { return runner_.schedule(); }
-    [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return runner_.graph(); }
+    [[nodiscard]] const Schedule& schedule() const noexcept { return runner().schedule(); }
+    [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return runner().graph(); }
     /// How schedules have come and gone.
-    [[nodiscard]] const ScheduleRunner& runner() const noexcept { return runner_; }
+    [[nodiscard]] const ScheduleRunner& runner() const noexcept { return integrator_->runner(); }
     [[nodiscard]] double time() const noexcept { return time_; }
     [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
     [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
@@ -105,7 +105,7 @@ public:
     /// Of the last settle() or run(), if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// What its step method has to say of its work; empty: nothing.
-    [[nodiscard]] std::string method_report() const { return method_->report(); }
+    [[nodiscard]] std::string method_report() const { return integrator_->method().report(); }
     /// Step in use in the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }
     /// Hash of state and phases: equal for every number of segments, threads and schedule.
@@ -127,9 +127,8 @@ private:
     [[nodiscard]] Fault drive(StepController& controller);
 
     Scene scene_;
-    std::unique_ptr<Workspace> workspace_;
-    std::unique_ptr<StepMethod> method_;
-    ScheduleRunner runner_;
+    std::unique_ptr<Integrator> integrator_;
+    Workspace* workspace_;              ///< the integrator's
     std::unique_ptr<AutoStep> choice_;  ///< of automatic steps
     bool needs_settling_ = false;
     double time_ = 0.0;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "tasks/step/step_method.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -44,20 +46,26 @@ constexpr double tolerable = 1.02;
 
 }  // namespace
 
-ScheduleRunner::ScheduleRunner(Workspace& workspace, std::vector<Schedule> candidates, const ChooserOptions& options,
+ScheduleRunner::ScheduleRunner(Workspace& workspace, StepMethod& method, std::vector<Schedule> candidates, const ChooserOptions& options,
                                engine::StampRecorder* recorder)
-    : w_(workspace), chooser_(static_cast<int>(candidates.size()), options), recorder_(recorder) {
+    : w_(workspace), method_(&method), chooser_(static_cast<int>(candidates.size()), options), recorder_(recorder) {
     costs_.grain = grain(w_);
     for (Schedule& each : candidates) slots_.push_back({each, equal_cuts(w_, each.segments)});
     cuts_.reserve(static_cast<std::size_t>(w_.layout().links) + 1);
     Slot& first = slots_.front();
     first.executor = make_executor(first.schedule, recorder_);  // complaints come now
-    w_.repartition(Partition::at(first.cuts));
+    cut_at(first.cuts);
     w_.staged_states = first.schedule.assembly.kind == Assembly::staged;
-    first.graph = step_graph(w_, first.schedule.assembly);
+    first.graph = step_graph(w_, first.schedule.assembly, method_);
 }
 
-void ScheduleRunner::forget_graphs() noexcept {
+void ScheduleRunner::cut_at(const std::vector<int>& cuts) {
+    w_.repartition(Partition::at(cuts));
+    method_->repartitioned();
+}
+
+void ScheduleRunner::take_method(StepMethod& method) noexcept {
+    method_ = &method;
     for (Slot& slot : slots_) slot.graph = {};
 }
 
@@ -86,9 +94,9 @@ void ScheduleRunner::take_up() {
         slot.cuts = cuts_;
         stale = true;
     }
-    if (stale || !is_cut_at(w_.partition, slot.cuts)) w_.repartition(Partition::at(slot.cuts));
+    if (stale || !is_cut_at(w_.partition, slot.cuts)) cut_at(slot.cuts);
     w_.staged_states = slot.schedule.assembly.kind == Assembly::staged;
-    if (stale) slot.graph = step_graph(w_, slot.schedule.assembly);
+    if (stale) slot.graph = step_graph(w_, slot.schedule.assembly, method_);
 }
 
 bool ScheduleRunner::wants_other_borders() noexcept {

@@ -14,17 +14,17 @@ namespace cvtflow::tasks {
 
 class ScheduleRunner final : private RestJudge {
 public:
-    /// One candidate: that is the schedule. Several: serial first; they are chosen from as ScheduleChooser says. The workspace outlives
-    /// this.
+    /// One candidate: that is the schedule. Several: serial first; they are chosen from as ScheduleChooser says. Workspace and
+    /// method outlive this.
     /// @throws std::invalid_argument as the catalogue's make
-    ScheduleRunner(Workspace& workspace, std::vector<Schedule> candidates, const ChooserOptions& options = {},
+    ScheduleRunner(Workspace& workspace, StepMethod& method, std::vector<Schedule> candidates, const ChooserOptions& options = {},
                    engine::StampRecorder* recorder = nullptr);
 
     /// To the controller's stop. Allocates at the beginning and whenever the schedule changes, not in between.
     void run(StepController& controller);
 
-    /// Graphs are built anew: the workspace has another step method.
-    void forget_graphs() noexcept;
+    /// Graphs are built anew, with the tasks of another method.
+    void take_method(StepMethod& method) noexcept;
 
     [[nodiscard]] const Schedule& schedule() const noexcept { return slots_[current()].schedule; }
     [[nodiscard]] const engine::TaskGraph& graph() const noexcept { return slots_[current()].graph; }
@@ -46,11 +46,13 @@ private:
 
     [[nodiscard]] std::size_t current() const noexcept { return static_cast<std::size_t>(chooser_.candidate()); }
     void take_up();
+    void cut_at(const std::vector<int>& cuts);
     [[nodiscard]] double window() const noexcept override { return chooser_.window(); }
     [[nodiscard]] bool rest(double seconds, double per_cycle) noexcept override;
     [[nodiscard]] bool wants_other_borders() noexcept;
 
     Workspace& w_;
+    StepMethod* method_;
     ScheduleChooser chooser_;
     std::vector<Slot> slots_;
     engine::StampRecorder* recorder_;

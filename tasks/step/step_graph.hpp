@@ -55,8 +55,10 @@ struct AssemblyOptions {
     bool operator==(const AssemblyOptions&) const = default;
 };
 
-/// Graph of a step, with the cycles of workspace.method if it has any. Frozen.
-[[nodiscard]] engine::TaskGraph step_graph(const Workspace& workspace, const AssemblyOptions& options);
+class StepMethod;
+
+/// Graph of a step, with the cycles of `method` if it has any. Frozen. The context of its run is the workspace; `method` must outlive it.
+[[nodiscard]] engine::TaskGraph step_graph(const Workspace& workspace, const AssemblyOptions& options, StepMethod* method = nullptr);
 
 /// Graph of the fused assembly: one task per segment and cycle, joints at segment borders computed by both neighbours,
 /// a single synchronisation per evaluation. Not frozen. The context of its tasks is the workspace.

@@ -25,8 +25,8 @@ public:
     /// After every cycle that it has named: the next one, or done, or failed.
     [[nodiscard]] virtual int next() = 0;
 
-    /// Adds the method's own cycles to a graph that is not frozen yet, numbered from method_cycles on. Bodies get the workspace as context
-    /// and find the method at workspace.method. Called again whenever segments change.
+    /// Adds the method's own cycles to a graph that is not frozen yet, numbered from method_cycles on; their tasks are members of the
+    /// method (engine::code_of). Called again whenever segments change.
     virtual void add_tasks(engine::TaskGraph& graph) { (void)graph; }
 
     /// The workspace's segments have changed.

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "model/basis/portable_math.hpp"
-#include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
 
@@ -77,7 +76,6 @@ void Workspace::repartition(Partition parts) {
         const bool splits = partition[s].first % model::links_per_sum != 0;
         if (splits && (split_sums.empty() || split_sums.back() != group)) split_sums.push_back(group);
     }
-    if (method != nullptr) method->repartitioned();
 }
 
 void Workspace::add_up(const Segment& own) noexcept {

@@ -32,8 +32,6 @@ struct alignas(64) Verdict {
     bool pending = false;  ///< some tip has to be located
 };
 
-class StepMethod;
-
 class Workspace {
 public:
     Workspace(const model::Parameters& parameters, const engine::StagePlan& plan, Partition partition);
@@ -60,7 +58,6 @@ public:
     Transition due;                ///< what it cuts for
     bool secant = false;           ///< a detect cycle makes the slopes at both ends from the states there
     long evaluations = 0;          ///< of the right-hand side, so far
-    StepMethod* method = nullptr;  ///< whose tasks are in the graph, for their bodies; nullptr: none
     double* slope_out = nullptr;   ///< where an evaluate cycle writes slopes
     double* state_out = nullptr;   ///< where a detect or truncate cycle writes states
     bool evaluate_end = false;     ///< an evaluate cycle works at the end of the step instead of a stage
@@ -107,7 +104,7 @@ public:
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
     /// Another variator of the same layout, at rest before its start; between runs only.
     void adopt(const model::Parameters& other);
-    /// Other segments; while no executor runs, and between two steps.
+    /// Other segments; while no executor runs, and between two steps. The method is to be told (StepMethod::repartitioned).
     void repartition(Partition parts);
     /// Brings the list of touching links up to date; after every change of phases.
     void list_touching() noexcept;

@@ -18,34 +18,22 @@ engine::StagePlan plan_of(const std::string& method) {
     return std::move(*plan);
 }
 
-engine::TaskGraph graph_of(Workspace& workspace, StepMethod& method, const AssemblyOptions& assembly) {
-    workspace.method = &method;
-    workspace.staged_states = assembly.kind == Assembly::staged;
-    return step_graph(workspace, assembly);
-}
-
 }  // namespace
 
 MethodRun::MethodRun(const model::Parameters& parameters, const std::string& method, const Schedule& schedule)
-    : workspace_(std::make_unique<Workspace>(parameters, plan_of(method), Partition::equal(parameters.chain.pins, schedule.segments))),
-      method_(make_step_method(method, *workspace_)),
-      graph_(graph_of(*workspace_, *method_, schedule.assembly)),
-      executor_(make_executor(schedule)),
-      name_(method) {}
+    : integrator_(parameters, method, {schedule}) {}
 
 MethodRun::~MethodRun() = default;
 
 Fault MethodRun::run(const FrozenStart& start, double duration, double step, double output_interval, RunObserver& observer,
                      const engine::Cancellation& cancel) {
-    std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
-    workspace_->phases = start.phases;
-    std::fill(workspace_->changed.begin(), workspace_->changed.end(), -1e300);  // never yet
-    method_->restart();
-    if (step == 0.0 && choice_ == nullptr) choice_ = std::make_unique<AutoStep>(workspace_->variator, name_);
+    Workspace& workspace = integrator_.workspace();
+    integrator_.begin_at(start);
+    if (step == 0.0 && choice_ == nullptr) choice_ = std::make_unique<AutoStep>(workspace.variator, integrator_.method_name());
     StepSettings settings{start.time, start.time + duration, step, output_interval, 0, 0.0};
     if (step == 0.0) settings.choice = choice_.get();
-    StepController controller(*workspace_, *method_, settings, observer, cancel);
-    executor_->run(graph_, workspace_.get(), controller);
+    StepController controller(workspace, integrator_.method(), settings, observer, cancel);
+    integrator_.run(controller);
     counters_ = controller.counters();
     step_ = controller.step();
     controller.rethrow();

@@ -29,19 +29,18 @@ public:
                             const engine::Cancellation& cancel);
     /// Of the last run.
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
+    /// Where the last run ended [s].
+    [[nodiscard]] double time() const noexcept { return integrator_.workspace().time; }
     /// Step in use at the end of the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }
-    [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
+    [[nodiscard]] const Workspace& workspace() const noexcept { return integrator_.workspace(); }
+    [[nodiscard]] const StepMethod& method() const noexcept { return integrator_.method(); }
 
 private:
-    std::unique_ptr<Workspace> workspace_;
-    std::unique_ptr<StepMethod> method_;
-    engine::TaskGraph graph_;
-    std::unique_ptr<engine::Executor> executor_;
+    Integrator integrator_;
     Counters counters_;
     double step_ = 0.0;
     std::unique_ptr<AutoStep> choice_;  ///< once an automatic step has been asked for
-    std::string name_;
 };
 
 /// As local_errors(), for any method. A table of stages takes its step with phases held. A program takes it as it does in a run, and so

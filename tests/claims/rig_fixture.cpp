@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include "engine/executor/reference/serial.hpp"
-#include "engine/method/catalogue.hpp"
-
 namespace cvtflow::claims {
 
 namespace {
@@ -22,15 +19,18 @@ private:
     std::vector<tasks::TransitionRecord>& transitions_;
 };
 
+std::vector<tasks::Schedule> one_schedule(int segments) {
+    tasks::Schedule schedule;
+    schedule.segments = segments;
+    return {schedule};
+}
+
 }  // namespace
 
 Rig::Rig(const model::Parameters& parameters, const std::vector<double>& state, const std::vector<model::Phase>& phases, int segments,
          std::string_view method)
-    : workspace_(std::make_unique<tasks::Workspace>(parameters, *engine::find_method(method),
-                                                    tasks::Partition::equal(parameters.chain.pins, segments))),
-      graph_(tasks::step_graph(*workspace_, {})) {
-    std::copy(state.begin(), state.end(), workspace_->states[0]);
-    workspace_->phases = phases;
+    : integrator_(std::make_unique<tasks::Integrator>(parameters, std::string(method), one_schedule(segments))) {
+    integrator_->begin_at({0.0, state, phases});
 }
 
 Rig::Rig(const model::Parameters& parameters, int segments, std::string_view method)
@@ -41,14 +41,14 @@ tasks::Fault Rig::run(const tasks::StepSettings& settings, const Output& output)
     const engine::Cancellation never;
     transitions_.clear();
     Listener listener(output, transitions_);
-    tasks::StepController controller(*workspace_, settings, listener, never);
-    engine::Serial().run(graph_, workspace_.get(), controller);
+    tasks::StepController controller(workspace(), integrator_->method(), settings, listener, never);
+    integrator_->run(controller);
     counters_ = controller.counters();
     controller.rethrow();
     return controller.fault();
 }
 
-std::vector<double> Rig::state_copy() const { return {state(), state() + workspace_->layout().size()}; }
+std::vector<double> Rig::state_copy() const { return {state(), state() + variator().layout().size()}; }
 
 void make_conservative(model::Parameters& p) {
     p.chain.damping_ratio = 0.0;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/start/start_state.hpp"
+#include "tasks/schedule/integrator.hpp"
 #include "tasks/step/control/step_controller.hpp"
 
 namespace cvtflow::claims {
@@ -24,19 +25,18 @@ public:
     /// Integrates; `output` sees every output. Counters and transitions are those of the last run.
     tasks::Fault run(const tasks::StepSettings& settings, const Output& output = {});
 
-    [[nodiscard]] tasks::Workspace& workspace() { return *workspace_; }
-    [[nodiscard]] const model::Variator& variator() const { return workspace_->variator; }
-    [[nodiscard]] const double* state() const { return workspace_->states[0]; }
+    [[nodiscard]] tasks::Workspace& workspace() { return integrator_->workspace(); }
+    [[nodiscard]] const model::Variator& variator() const { return integrator_->workspace().variator; }
+    [[nodiscard]] const double* state() const { return integrator_->workspace().states[0]; }
     [[nodiscard]] std::vector<double> state_copy() const;
-    [[nodiscard]] double* mutable_state() { return workspace_->states[0]; }
-    [[nodiscard]] const std::vector<model::Phase>& phases() const { return workspace_->phases; }
-    [[nodiscard]] double time() const { return workspace_->time; }
+    [[nodiscard]] double* mutable_state() { return integrator_->workspace().states[0]; }
+    [[nodiscard]] const std::vector<model::Phase>& phases() const { return integrator_->workspace().phases; }
+    [[nodiscard]] double time() const { return integrator_->workspace().time; }
     [[nodiscard]] const tasks::Counters& counters() const { return counters_; }
     [[nodiscard]] const std::vector<tasks::TransitionRecord>& transitions() const { return transitions_; }
 
 private:
-    std::unique_ptr<tasks::Workspace> workspace_;
-    engine::TaskGraph graph_;
+    std::unique_ptr<tasks::Integrator> integrator_;
     tasks::Counters counters_;
     std::vector<tasks::TransitionRecord> transitions_;
 };

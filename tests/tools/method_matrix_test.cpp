@@ -92,6 +92,9 @@ const std::vector<Row> rows{
      [](const std::string& m) { return done_or_unreliable(m, "tiny: settled for 2 us\n"); }},
     {"check", "", [](const std::string& m) { return Words{"check", "tiny", "--method", m, "--step", "50 ns"}; },
      [](const std::string& m) { return done(m + " with step 50 ns\n"); }},
+    {"explain", "",
+     [](const std::string& m) { return Words{"explain", "run.method", "--scene", "tiny", "--set", "run.method=" + m} + state; },
+     [](const std::string& m) { return done("tiny with " + m + " up to "); }},
     {"compare", "",
      [](const std::string& m) {
          return Words{"compare", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us"} + state;

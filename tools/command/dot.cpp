@@ -50,8 +50,7 @@ ExitStatus dot(const DotArguments& arguments) {
     tasks::Workspace workspace(scene.parameters, *tasks::plan_for(scene.run.method),
                                tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
     const std::unique_ptr<tasks::StepMethod> method = tasks::make_step_method(scene.run.method, workspace);
-    workspace.method = method.get();
-    const engine::TaskGraph graph = tasks::step_graph(workspace, {.kind = scene.run.assembly});
+    const engine::TaskGraph graph = tasks::step_graph(workspace, {.kind = scene.run.assembly}, method.get());
     fmt::print("{}", engine::to_dot(graph, cycle_named(graph, arguments.cycle, scene.run.method)));
     return ExitStatus::finished;
 }

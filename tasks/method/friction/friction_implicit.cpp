@@ -8,20 +8,6 @@ namespace cvtflow::tasks {
 
 namespace {
 
-[[nodiscard]] FrictionImplicit& method_of(void* workspace) noexcept {
-    return static_cast<FrictionImplicit&>(*static_cast<Workspace*>(workspace)->method);
-}
-
-void record_task(void* w, int segment) noexcept { method_of(w).record(segment); }
-void gather_task(void* w, int group) noexcept { method_of(w).gather(group); }
-void base_task(void* w, int group) noexcept { method_of(w).base(group); }
-void eliminate_task(void* w, int group) noexcept { method_of(w).solve().eliminate(group); }
-void join_task(void* w, int) noexcept { method_of(w).solve().join(); }
-void substitute_task(void* w, int group) noexcept { method_of(w).solve().substitute(group); }
-void look_task(void* w, int group) noexcept { method_of(w).solve().look(group); }
-void stage_task(void* w, int group) noexcept { method_of(w).stage(group); }
-void finish_task(void* w, int group) noexcept { method_of(w).finish(group); }
-
 /// Fields of these cycles, numbered behind those of the step graph. Units: group, but link for slopes and states.
 enum FrictionField { group_field = 2000, own_field, joints_field, element_field };
 
@@ -80,7 +66,7 @@ FrictionImplicit::FrictionImplicit(Workspace& workspace)
 
 void FrictionImplicit::add_recording(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
-        graph.add({numbered("record", s), record_cycle, record_task, s,
+        graph.add({numbered("record", s), record_cycle, engine::code_of<&FrictionImplicit::record>(*this), s,
                    LinkAccesses(w_, s)
                        .with_halo(Field::states_read)
                        .with_halo(Field::slopes_read)
@@ -96,31 +82,36 @@ void FrictionImplicit::add_recording(engine::TaskGraph& graph) {
 void FrictionImplicit::add_tasks(engine::TaskGraph& graph) {
     add_recording(graph);
     const int groups = solve_.groups();
-    const int join = graph.add({"join", iterate_cycle, join_task, 0, {{element_field, 0, groups, false}, {joints_field, 0, 1, true}}});
+    const int join = graph.add({"join",
+                                iterate_cycle,
+                                engine::code_of<&FrictionSolve::join>(solve_),
+                                0,
+                                {{element_field, 0, groups, false}, {joints_field, 0, 1, true}}});
     std::vector<int> gathers, substitutes;
     for (int k = 0; k < groups; ++k) {
         const auto accesses = [&] { return GroupAccesses(solve_.group(k), k).own(group_field); };
-        gathers.push_back(graph.add({numbered("gather", k), gather_cycle, gather_task, k,
+        gathers.push_back(graph.add({numbered("gather", k), gather_cycle, engine::code_of<&FrictionImplicit::gather>(*this), k,
                                      accesses()
                                          .all(static_cast<int>(Field::contact), w_.layout().links)
                                          .links(Field::states_read, false)
                                          .links(Field::slopes_read, false)
                                          .own(own_field)
                                          .list()}));
-        const int eliminate = graph.add({numbered("eliminate", k), iterate_cycle, eliminate_task, k, accesses().own(element_field).list()});
-        substitutes.push_back(graph.add(
-            {numbered("substitute", k), iterate_cycle, substitute_task, k, accesses().all(joints_field, 1).own(own_field).list()}));
+        const int eliminate = graph.add({numbered("eliminate", k), iterate_cycle, engine::code_of<&FrictionSolve::eliminate>(solve_), k,
+                                         accesses().own(element_field).list()});
+        substitutes.push_back(graph.add({numbered("substitute", k), iterate_cycle, engine::code_of<&FrictionSolve::substitute>(solve_), k,
+                                         accesses().all(joints_field, 1).own(own_field).list()}));
         graph.order(eliminate, join);
         graph.order(join, substitutes.back());
-        graph.add({numbered("look", k), search_cycle, look_task, k, accesses().list()});
-        graph.add({numbered("stage", k), stage_cycle, stage_task, k,
+        graph.add({numbered("look", k), search_cycle, engine::code_of<&FrictionSolve::look>(solve_), k, accesses().list()});
+        graph.add({numbered("stage", k), stage_cycle, engine::code_of<&FrictionImplicit::stage>(*this), k,
                    accesses()
                        .links(Field::states_read, false)
                        .links(Field::slopes_read, false)
                        .own(own_field)
                        .links(Field::state_kept, true)
                        .list()});
-        graph.add({numbered("finish", k), finish_cycle, finish_task, k,
+        graph.add({numbered("finish", k), finish_cycle, engine::code_of<&FrictionImplicit::finish>(*this), k,
                    accesses().links(Field::states_read, false).links(Field::state_kept, true).links(Field::load, true).list()});
     }
     add_neighbours(graph, gathers, substitutes);
@@ -133,8 +124,9 @@ void FrictionImplicit::add_neighbours(engine::TaskGraph& graph, const std::vecto
         std::vector<engine::Access> forces = GroupAccesses(solve_.group(k), k).links(Field::force, false).list(),
                                     shared = sharing(k, others);
         forces.insert(forces.end(), shared.begin(), shared.end());
-        const int base = graph.add({numbered("base", k), gather_cycle, base_task, k, forces});
-        const int look = graph.add({numbered("look", k), iterate_cycle, look_task, k, sharing(k, others)});
+        const int base = graph.add({numbered("base", k), gather_cycle, engine::code_of<&FrictionImplicit::base>(*this), k, forces});
+        const int look =
+            graph.add({numbered("look", k), iterate_cycle, engine::code_of<&FrictionSolve::look>(solve_), k, sharing(k, others)});
         for (const int other : others) {
             graph.order(gathers[static_cast<std::size_t>(other)], base);
             graph.order(substitutes[static_cast<std::size_t>(other)], look);

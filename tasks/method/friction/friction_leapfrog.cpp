@@ -19,10 +19,6 @@ enum FrictionCycle : int { push_cycle = method_cycles, kick_cycle, finish_kick_c
 constexpr long steps_between_estimates = 64;
 constexpr int first_iterations = 50, next_iterations = 4;
 
-[[nodiscard]] FrictionLeapfrog& leapfrog_of(void* workspace) noexcept {
-    return *static_cast<FrictionLeapfrog*>(static_cast<Workspace*>(workspace)->method);
-}
-
 /// The first link with an unknown that is not finite, -1: none of the links.
 [[nodiscard]] int first_not_finite(const Workspace& w) noexcept {
     const model::ChainLayout& at = w.layout();
@@ -41,7 +37,7 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
         const auto own = [&] { return LinkAccesses(w_, s); };
-        graph.add({"push" + number, push_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).push(segment); }, s,
+        graph.add({"push" + number, push_cycle, engine::code_of<&FrictionLeapfrog::push>(*this), s,
                    own()
                        .with_halo(Field::states_read)
                        .with_halo(Field::slopes_read)
@@ -51,7 +47,7 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
                        .own(Field::velocity_read, true)
                        .own(Field::force, true)
                        .list()});
-        graph.add({"friction" + number, kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).stage(segment); }, s,
+        graph.add({"friction" + number, kick_cycle, engine::code_of<&FrictionLeapfrog::stage>(*this), s,
                    own()
                        .with_halo(Field::contact)
                        .with_halo(Field::velocity_read)
@@ -61,7 +57,7 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
                        .own(Field::velocity_slope, true)
                        .own(Field::impulse, true)
                        .list()});
-        graph.add({"finish" + number, finish_kick_cycle, [](void* w, int segment) noexcept { leapfrog_of(w).finish(segment); }, s,
+        graph.add({"finish" + number, finish_kick_cycle, engine::code_of<&FrictionLeapfrog::finish>(*this), s,
                    own()
                        .own(Field::velocity_read, false)
                        .own(Field::impulse, false)

@@ -12,26 +12,6 @@ namespace {
 /// Shares of a Jacobian: coarse tasks, some more than there are cores in a workstation.
 constexpr int most_batches = 32;
 
-[[nodiscard]] ImplicitMethod& method_of(void* workspace) noexcept {
-    return static_cast<ImplicitMethod&>(*static_cast<Workspace*>(workspace)->method);
-}
-
-void prepare_segment(void* workspace, int segment) noexcept {
-    const Segment& own = static_cast<Workspace*>(workspace)->partition[segment];
-    method_of(workspace).prepare(own.first, own.last);
-}
-void update_segment(void* workspace, int segment) noexcept {
-    const Segment& own = static_cast<Workspace*>(workspace)->partition[segment];
-    method_of(workspace).update(own.first, own.last);
-}
-void jacobian_task(void* workspace, int batch) noexcept { method_of(workspace).jacobian_batch(batch); }
-void corner_task(void* workspace, int) noexcept { method_of(workspace).jacobian_corner(); }
-void eliminate_task(void* workspace, int chunk) noexcept { method_of(workspace).eliminate(chunk); }
-void join_task(void* workspace, int) noexcept { method_of(workspace).join(); }
-void forward_task(void* workspace, int chunk) noexcept { method_of(workspace).forward(chunk); }
-void join_solution_task(void* workspace, int) noexcept { method_of(workspace).join_solution(); }
-void backward_task(void* workspace, int chunk) noexcept { method_of(workspace).backward(chunk); }
-
 /// Fields of these cycles, numbered behind those of the step graph. Units: link, batch or chunk.
 enum ImplicitField { jacobian_field = 1000, chunk_field, joint_field, right_side_field, increment_field };
 
@@ -57,26 +37,47 @@ void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
     const int links = w_.layout().links, batches = differences_.batches(), chunks = matrix_.chunks();
     for (int s = 0; s < w_.partition.size(); ++s) {
         const Segment& own = w_.partition[s];
-        graph.add({numbered("prepare", s), prepare_cycle, prepare_segment, s, {{right_side_field, own.first, own.last, true}}});
-        graph.add({numbered("update", s), update_cycle, update_segment, s, {{jacobian_field, own.first, own.last, true}}});
+        graph.add({numbered("prepare", s),
+                   prepare_cycle,
+                   engine::code_of<&ImplicitMethod::prepare_segment>(*this),
+                   s,
+                   {{right_side_field, own.first, own.last, true}}});
+        graph.add({numbered("update", s),
+                   update_cycle,
+                   engine::code_of<&ImplicitMethod::update_segment>(*this),
+                   s,
+                   {{jacobian_field, own.first, own.last, true}}});
     }
-    const int corner = graph.add({"corner", jacobian_cycle, corner_task, 0, {{jacobian_field, 0, links, true}}});
+    const int corner = graph.add(
+        {"corner", jacobian_cycle, engine::code_of<&ImplicitMethod::jacobian_corner>(*this), 0, {{jacobian_field, 0, links, true}}});
     for (int b = 0; b < batches; ++b)
-        graph.order(graph.add({numbered("jacobian", b), jacobian_cycle, jacobian_task, b, {{jacobian_field, b, b + 1, true}}}), corner);
-    const int join = graph.add({"join", factor_cycle, join_task, 0, {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
-    const int join_solution =
-        graph.add({"join", solve_cycle, join_solution_task, 0, {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
+        graph.order(graph.add({numbered("jacobian", b),
+                               jacobian_cycle,
+                               engine::code_of<&ImplicitMethod::jacobian_batch>(*this),
+                               b,
+                               {{jacobian_field, b, b + 1, true}}}),
+                    corner);
+    const int join = graph.add({"join",
+                                factor_cycle,
+                                engine::code_of<&ImplicitMethod::join>(*this),
+                                0,
+                                {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
+    const int join_solution = graph.add({"join",
+                                         solve_cycle,
+                                         engine::code_of<&ImplicitMethod::join_solution>(*this),
+                                         0,
+                                         {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
     for (int c = 0; c < chunks; ++c) {
         const auto& own = matrix_.range(c);
         graph.order(graph.add({numbered("eliminate", c),
                                factor_cycle,
-                               eliminate_task,
+                               engine::code_of<&ImplicitMethod::eliminate>(*this),
                                c,
                                {{jacobian_field, 0, links, false}, {chunk_field, c, c + 1, true}}}),
                     join);
         graph.order(graph.add({numbered("forward", c),
                                solve_cycle,
-                               forward_task,
+                               engine::code_of<&ImplicitMethod::forward>(*this),
                                c,
                                {{right_side_field, own.first, own.last, false}, {chunk_field, c, c + 1, true}}}),
                     join_solution);
@@ -84,7 +85,7 @@ void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
             join_solution,
             graph.add({numbered("backward", c),
                        solve_cycle,
-                       backward_task,
+                       engine::code_of<&ImplicitMethod::backward>(*this),
                        c,
                        {{chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, own.first, own.last, true}}}));
     }

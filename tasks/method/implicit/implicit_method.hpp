@@ -36,6 +36,8 @@ public:
     virtual void prepare(int first, int last) noexcept = 0;
     virtual void finish(int first, int last) noexcept = 0;
     virtual void update(int first, int last) noexcept { (void)first, (void)last; }
+    void prepare_segment(int segment) noexcept { prepare(w_.partition[segment].first, w_.partition[segment].last); }
+    void update_segment(int segment) noexcept { update(w_.partition[segment].first, w_.partition[segment].last); }
     void jacobian_batch(int batch) noexcept;
     void jacobian_corner() noexcept;
     void eliminate(int chunk) noexcept;

@@ -7,9 +7,9 @@
 
 namespace cvtflow::tasks {
 
-engine::TaskGraph step_graph(const Workspace& w, const AssemblyOptions& options) {
+engine::TaskGraph step_graph(const Workspace& w, const AssemblyOptions& options, StepMethod* method) {
     engine::TaskGraph graph = options.kind == Assembly::fused ? fused_graph(w) : staged_graph(w, options);
-    if (w.method != nullptr) w.method->add_tasks(graph);
+    if (method != nullptr) method->add_tasks(graph);
     graph.freeze();
     return graph;
 }

@@ -145,7 +145,7 @@ TEST(World, SeesWhenAnExecutorDoesWrong) {
         void run(const TaskGraph& graph, void* context, Controller& controller) override {
             for (int cycle = controller.next(); cycle != Controller::stop; cycle = controller.next()) {
                 const auto order = graph.topological(cycle);
-                for (std::size_t i = order.size(); i-- > 0;) graph.call(order[i]).body(context, graph.call(order[i]).item);
+                for (std::size_t i = order.size(); i-- > 0;) graph.call(order[i])(context);
             }
         }
         [[nodiscard]] std::string_view name() const noexcept override { return "backwards"; }

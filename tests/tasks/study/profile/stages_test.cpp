@@ -18,8 +18,7 @@ public:
     GraphOf(const Scene& scene, const std::string& method, const AssemblyOptions& options)
         : workspace_(scene.parameters, *plan_for(method), Partition::equal(scene.parameters.chain.pins, 3)),
           method_(make_step_method(method, workspace_)) {
-        workspace_.method = method_.get();
-        graph_ = step_graph(workspace_, options);
+        graph_ = step_graph(workspace_, options, method_.get());
     }
     [[nodiscard]] const engine::TaskGraph& graph() const { return graph_; }
 

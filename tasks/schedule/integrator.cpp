@@ -1,0 +1,49 @@
+#include "tasks/schedule/integrator.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tasks/method/method_choice.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+engine::StagePlan plan_of(const std::string& method) {
+    auto plan = plan_for(method);
+    if (!plan) throw MethodRefused(no_method(method));
+    return std::move(*plan);
+}
+
+std::unique_ptr<StepMethod> method_of(const std::string& name, Workspace& workspace) {
+    try {
+        return make_step_method(name, workspace);
+    } catch (const std::invalid_argument& why) {
+        throw MethodRefused(why.what());
+    }
+}
+
+}  // namespace
+
+Integrator::Integrator(const model::Parameters& parameters, std::string method, const std::vector<Schedule>& candidates,
+                       const ChooserOptions& options, engine::StampRecorder* recorder)
+    : name_(std::move(method)),
+      workspace_(parameters, plan_of(name_), Partition::equal(parameters.chain.pins, candidates.front().segments)),
+      method_(method_of(name_, workspace_)),
+      runner_(workspace_, *method_, candidates, options, recorder) {}
+
+void Integrator::begin_at(const FrozenStart& start) {
+    std::copy(start.state.begin(), start.state.end(), workspace_.states[0]);
+    workspace_.phases = start.phases;
+    std::fill(workspace_.changed.begin(), workspace_.changed.end(), -1e300);  // never yet
+    method_->restart();
+}
+
+void Integrator::adopt(const model::Parameters& parameters) {
+    workspace_.adopt(parameters);
+    if (find_program(name_) == nullptr) return;
+    method_ = method_of(name_, workspace_);  // what a program has derived from the parameters
+    runner_.take_method(*method_);
+}
+
+}  // namespace cvtflow::tasks

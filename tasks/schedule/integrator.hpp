@@ -1,0 +1,51 @@
+#pragma once
+/// What takes steps, wired once: the memory of the step loop, the method, the graph of its tasks and who runs it.
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tasks/schedule/schedule_runner.hpp"
+#include "tasks/step/frozen_start.hpp"
+#include "tasks/step/step_method.hpp"
+
+namespace cvtflow::tasks {
+
+/// The method cannot be used with these parameters, or does not exist.
+class MethodRefused final : public std::invalid_argument {
+public:
+    using std::invalid_argument::invalid_argument;
+};
+
+class Integrator {
+public:
+    /// @param method a name of the catalogue   @param candidates as for ScheduleRunner, the first one's segments to begin with
+    /// @throws MethodRefused, and std::invalid_argument as the executors' make
+    Integrator(const model::Parameters& parameters, std::string method, const std::vector<Schedule>& candidates = {Schedule{}},
+               const ChooserOptions& options = {}, engine::StampRecorder* recorder = nullptr);
+    Integrator(const Integrator&) = delete;
+    Integrator& operator=(const Integrator&) = delete;
+
+    [[nodiscard]] Workspace& workspace() noexcept { return workspace_; }
+    [[nodiscard]] const Workspace& workspace() const noexcept { return workspace_; }
+    [[nodiscard]] StepMethod& method() noexcept { return *method_; }
+    [[nodiscard]] const StepMethod& method() const noexcept { return *method_; }
+    [[nodiscard]] const std::string& method_name() const noexcept { return name_; }
+    [[nodiscard]] const ScheduleRunner& runner() const noexcept { return runner_; }
+
+    /// The next integration begins there, and the method has no past. The controller is to be made afterwards.
+    void begin_at(const FrozenStart& start);
+    /// To the controller's stop. The controller is one of this workspace and method.
+    void run(StepController& controller) { runner_.run(controller); }
+    /// Other parameters, with which the state vector has the same layout; between two integrations.
+    void adopt(const model::Parameters& parameters);
+
+private:
+    std::string name_;
+    Workspace workspace_;
+    std::unique_ptr<StepMethod> method_;
+    ScheduleRunner runner_;
+};
+
+}  // namespace cvtflow::tasks
