@@ -49,7 +49,7 @@ void Simulation::cancel() noexcept { impl_->cancel(); }
 
 State Simulation::state() const {
     return entered(ErrorCode::internal, [&] {
-        const Impl::Stay stay(*impl_, Impl::Stay::As::visitor);
+        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
         State state;
         state.bytes_ = api::write_state_bytes(impl_->record());
         return state;
@@ -109,7 +109,7 @@ void Simulation::on_output(double interval, std::function<void(Simulation&)> cal
 }
 void Simulation::on_transition(std::function<void(Simulation&, const Transition&)> callback) {
     entered(ErrorCode::internal, [&] {
-        const Impl::Stay stay(*impl_, Impl::Stay::As::visitor);
+        const Impl::Scope scope(*impl_, Impl::Scope::As::visitor);
         impl_->on_transition(std::move(callback));
     });
 }

@@ -63,16 +63,16 @@ Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments)
     }
 }
 
-Simulation::Impl::Stay::Stay(Impl& impl, As as) : impl_(impl), entered_(impl.occupancy_.enter()) {
+Simulation::Impl::Scope::Scope(Impl& impl, As as) : impl_(impl), entered_(impl.entry_.enter()) {
     if (entered_) return;
-    const bool callback = impl.occupancy_.mine();
+    const bool callback = impl.entry_.mine();
     if (callback && as == As::visitor) return;
     throw Error(ErrorCode::busy, callback ? "a simulation cannot be stepped or replaced from its own callback"
                                           : "the simulation is in use by another thread");
 }
 
-Simulation::Impl::Stay::~Stay() {
-    if (entered_) impl_.occupancy_.leave();
+Simulation::Impl::Scope::~Scope() {
+    if (entered_) impl_.entry_.leave();
 }
 
 /// A process that was forked off after the first threaded step has the memory but not the threads.
@@ -134,7 +134,7 @@ std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
 void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
     api::FloatingDefaults defaults;
-    const Stay stay(*this, Stay::As::stepper);
+    const Scope scope(*this, Scope::As::stepper);
     require_own_process();
     const double enough = until - 1e-9 * data().run.output_interval;
     while (simulation_.time() < enough) {
@@ -151,7 +151,7 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
 }
 
 std::unique_ptr<Simulation::Impl> Simulation::Impl::copy() {
-    const Stay stay(*this, Stay::As::visitor);
+    const Scope scope(*this, Scope::As::visitor);
     auto other = std::make_unique<Impl>(scene_, threads_, segments_);
     other->restore(record());
     return other;
@@ -162,7 +162,7 @@ api::StateRecord Simulation::Impl::record() const {
 }
 
 void Simulation::Impl::restore(const StateRecord& record) {
-    const Stay stay(*this, Stay::As::stepper);
+    const Scope scope(*this, Scope::As::stepper);
     if (record.fingerprint != api::fingerprint(data()))
         throw Error(ErrorCode::state, "saved state: it belongs to another scene, method or step");
     api::translated(ErrorCode::state, [&] { simulation_.restore(record.integration); });
@@ -177,7 +177,7 @@ void Simulation::Impl::rhs(double t, std::span<const double> x, std::span<double
         throw Error(ErrorCode::argument, "rhs: spans of " + std::to_string(x.size()) + " and " + std::to_string(out.size()) +
                                              " numbers for " + std::to_string(size) + " unknowns");
     }
-    const Stay stay(*this, Stay::As::visitor);
+    const Scope scope(*this, Scope::As::visitor);
     slope_(t, x.data(), out.data());
 }
 
@@ -196,7 +196,7 @@ std::size_t Simulation::Impl::find_channel(const std::string& name) const {
 }
 
 std::span<const double> Simulation::Impl::channel(std::size_t index) {
-    const Stay stay(*this, Stay::As::visitor);
+    const Scope scope(*this, Scope::As::visitor);
     const tasks::Channel& row = channel_row(index);
     if (observation_ == nullptr) observation_ = &observer_.observe(simulation_.time(), simulation_.state(), simulation_.phases().data());
     const tasks::Instant now{*observation_, simulation_.workspace(), simulation_.integration_state().counters, data().run.followed_pin};
@@ -205,7 +205,7 @@ std::span<const double> Simulation::Impl::channel(std::size_t index) {
 }
 
 void Simulation::Impl::on_output(double interval, std::function<void(Simulation&)> callback) {
-    const Stay stay(*this, Stay::As::visitor);
+    const Scope scope(*this, Scope::As::visitor);
     if (callback && !(interval > 0.0 && std::isfinite(interval)))
         throw Error(ErrorCode::argument, "on_output: the interval must be positive");
     output_callback_ = std::move(callback);
@@ -219,7 +219,7 @@ tasks::FrozenStart Simulation::Impl::present() const {
 }
 
 double Simulation::Impl::largest_stable_step() {
-    const Stay stay(*this, Stay::As::visitor);
+    const Scope scope(*this, Scope::As::visitor);
     return tasks::predicted_step_limit(simulation_.variator(), data().parameters, data().run.method, present()).step;
 }
 

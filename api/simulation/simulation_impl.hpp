@@ -10,7 +10,7 @@
 #include "api/host/state_bytes.hpp"
 #include "api/scene_data.hpp"
 #include "engine/executor/cancellation.hpp"
-#include "engine/thread/occupancy.hpp"
+#include "engine/thread/reentry_guard.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/run/channels.hpp"
 #include "tasks/run/plain_slope.hpp"
@@ -27,13 +27,13 @@ public:
     Impl(const Scene& scene, Threads threads, int segments);
 
     /// A stay inside the simulation: alone, or (for what callbacks may do) as the thread that is inside already.
-    class Stay {
+    class Scope {
     public:
         enum class As { stepper, visitor };
-        Stay(Impl& impl, As as);
-        ~Stay();
-        Stay(const Stay&) = delete;
-        Stay& operator=(const Stay&) = delete;
+        Scope(Impl& impl, As as);
+        ~Scope();
+        Scope(const Scope&) = delete;
+        Scope& operator=(const Scope&) = delete;
 
     private:
         Impl& impl_;
@@ -84,7 +84,7 @@ private:
     const model::Observation* observation_ = nullptr;  ///< of the present state; nullptr: not made yet
     std::vector<const tasks::Channel*> channels_;
     std::vector<std::vector<double>> values_;  ///< [channel][width]
-    engine::Occupancy occupancy_;
+    engine::ReentryGuard entry_;
     engine::Cancellation cancel_;
     pid_t process_ = 0;  ///< in which it first ran on threads; 0: it has not
     std::function<void(Simulation&)> output_callback_;

@@ -67,7 +67,7 @@ void Simulation::Impl::hold(const model::HeldInputs& held) {
 }
 
 void Simulation::Impl::set_input(Input input, double value) {
-    const Stay stay(*this, Stay::As::visitor);
+    const Scope scope(*this, Scope::As::visitor);
     const InputRow& row = input_row(input, data());
     const tasks::Parameter& range = *tasks::find_parameter(row.key);
     if (!(value >= range.min && value <= range.max)) {

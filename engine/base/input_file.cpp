@@ -62,11 +62,11 @@ std::size_t read_at(int descriptor, std::uint64_t offset, std::byte* bytes, std:
 }
 
 /// Some bytes of a pipe; none only at its end.
-std::size_t read_pipe(int descriptor, std::byte* bytes, std::size_t count, double patience) {
+std::size_t read_pipe(int descriptor, std::byte* bytes, std::size_t count, double timeout) {
     for (;;) {
         pollfd wish{descriptor, POLLIN, 0};
-        const int ready = poll(&wish, 1, static_cast<int>(1e3 * patience));
-        if (ready == 0) throw InputError("nothing came for " + std::to_string(static_cast<long>(patience)) + " s");
+        const int ready = poll(&wish, 1, static_cast<int>(1e3 * timeout));
+        if (ready == 0) throw InputError("nothing came for " + std::to_string(static_cast<long>(timeout)) + " s");
         if (ready < 0 && errno != EINTR) fail(errno);
         const ssize_t some = ready < 0 ? -1 : ::read(descriptor, bytes, count);
         if (some >= 0) return static_cast<std::size_t>(some);
@@ -95,7 +95,7 @@ std::size_t InputFile::read(std::uint64_t offset, std::byte* bytes, std::size_t 
     return read_at(descriptor_, offset, bytes, count);
 }
 
-std::string read_text_input(const std::string& path, std::uint64_t most, double patience) {
+std::string read_text_input(const std::string& path, std::uint64_t most, double timeout) {
     const Opened file(path);
     const bool pipe = file.nameless_pipe();
     if (!pipe) file.require_regular();
@@ -105,8 +105,7 @@ std::string read_text_input(const std::string& path, std::uint64_t most, double 
     std::string text;
     std::byte block[65536];
     const auto next = [&] {
-        return pipe ? read_pipe(file.descriptor, block, sizeof block, patience)
-                    : read_at(file.descriptor, text.size(), block, sizeof block);
+        return pipe ? read_pipe(file.descriptor, block, sizeof block, timeout) : read_at(file.descriptor, text.size(), block, sizeof block);
     };
     // Not by its size: files of /proc have none, and others may grow.
     for (std::size_t some = 0; (some = next()) > 0;) {

@@ -41,8 +41,8 @@ private:
 /// /dev/stdin`,
 /// `<(…)`), for which its writer is waited.
 /// @param most longest text [byte]
-/// @param patience time after which such a pipe is given up if nothing comes [s]
+/// @param timeout time after which such a pipe is given up if nothing comes [s]
 /// @throws InputError
-[[nodiscard]] std::string read_text_input(const std::string& path, std::uint64_t most, double patience = 10.0);
+[[nodiscard]] std::string read_text_input(const std::string& path, std::uint64_t most, double timeout = 10.0);
 
 }  // namespace cvtflow::engine

@@ -149,7 +149,7 @@ private:
     }
 
     void ended(const CaseResult& result) {
-        gate_.through([&] {
+        mutex_.guard([&] {
             ++progress_.done;
             progress_.failed += result.status != CaseStatus::ok;
             progress_.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
@@ -209,7 +209,7 @@ private:
     std::vector<char> done_;
     std::size_t position_ = 0;
     BatchProgress progress_;
-    engine::Gate gate_;
+    engine::Mutex mutex_;
     std::chrono::steady_clock::time_point started_;
 };
 

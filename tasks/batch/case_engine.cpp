@@ -29,20 +29,20 @@ std::span<const std::string_view> status_names() noexcept { return statuses; }
 std::string_view status_name(CaseStatus status) noexcept { return statuses[static_cast<int>(status)]; }
 
 double BatchControl::grace_left() {
-    return gate_.through([&] {
+    return mutex_.guard([&] {
         if (asked_ == std::chrono::steady_clock::time_point{}) asked_ = std::chrono::steady_clock::now();
         return grace_ - seconds_since(asked_);
     });
 }
 
 void BatchControl::idle() {
-    gate_.through([&] { ++idle_; });
+    mutex_.guard([&] { ++idle_; });
     tail_.request();
 }
 
 int BatchControl::threads_per_case() {
     if (!tail_.requested()) return 1;
-    return gate_.through([&] { return threads_ / std::max(1, threads_ - idle_); });
+    return mutex_.guard([&] { return threads_ / std::max(1, threads_ - idle_); });
 }
 
 CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
@@ -228,7 +228,8 @@ void CaseEngine::transition(const TransitionRecord& record) {
 }
 
 void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
-    const Instant instant{eye_->observe(time, workspace.states[0], workspace.phases.data()), workspace, counters, scene_.run.followed_pin};
+    const Instant instant{eye_->observe(time, workspace.states[0], workspace.tips.phases.data()), workspace, counters,
+                          scene_.run.followed_pin};
     means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period());
     for (std::size_t i = 0; i < reducers_.size(); ++i) {
         const Scalar& scalar = sweep_.scalars[i];

@@ -53,7 +53,7 @@ private:
     double grace_;
     const engine::Cancellation& stop_;
     engine::Cancellation tail_;
-    engine::Gate gate_;
+    engine::Mutex mutex_;
     int idle_ = 0;
     std::chrono::steady_clock::time_point asked_{};
 };

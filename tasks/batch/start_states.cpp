@@ -74,7 +74,7 @@ std::string_view StartStates::kind(const Scene& scene) const noexcept {
 /// What a map holds for a key, or nothing.
 template <class Map>
 typename Map::mapped_type StartStates::kept(const Map& map, const typename Map::key_type& key) {
-    return gate_.through([&] {
+    return mutex_.guard([&] {
         const auto found = map.find(key);
         return found == map.end() ? typename Map::mapped_type() : found->second;
     });
@@ -82,7 +82,7 @@ typename Map::mapped_type StartStates::kept(const Map& map, const typename Map::
 
 template <class Map>
 void StartStates::keep(Map& map, const typename Map::key_type& key, typename Map::mapped_type made) {
-    gate_.through([&] {
+    mutex_.guard([&] {
         if (map.size() >= most_kept) map.erase(map.begin());
         map[key] = std::move(made);
     });

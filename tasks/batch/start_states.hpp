@@ -54,7 +54,7 @@ private:
     const Sweep& sweep_;
     std::filesystem::path folder_;
     bool shareable_ = false;  ///< whether several cases of the sweep settle alike
-    engine::Gate gate_;
+    engine::Mutex mutex_;
     engine::OnceEach once_;
     std::map<std::string, State> of_file_;  ///< the latest few, by file
     std::map<long, State> of_settling_;     ///< the same, by the first case that settles alike

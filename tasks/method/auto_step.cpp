@@ -56,9 +56,9 @@ constexpr double most_damping = 1e-4;
 }  // namespace
 
 MethodReach reach_of(std::string_view method) {
-    static engine::Gate gate;
+    static engine::Mutex mutex;
     static std::map<std::string, MethodReach, std::less<>> known;
-    return gate.through([&] {
+    return mutex.guard([&] {
         const auto found = known.find(method);
         return found != known.end() ? found->second : known.emplace(method, found_reach(method)).first->second;
     });

@@ -27,14 +27,14 @@ constexpr double far_below = 0.7;
 
 void SpectralMethod::look() {
     Workspace& w = workspace();
-    if (std::abs(w.time - looked_) < look_interval) return;
-    w.evaluations += bound_.estimate(w.time, w.states[0], w.phases.data());
-    looked_ = w.time;
+    if (std::abs(w.step.time - looked_) < look_interval) return;
+    w.step.evaluations += bound_.estimate(w.step.time, w.states[0], w.tips.phases.data());
+    looked_ = w.step.time;
 }
 
 int SpectralMethod::begin() {
     look();
-    choose(workspace().h);
+    choose(workspace().step.h);
     return StageMethod::begin();
 }
 

@@ -14,11 +14,11 @@ FrozenStart frozen_start(const Simulation& simulation) {
     const std::size_t size = static_cast<std::size_t>(at.layout().size());
     Workspace probed(at.parameters, engine::methods().front(), Partition::equal(at.layout().links, 1));
     std::copy_n(simulation.state(), size, probed.states[0]);
-    probed.phases = simulation.phases();
+    probed.tips.phases = simulation.phases();
     SilentObserver nobody;
     const engine::Cancellation never;
     StepController controller(probed, StepSettings{}, nobody, never);  // probes the start
-    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.phases, simulation.suspicion()};
+    return {simulation.time(), {probed.states[0], probed.states[0] + size}, probed.tips.phases, simulation.suspicion()};
 }
 
 }  // namespace cvtflow::tasks

@@ -90,7 +90,7 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
         options_.progress({begin_, time, until_, wall, counters});
     }
     if (begin_ < 0.0) return;  // settling is not recorded
-    const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.phases.data());
+    const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
     gather(now, workspace);
     if (file_) write(time, workspace, {now, workspace, counters, followed_pin_});
 }
@@ -105,10 +105,10 @@ void RunRecorder::write(double time, const Workspace& workspace, const Instant& 
     written_.channels.add(time, row_);
     if (time < next_state_ - 1e-9 * state_interval_) return;
     while (next_state_ <= time + 1e-9 * state_interval_) next_state_ += state_interval_;
-    const auto* phases = reinterpret_cast<const std::uint8_t*>(workspace.phases.data());
+    const auto* phases = reinterpret_cast<const std::uint8_t*>(workspace.tips.phases.data());
     const std::span<const double> state(workspace.states[0], static_cast<std::size_t>(workspace.layout().size()));
-    file_->append_state(time, state, {phases, workspace.phases.size()});
-    written_.states.add(time, state, {phases, workspace.phases.size()});
+    file_->append_state(time, state, {phases, workspace.tips.phases.size()});
+    written_.states.add(time, state, {phases, workspace.tips.phases.size()});
 }
 
 void RunRecorder::transition(const TransitionRecord& record) {

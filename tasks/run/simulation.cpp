@@ -78,7 +78,7 @@ void Simulation::place_geometrically() { begin_at(model::start_state(scene_.para
 
 void Simulation::begin_at(const model::StartState& start) {
     std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);
-    workspace_->phases = start.phases;
+    workspace_->tips.phases = start.phases;
     needs_settling_ = scene_.parameters.start.layout == model::StartLayout::belt && scene_.parameters.start.settling_time > 0.0;
     time_ = needs_settling_ ? -scene_.parameters.start.settling_time : 0.0;
 }
@@ -103,7 +103,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
     const model::ChainLayout& at = workspace_->layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
     const std::size_t beyond = saved.state.size() < mechanical ? 2 : saved.state.size() - mechanical;  // control: 1, ledger: 12, both: 13
-    if ((beyond > 1 && beyond != ledger_size && beyond != ledger_size + 1) || saved.phases.size() != workspace_->phases.size()) {
+    if ((beyond > 1 && beyond != ledger_size && beyond != ledger_size + 1) || saved.phases.size() != workspace_->tips.phases.size()) {
         std::string message =
             fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());
         for (const std::string& line : start_differences_) message += "\n  " + line;
@@ -119,7 +119,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
     if (at.control && had_control) workspace_->states[0][at.control_begin()] = *behind;
     if (at.ledger && beyond >= ledger_size) std::copy(behind + had_control, saved.state.end(), workspace_->states[0] + at.ledger_begin());
     const bool stick_slip = scene_.parameters.detail.stick_slip;
-    std::transform(saved.phases.begin(), saved.phases.end(), workspace_->phases.begin(),
+    std::transform(saved.phases.begin(), saved.phases.end(), workspace_->tips.phases.begin(),
                    [=](std::uint8_t phase) { return adopted(phase, stick_slip); });
     rest_.settling_suspicion = suspicion_of(saved);
     time_ = saved.time;  // inputs and the governor's angle go on from there
@@ -233,9 +233,9 @@ void Simulation::rest_at_start() {
     rest_.time = time_;
     rest_.counters = {};
     rest_.state.assign(w.states[0], w.states[0] + w.layout().size());
-    rest_.phases = w.phases;
-    rest_.changed = w.changed;
-    rest_.before = w.before;
+    rest_.phases = w.tips.phases;
+    rest_.changed = w.tips.changed;
+    rest_.before = w.tips.before;
     rest_.energy.clear();
     rest_.step_choice.clear();
 }
@@ -243,15 +243,15 @@ void Simulation::rest_at_start() {
 void Simulation::restore(const IntegrationState& from) {
     if (const char* why = from.unsound()) throw SimulationError(why);
     Workspace& w = *workspace_;
-    const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.phases.size();
+    const std::size_t size = static_cast<std::size_t>(w.layout().size()), tips = w.tips.phases.size();
     if (from.state.size() != size || from.phases.size() != tips || from.changed.size() != tips || from.before.size() != tips) {
         throw SimulationError(fmt::format("a state of {} unknowns and {} tips does not fit this scene: {} and {}", from.state.size(),
                                           from.phases.size(), size, tips));
     }
     std::copy(from.state.begin(), from.state.end(), w.states[0]);
-    w.phases = from.phases;
-    w.changed = from.changed;
-    w.before = from.before;
+    w.tips.phases = from.phases;
+    w.tips.changed = from.changed;
+    w.tips.before = from.before;
     w.list_touching();
     integrator_->method().restart();
     w.energy.load(from.energy, integrator_->method().observation_stride());

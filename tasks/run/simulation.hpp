@@ -89,7 +89,7 @@ public:
     [[nodiscard]] const Workspace& workspace() const noexcept { return *workspace_; }
     [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
     [[nodiscard]] const double* state() const noexcept { return workspace_->states[0]; }
-    [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->phases; }
+    [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->tips.phases; }
     /// Of the last settle() or run().
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     /// Works, losses and balance of the part at hand: settling, or the run.

@@ -24,7 +24,7 @@ namespace {
 }  // namespace
 
 struct KeptState::Kept {
-    engine::Gate gate;
+    engine::Mutex mutex;
     std::string path;
     FileIdentity identity;
     std::shared_ptr<const engine::SavedState> state;
@@ -34,7 +34,7 @@ KeptState::KeptState() : kept_(std::make_shared<Kept>()) {}
 
 std::shared_ptr<const engine::SavedState> KeptState::read(const std::string& path) const {
     Kept& kept = *kept_;
-    return kept.gate.through([&] {
+    return kept.mutex.guard([&] {
         const FileIdentity now = identity_of(path);
         const bool known = kept.state != nullptr && kept.path == path && (now == kept.identity || now == FileIdentity{});
         if (!known) {

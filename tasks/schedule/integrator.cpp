@@ -34,8 +34,8 @@ Integrator::Integrator(const model::Parameters& parameters, std::string method, 
 
 void Integrator::begin_at(const FrozenStart& start) {
     std::copy(start.state.begin(), start.state.end(), workspace_.states[0]);
-    workspace_.phases = start.phases;
-    std::fill(workspace_.changed.begin(), workspace_.changed.end(), -1e300);  // never yet
+    workspace_.tips.phases = start.phases;
+    std::fill(workspace_.tips.changed.begin(), workspace_.tips.changed.end(), -1e300);  // never yet
     method_->restart();
 }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr double tolerable = 1.02;
 
 [[nodiscard]] bool touches(const Workspace& w, int link) noexcept {
-    const model::Phase* tips = w.phases.data() + model::tips_per_link * link;
+    const model::Phase* tips = w.tips.phases.data() + model::tips_per_link * link;
     return std::any_of(tips, tips + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; });
 }
 
@@ -55,7 +55,7 @@ ScheduleRunner::ScheduleRunner(Workspace& workspace, StepMethod& method, std::ve
     Slot& first = slots_.front();
     first.executor = make_executor(first.schedule, recorder_);  // complaints come now
     cut_at(first.cuts);
-    w_.staged_states = first.schedule.assembly.kind == Assembly::staged;
+    w_.staged.states_apart = first.schedule.assembly.kind == Assembly::staged;
     first.graph = step_graph(w_, first.schedule.assembly, method_);
 }
 
@@ -90,12 +90,12 @@ void ScheduleRunner::take_up() {
     if (wants_other_borders() || (stale && slot.schedule.balanced)) {
         moves_ += rests_ > 0 && !stale;
         cuts_.resize(slot.cuts.size());
-        balance(w_.phases, cuts_, costs_);
+        balance(w_.tips.phases, cuts_, costs_);
         slot.cuts = cuts_;
         stale = true;
     }
     if (stale || !is_cut_at(w_.partition, slot.cuts)) cut_at(slot.cuts);
-    w_.staged_states = slot.schedule.assembly.kind == Assembly::staged;
+    w_.staged.states_apart = slot.schedule.assembly.kind == Assembly::staged;
     if (stale) slot.graph = step_graph(w_, slot.schedule.assembly, method_);
 }
 
@@ -103,8 +103,8 @@ bool ScheduleRunner::wants_other_borders() noexcept {
     const Slot& slot = slots_[current()];
     if (!slot.schedule.balanced || slot.schedule.segments == 1) return false;
     cuts_.resize(slot.cuts.size());  // within what was reserved
-    balance(w_.phases, cuts_, costs_);
-    return longest_segment(w_.phases, slot.cuts, costs_) > tolerable * longest_segment(w_.phases, cuts_, costs_);
+    balance(w_.tips.phases, cuts_, costs_);
+    return longest_segment(w_.tips.phases, slot.cuts, costs_) > tolerable * longest_segment(w_.tips.phases, cuts_, costs_);
 }
 
 bool ScheduleRunner::rest(double seconds, double per_cycle) noexcept {

@@ -9,8 +9,8 @@
 namespace cvtflow::tasks {
 
 void close_evaluation(Workspace& w, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept {
-    ++w.evaluations;
-    w.variator.close(time, tail, chain, w.accounts.data(), slope + w.layout().pulley_begin());
+    ++w.step.evaluations;
+    w.variator.close(time, tail, chain, w.links.accounts.data(), slope + w.layout().pulley_begin());
 }
 
 int StageMethod::begin() {
@@ -53,20 +53,22 @@ void StageMethod::load(std::span<const double> memory) {
 
 int StageMethod::start_stage(int stage) {
     stage_ = stage;
-    w_.evaluate_end = false;
-    w_.row = plan_->stage(stage);
-    w_.slope_out = w_.slopes[static_cast<std::size_t>(w_.row.slope)];
+    w_.step.evaluate_end = false;
+    w_.step.row = plan_->stage(stage);
+    w_.step.slope_out = w_.slopes[static_cast<std::size_t>(w_.step.row.slope)];
     const model::ChainLayout& at = w_.layout();
-    engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.tail.data());
-    if (w_.row.keep >= 0) std::copy(w_.tail.begin(), w_.tail.end(), w_.states[static_cast<std::size_t>(w_.row.keep)] + at.pulley_begin());
-    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    engine::combine(w_.step.row, w_.step.h, w_.slots(), at.pulley_begin(), at.size(), w_.pulleys.tail.data());
+    if (w_.step.row.keep >= 0)
+        std::copy(w_.pulleys.tail.begin(), w_.pulleys.tail.end(),
+                  w_.states[static_cast<std::size_t>(w_.step.row.keep)] + at.pulley_begin());
+    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.pulleys.tail.data(), w_.pulleys.sheaves);
     return evaluate_cycle;
 }
 
 int StageMethod::next() {
-    close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.sheave_forces(), w_.slope_out);
+    close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), w_.sheave_forces(), w_.step.slope_out);
     if (stage_ + 1 < plan_->stages()) return start_stage(stage_ + 1);
-    w_.row = plan_->result();
+    w_.step.row = plan_->result();
     slope_at_ = plan_->last_is_result() ? SlopeAt::last : SlopeAt::nowhere;
     return done;
 }

@@ -15,12 +15,12 @@ namespace cvtflow::tasks {
 class StepMethod {
 public:
     /// What begin() and next() answer instead of a cycle.
-    static constexpr int done = -2;    ///< the step is taken: workspace.row combines its result from the slots
+    static constexpr int done = -2;    ///< the step is taken: workspace.step.row combines its result from the slots
     static constexpr int failed = -3;  ///< it could not be taken: see fault()
 
     virtual ~StepMethod() = default;
 
-    /// Begins the step from workspace.states[0] at workspace.time over workspace.h: the first cycle to run.
+    /// Begins the step from workspace.states[0] at workspace.step.time over workspace.step.h: the first cycle to run.
     [[nodiscard]] virtual int begin() = 0;
     /// After every cycle that it has named: the next one, or done, or failed.
     [[nodiscard]] virtual int next() = 0;

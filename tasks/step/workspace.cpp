@@ -24,7 +24,7 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
       plan(stage_plan),
       rule(rule_of(p)),
       stages(model::staged_functions(variator.chain(), p.ledger)),
-      staged(variator.layout()) {
+      staged{false, nullptr, model::StagedBuffers(variator.layout())} {
     const std::size_t size = static_cast<std::size_t>(layout().size());
     const std::size_t stride = (size + 7) / 8 * 8;  // every slot begins on a cache line of its own
     const std::size_t arrays = static_cast<std::size_t>(plan.state_slots() + plan.slope_slots()) + 4;
@@ -36,32 +36,32 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     end_state = take();
     end_slope = take();
     cut_state = take();
-    stage_state = take();
+    staged.state = take();
 
-    const std::size_t links = static_cast<std::size_t>(layout().links);
-    touching.resize(links);
-    loads.resize(links);
-    sums.resize(static_cast<std::size_t>(variator.sums()));
-    split_sums.reserve(sums.size());
-    link_errors.resize(links);
-    error_scale.velocity = p.tip.friction.saturation_speed;
-    accounts.resize(model::account_parts * links);
-    phases.assign(model::tips_per_link * links, model::Phase::free);
-    before.assign(phases.size(), {});
-    after.assign(phases.size(), {});
-    probes.assign(phases.size() / model::tips_per_link, {});
-    changed.assign(phases.size(), -1e300);
+    const std::size_t count = static_cast<std::size_t>(layout().links);
+    tips.touching.resize(count);
+    links.loads.resize(count);
+    links.sums.resize(static_cast<std::size_t>(variator.sums()));
+    links.split_sums.reserve(links.sums.size());
+    links.errors.resize(count);
+    step.error_scale.velocity = p.tip.friction.saturation_speed;
+    links.accounts.resize(model::account_parts * count);
+    tips.phases.assign(model::tips_per_link * count, model::Phase::free);
+    tips.before.assign(tips.phases.size(), {});
+    tips.after.assign(tips.phases.size(), {});
+    tips.probes.assign(tips.phases.size() / model::tips_per_link, {});
+    tips.changed.assign(tips.phases.size(), -1e300);
     repartition(std::move(parts));
-    tail.resize(static_cast<std::size_t>(tail_size()));
+    pulleys.tail.resize(static_cast<std::size_t>(tail_size()));
 }
 
 void Workspace::adopt(const model::Parameters& other) {
     variator.adopt(parameters, other);
     parameters = other;
     rule = rule_of(other);
-    phases.assign(phases.size(), model::Phase::free);
-    before.assign(before.size(), {});
-    changed.assign(changed.size(), -1e300);
+    tips.phases.assign(tips.phases.size(), model::Phase::free);
+    tips.before.assign(tips.before.size(), {});
+    tips.changed.assign(tips.changed.size(), -1e300);
 }
 
 void Workspace::repartition(Partition parts) {
@@ -70,11 +70,11 @@ void Workspace::repartition(Partition parts) {
     windows.resize(static_cast<std::size_t>(partition.size()));
     for (int s = 0; s < partition.size(); ++s)
         windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
-    split_sums.clear();
+    links.split_sums.clear();
     for (int s = 1; s < partition.size(); ++s) {
         const int group = partition[s].first / model::links_per_sum;
         const bool splits = partition[s].first % model::links_per_sum != 0;
-        if (splits && (split_sums.empty() || split_sums.back() != group)) split_sums.push_back(group);
+        if (splits && (links.split_sums.empty() || links.split_sums.back() != group)) links.split_sums.push_back(group);
     }
 }
 
@@ -82,20 +82,21 @@ void Workspace::add_up(const Segment& own) noexcept {
     constexpr int size = model::links_per_sum;
     const int last = own.last == layout().links ? variator.sums() : own.last / size;
     for (int group = (own.first + size - 1) / size; group < last; ++group) {
-        variator.add_up(group, phases.data(), loads.data(), sums[static_cast<std::size_t>(group)]);
+        variator.add_up(group, tips.phases.data(), links.loads.data(), links.sums[static_cast<std::size_t>(group)]);
     }
 }
 
 model::SheaveForces Workspace::sheave_forces() noexcept {
     if (layout().pulley_size == 0) return {};
-    if (staged_states) return variator.sheave_forces(phases.data(), loads.data());
-    for (const int group : split_sums) variator.add_up(group, phases.data(), loads.data(), sums[static_cast<std::size_t>(group)]);
-    return variator.sheave_forces(sums.data());
+    if (staged.states_apart) return variator.sheave_forces(tips.phases.data(), links.loads.data());
+    for (const int group : links.split_sums)
+        variator.add_up(group, tips.phases.data(), links.loads.data(), links.sums[static_cast<std::size_t>(group)]);
+    return variator.sheave_forces(links.sums.data());
 }
 
 model::Account Workspace::observed_links() const noexcept {
     model::Account total;
-    for (const model::Account& account : accounts) {
+    for (const model::Account& account : links.accounts) {
         for (std::size_t kind = 0; kind < model::loss_kinds; ++kind) total.loss[kind] += account.loss[kind];
         for (std::size_t kind = 0; kind < model::energy_kinds; ++kind) total.energy[kind] += account.energy[kind];
     }
@@ -126,24 +127,30 @@ std::array<double, 2> Workspace::shaft_momentum() const noexcept {
 
 std::size_t Workspace::bytes() const noexcept {
     const auto of = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
-    std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + tail.size();
+    std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + pulleys.tail.size();
     for (const auto& window : windows) doubles += window.size();
-    return doubles * sizeof(double) + of(loads) + of(sums) + of(accounts) + of(phases) + of(before) + of(after) + of(probes) + of(changed) +
-           of(verdicts) + sizeof(*this);
+    return doubles * sizeof(double) + of(links.loads) + of(links.sums) + of(links.accounts) + of(tips.phases) + of(tips.before) +
+           of(tips.after) + of(tips.probes) + of(tips.changed) + of(verdicts) + sizeof(*this);
 }
 
 void Workspace::list_touching() noexcept {
-    touching_count = 0;
+    tips.touching_count = 0;
     for (int link = 0; link < layout().links; ++link) {
-        const model::Phase* tips = phases.data() + model::tips_per_link * link;
-        const bool any = tips[0] != model::Phase::free || tips[1] != model::Phase::free || tips[2] != model::Phase::free ||
-                         tips[3] != model::Phase::free;
-        if (any) touching[static_cast<std::size_t>(touching_count++)] = link;
+        const model::Phase* own = tips.phases.data() + model::tips_per_link * link;
+        const bool any =
+            own[0] != model::Phase::free || own[1] != model::Phase::free || own[2] != model::Phase::free || own[3] != model::Phase::free;
+        if (any) tips.touching[static_cast<std::size_t>(tips.touching_count++)] = link;
     }
 }
 
 model::StagedChain Workspace::staged_chain() noexcept {
-    return {stage_state, sheaves, phases.data(), slope_out, loads.data(), &staged, layout().ledger ? accounts.data() : nullptr};
+    return {staged.state,
+            pulleys.sheaves,
+            tips.phases.data(),
+            step.slope_out,
+            links.loads.data(),
+            &staged.buffers,
+            layout().ledger ? links.accounts.data() : nullptr};
 }
 
 }  // namespace cvtflow::tasks

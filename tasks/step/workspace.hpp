@@ -32,6 +32,60 @@ struct alignas(64) Verdict {
     bool pending = false;  ///< some tip has to be located
 };
 
+/// The step at hand; written by the controller between cycles, read by every task.
+struct StepInput {
+    double time = 0.0;             ///< t at the step's start [s]
+    double h = 0.0;                ///< its length [s]
+    double dwell = 0.0;            ///< a tip that changed less than this ago stays [s]
+    engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
+    double theta = 1.0;            ///< where a truncate cycle cuts, share of the step
+    bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
+    engine::PlanStep error_row{};  ///< how
+    ErrorScale error_scale;        ///< in which units
+    Transition due;                ///< what it cuts for
+    bool secant = false;           ///< a detect cycle makes the slopes at both ends from the states there
+    long evaluations = 0;          ///< of the right-hand side, so far
+    double* slope_out = nullptr;   ///< [layout.size()] where an evaluate cycle writes slopes
+    double* state_out = nullptr;   ///< [layout.size()] where a detect or truncate cycle writes states
+    bool evaluate_end = false;     ///< an evaluate cycle works at the end of the step instead of a stage
+};
+
+/// What cycles find of links: written by the link's segment (Field::load, account, link_error), added up by the controller in one order.
+struct LinkFields {
+    std::vector<model::LinkLoad> loads;  ///< [links]
+    std::vector<model::SheaveSum>
+        sums;                     ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
+    std::vector<int> split_sums;  ///< those whose links several segments share
+    std::vector<model::Account> accounts;  ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation
+    std::vector<double> errors;            ///< [links] local error of the step, root mean square in units of error_scale
+};
+
+/// Whether tips touch: changed in truncate cycles only (Field::phase), probed in detect cycles (Field::before, after).
+struct TipPhases {
+    std::vector<model::Phase> phases;         ///< [4 links]
+    std::vector<model::TipIndicator> before;  ///< [4 links] at the step's start
+    std::vector<model::TipIndicator> after;   ///< [4 links] at its end
+    std::vector<model::TipProbe> probes;      ///< [links] the same with the links' radii
+    std::vector<double> changed;              ///< [4 links] time of the last change of phase [s]
+    std::vector<int> touching;                ///< links with a touching tip, ascending: [0, touching_count)
+    int touching_count = 0;
+};
+
+/// Staged assembly only; empty otherwise. (Field::stage_state, moment, joint, tips)
+struct StagedFields {
+    bool states_apart = false;  ///< evaluate cycles leave the stage state in `state` instead of in windows
+    double* state = nullptr;    ///< [layout.size()] stage state of all links, where later stages read it
+    model::StagedBuffers buffers;
+};
+
+/// What is behind the links, written by the controller.
+struct PulleyFields {
+    std::vector<double> tail;                   ///< [tail_size()] stage state
+    model::SheaveMotion sheaves[4]{};           ///< of the stage
+    model::SheaveMotion end_sheaves[4]{};       ///< at the step's end
+    model::SheaveMotion observed_sheaves[4]{};  ///< at the step's start, for an observe cycle
+};
+
 class Workspace {
 public:
     Workspace(const model::Parameters& parameters, const engine::StagePlan& plan, Partition partition);
@@ -46,21 +100,7 @@ public:
 
     Partition partition;  ///< changed by repartition() only
 
-    // The step at hand; written by the controller between cycles.
-    double time = 0.0;             ///< t at the step's start [s]
-    double h = 0.0;                ///< its length [s]
-    double dwell = 0.0;            ///< a tip that changed less than this ago stays [s]
-    engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
-    double theta = 1.0;            ///< where a truncate cycle cuts
-    bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
-    engine::PlanStep error_row{};  ///< how
-    ErrorScale error_scale;        ///< in which units
-    Transition due;                ///< what it cuts for
-    bool secant = false;           ///< a detect cycle makes the slopes at both ends from the states there
-    long evaluations = 0;          ///< of the right-hand side, so far
-    double* slope_out = nullptr;   ///< where an evaluate cycle writes slopes
-    double* state_out = nullptr;   ///< where a detect or truncate cycle writes states
-    bool evaluate_end = false;     ///< an evaluate cycle works at the end of the step instead of a stage
+    StepInput step;
 
     // Fields over the state vector: [slot][layout.size()].
     std::vector<double*> states;  ///< state slots; 0 = y at the step's start
@@ -69,37 +109,14 @@ public:
     double* end_slope;            ///< its slope with the step's phases, only if a transition has to be located
     double* cut_state;            ///< y at theta
 
-    // Fields over links and tips.
-    std::vector<model::LinkLoad> loads;  ///< [links]
-    std::vector<model::SheaveSum>
-        sums;                     ///< [variator.sums()] of loads; by the segment that has all links of a sum, in a fused evaluate cycle
-    std::vector<int> split_sums;  ///< those whose links several segments share
-    std::vector<model::Account> accounts;  ///< [links * account_parts], by an observe cycle; with a ledger in the state by every evaluation
-    std::vector<model::Phase> phases;      ///< [4 links]
-    std::vector<model::TipIndicator> before;  ///< [4 links] at the step's start
-    std::vector<model::TipIndicator> after;   ///< [4 links] at its end
-    std::vector<model::TipProbe> probes;      ///< [links] the same with the links' radii
-    std::vector<double> changed;              ///< [4 links] time of the last change of phase [s]
+    LinkFields links;
+    TipPhases tips;
+    StagedFields staged;
+    PulleyFields pulleys;
 
-    // Staged assembly only; empty otherwise.
-    bool staged_states = false;     ///< evaluate cycles leave the stage state in stage_state instead of in windows
-    double* stage_state = nullptr;  ///< stage state of all links, where later stages read it
-    model::StagedBuffers staged;
-    std::vector<int> touching;  ///< links with a touching tip, ascending: [0, touching_count)
-    int touching_count = 0;
-
-    // Per segment.
-    std::vector<model::LineVector<double>> windows;  ///< stage states of the segment's links and their two neighbours
-    std::vector<double> link_errors;                 ///< [links] local error of the step, root mean square in units of error_scale
-    std::vector<Verdict> verdicts;
-
-    // Pulleys, written by the controller.
-    std::vector<double> tail;              ///< stage state behind the links
-    model::SheaveMotion sheaves[4]{};      ///< of the stage
-    model::SheaveMotion end_sheaves[4]{};  ///< at the step's end
-
-    EnergyLedger energy;                        ///< works, losses and balance so far, written by the controller
-    model::SheaveMotion observed_sheaves[4]{};  ///< at the step's start, for an observe cycle
+    std::vector<model::LineVector<double>> windows;  ///< [segments] stage states of the segment's links and their two neighbours
+    std::vector<Verdict> verdicts;                   ///< [segments]
+    EnergyLedger energy;                             ///< works, losses and balance so far, written by the controller
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }
     /// Another variator of the same layout, at rest before its start; between runs only.
@@ -123,7 +140,7 @@ public:
     [[nodiscard]] model::StagedChain staged_chain() noexcept;
     [[nodiscard]] int tail_size() const noexcept { return layout().size() - layout().pulley_begin(); }
     [[nodiscard]] engine::SlotView slots() const noexcept { return {states.data(), slopes.data()}; }
-    [[nodiscard]] engine::Interpolant interpolant() const noexcept { return {states[0], slopes[0], end_state, end_slope, h}; }
+    [[nodiscard]] engine::Interpolant interpolant() const noexcept { return {states[0], slopes[0], end_state, end_slope, step.h}; }
     /// What the step loop touches: slots, the state at the step's end, windows, fields over links and tips, the model's constants.
     [[nodiscard]] std::size_t bytes() const noexcept;
 

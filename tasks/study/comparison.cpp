@@ -11,6 +11,7 @@
 #include "model/observe/observation.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/study/method_run.hpp"
+#include "tasks/study/relative_error.hpp"
 
 namespace cvtflow::tasks {
 
@@ -22,7 +23,7 @@ public:
     CourseKeeper(const model::Variator& variator, double begin) : observer_(variator), begin_(begin) {}
 
     void output(double time, const Workspace& workspace, const Counters&) override {
-        const model::Observation& seen = observer_.observe(time, workspace.states[0], workspace.phases.data());
+        const model::Observation& seen = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
         watch.add(seen, workspace);
         if (course.time.empty()) {
             const model::ChainLayout& at = workspace.layout();
@@ -44,15 +45,9 @@ private:
 };
 
 double distance(const std::vector<std::vector<double>>& is, const std::vector<std::vector<double>>& should) {
-    double error = 0.0, size = 0.0;
-    for (std::size_t row = 0; row < should.size(); ++row) {
-        for (std::size_t k = 0; k < should[row].size(); ++k) {
-            const double difference = is[row][k] - should[row][k];
-            error += difference * difference;
-            size += should[row][k] * should[row][k];
-        }
-    }
-    return size > 0.0 ? std::sqrt(error / size) : 0.0;
+    RelativeError error;
+    for (std::size_t row = 0; row < should.size(); ++row) error.add(is[row], should[row]);
+    return error.value();
 }
 
 /// The first tip that comes to touch a sheave of the driving shaft, which stands at x = 0, and is not left again.

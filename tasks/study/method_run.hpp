@@ -30,7 +30,7 @@ public:
     /// Of the last run.
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     /// Where the last run ended [s].
-    [[nodiscard]] double time() const noexcept { return integrator_.workspace().time; }
+    [[nodiscard]] double time() const noexcept { return integrator_.workspace().step.time; }
     /// Step in use at the end of the last run [s].
     [[nodiscard]] double step() const noexcept { return step_; }
     [[nodiscard]] const Workspace& workspace() const noexcept { return integrator_.workspace(); }

@@ -24,19 +24,10 @@ TrialEnd try_method(const model::Parameters& parameters, const FrozenStart& star
     const Workspace& workspace = run.workspace();
     end.state.assign(workspace.states[0], workspace.states[0] + workspace.layout().size());
     model::Observer observer(workspace.variator);
-    const model::Observation& seen = observer.observe(run.time(), workspace.states[0], workspace.phases.data());
+    const model::Observation& seen = observer.observe(run.time(), workspace.states[0], workspace.tips.phases.data());
     end.axial_force = seen.tip_axial;
     end.tension = seen.tension;
     return end;
-}
-
-double relative_difference(const std::vector<double>& values, const std::vector<double>& reference) noexcept {
-    double error = 0.0, size = 0.0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        error += (values[i] - reference[i]) * (values[i] - reference[i]);
-        size += reference[i] * reference[i];
-    }
-    return size > 0.0 ? std::sqrt(error / size) : 0.0;
 }
 
 }  // namespace cvtflow::tasks

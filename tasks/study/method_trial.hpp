@@ -28,7 +28,4 @@ struct TrialEnd {
 [[nodiscard]] TrialEnd try_method(const model::Parameters& parameters, const FrozenStart& start, const std::string& method, double step,
                                   double duration);
 
-/// ‖values - reference‖/‖reference‖, Euclidean; 0 for a reference of zeros.
-[[nodiscard]] double relative_difference(const std::vector<double>& values, const std::vector<double>& reference) noexcept;
-
 }  // namespace cvtflow::tasks

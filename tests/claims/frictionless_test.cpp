@@ -63,7 +63,7 @@ Means settled(const model::Parameters& p) {
     int seen = 0;
     EXPECT_FALSE(rig.run({0.0, 3.0 * passage, 1e-7, 3.0 * passage / outputs}, [&](double t, const tasks::Workspace& w) {
         if (seen++ == outputs) return;  // the last output is the first of the next passage
-        const model::Observation& now = observer.observe(t, w.states[0], w.phases.data());
+        const model::Observation& now = observer.observe(t, w.states[0], w.tips.phases.data());
         means.tight += now.tight / outputs;
         means.slack += now.slack / outputs;
         means.speed += strand_speed(p, w.states[0]) / outputs;

@@ -6,6 +6,7 @@
 #include "tasks/method/implicit/catalogue.hpp"
 #include "tasks/method/implicit/linear_plan.hpp"
 #include "tasks/study/method_trial.hpp"
+#include "tasks/study/relative_error.hpp"
 
 namespace cvtflow::claims {
 namespace {
@@ -21,7 +22,7 @@ protected:
     static tasks::TrialEnd end(const std::string& method, double h = step) {
         return tasks::try_method(scene().parameters, start(), method, h, duration);
     }
-    static double axial_error(const tasks::TrialEnd& end) { return tasks::relative_difference(end.axial_force, reference().axial_force); }
+    static double axial_error(const tasks::TrialEnd& end) { return tasks::relative_error(end.axial_force, reference().axial_force); }
 
 private:
     static const tasks::Scene& scene() {

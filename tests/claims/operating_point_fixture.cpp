@@ -44,7 +44,7 @@ Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(
 
 void Operation::output(double now, const tasks::Workspace& workspace, const tasks::Counters&) {
     if (!recording_) return;
-    const model::Observation& o = observer_.observe(now, workspace.states[0], workspace.phases.data());
+    const model::Observation& o = observer_.observe(now, workspace.states[0], workspace.tips.phases.data());
     time.push_back(now);
     ratio.push_back(o.ratio);
     slip.push_back(o.slip);

@@ -30,8 +30,8 @@ public:
     [[nodiscard]] const double* state() const { return integrator_->workspace().states[0]; }
     [[nodiscard]] std::vector<double> state_copy() const;
     [[nodiscard]] double* mutable_state() { return integrator_->workspace().states[0]; }
-    [[nodiscard]] const std::vector<model::Phase>& phases() const { return integrator_->workspace().phases; }
-    [[nodiscard]] double time() const { return integrator_->workspace().time; }
+    [[nodiscard]] const std::vector<model::Phase>& phases() const { return integrator_->workspace().tips.phases; }
+    [[nodiscard]] double time() const { return integrator_->workspace().step.time; }
     [[nodiscard]] const tasks::Counters& counters() const { return counters_; }
     [[nodiscard]] const std::vector<tasks::TransitionRecord>& transitions() const { return transitions_; }
 

@@ -8,6 +8,7 @@
 #include "tasks/run/run.hpp"
 #include "tasks/scene/units.hpp"
 #include "tasks/study/method_trial.hpp"
+#include "tasks/study/relative_error.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 #include "tools/output/interrupt.hpp"
@@ -69,8 +70,8 @@ std::vector<std::string> cells_of(const std::string& method, const tasks::TrialE
     if (end.fault) {
         cells.insert(cells.end(), {"-", "-"});
     } else {
-        cells.push_back(fmt::format("{:.1e}", tasks::relative_difference(end.axial_force, reference.axial_force)));
-        cells.push_back(fmt::format("{:.1e}", tasks::relative_difference(end.tension, reference.tension)));
+        cells.push_back(fmt::format("{:.1e}", tasks::relative_error(end.axial_force, reference.axial_force)));
+        cells.push_back(fmt::format("{:.1e}", tasks::relative_error(end.tension, reference.tension)));
     }
     return cells;
 }

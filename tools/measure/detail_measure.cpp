@@ -46,7 +46,7 @@ struct Averager final : tasks::RunObserver {
     Averager(const tasks::Simulation& simulation, double from, double until)
         : observer(simulation.variator()), middle(0.5 * (from + until)) {}
     void output(double time, const tasks::Workspace& w, const tasks::Counters&) override {
-        const model::Observation& now = observer.observe(time, w.states[0], w.phases.data());
+        const model::Observation& now = observer.observe(time, w.states[0], w.tips.phases.data());
         watch.add(now, w);
         (time < middle ? first : second).add(now);
     }

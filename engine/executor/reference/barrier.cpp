@@ -6,7 +6,7 @@
 #include <thread>
 #include <vector>
 
-#include "engine/thread/patience.hpp"
+#include "engine/thread/backoff.hpp"
 #include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_grant.hpp"
 
@@ -55,7 +55,7 @@ public:
         const std::uint64_t number = open();
         run_.tasks(share(tasks, 0, members_), 0);
         for (std::size_t worker = 1; worker < static_cast<std::size_t>(members_); ++worker) {
-            static_cast<void>(patience_.change(done_[worker].value, number - 1));
+            static_cast<void>(backoff_.change(done_[worker].value, number - 1));
         }
     }
 
@@ -71,10 +71,10 @@ private:
     }
 
     void work(int worker) noexcept {
-        Patience patience = untried_;
+        Backoff backoff = untried_;
         const Pin pin(options_.pin, processors_, worker);
         for (std::uint64_t number = 0;;) {
-            number = patience.change(opened_.value, number);
+            number = backoff.change(opened_.value, number);
             if (level_.empty()) return;
             run_.tasks(share(level_, worker, members_), worker);
             done_[static_cast<std::size_t>(worker)].value.store(number, std::memory_order_release);
@@ -83,8 +83,8 @@ private:
 
     Run& run_;
     const ExecutorOptions& options_;
-    const Patience untried_;
-    Patience patience_ = untried_;  ///< the calling thread's
+    const Backoff untried_;
+    Backoff backoff_ = untried_;  ///< the calling thread's
     Processors processors_;
     Pin own_;
     int members_ = 1;             ///< read by workers after the first `opened`

@@ -32,10 +32,10 @@ private:
 };
 
 /// Mutual exclusion without its header, for folders that know no threads.
-class Gate {
+class Mutex {
 public:
     template <class Body>
-    decltype(auto) through(Body&& body) {
+    decltype(auto) guard(Body&& body) {
         const std::lock_guard hold(mutex_);
         return body();
     }

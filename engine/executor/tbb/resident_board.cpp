@@ -21,8 +21,8 @@
 /// s has happened, and none of s + 1 can before `open` is stored.
 ///
 /// Progress. Nobody waits for a worker, only for a task that somebody has claimed and is running, or for the last finisher. A worker
-/// that loses its processor to others leaves for a while (retreat.hpp), the last one at work never: at_work_ falls from n to n - 1 by
-/// a compare-and-swap only if n > 1.
+/// that loses its processor to others leaves for a while (contention_backoff.hpp), the last one at work never: at_work_ falls from n to n -
+/// 1 by a compare-and-swap only if n > 1.
 ///
 /// Shares and not single tasks carry the claims: a worker that looks for work reads one line per colleague rather than one per task,
 /// and a colleague's next claim has one line to win back instead of many (0.1 µs each).
@@ -103,28 +103,28 @@ std::uint64_t ResidentBoard::finish(int worker, std::uint64_t open) noexcept {
 }
 
 /// Sleeps while others work, until the time is over or the run is. Does nothing if nobody else is at work.
-void ResidentBoard::leave(Retreat& retreat) noexcept {
+void ResidentBoard::leave(ContentionBackoff& contention) noexcept {
     int at_work = at_work_.value.load(std::memory_order_relaxed);
     do {
         if (at_work == 1) return;
     } while (!at_work_.value.compare_exchange_weak(at_work, at_work - 1, std::memory_order_relaxed));
-    const auto until = std::chrono::steady_clock::now() + retreat.length();
+    const auto until = std::chrono::steady_clock::now() + contention.length();
     while (std::chrono::steady_clock::now() < until && Word::count(open_.value.load(std::memory_order_relaxed)) != Word::most) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     at_work_.value.fetch_add(1, std::memory_order_relaxed);
-    retreat.returned(ProcessorUse::now());
+    contention.returned(ProcessorUse::now());
 }
 
 void ResidentBoard::work(int worker) noexcept {
-    Patience patience = untried_;
-    Retreat retreat(ProcessorUse::now());
+    Backoff backoff = untried_;
+    ContentionBackoff contention(ProcessorUse::now());
     at_work_.value.fetch_add(1, std::memory_order_relaxed);
     std::uint64_t open = open_.value.load(std::memory_order_acquire);
     for (int round = 0; Word::count(open) != Word::most; ++round) {
-        if (retreats_ && round % rounds_per_look == 0 && retreat.due()) leave(retreat);
+        if (retreats_ && round % rounds_per_look == 0 && contention.due()) leave(contention);
         const std::uint64_t next = finish(worker, open);
-        open = next != open ? next : patience.change(open_.value, open);
+        open = next != open ? next : backoff.change(open_.value, open);
     }
     at_work_.value.fetch_sub(1, std::memory_order_relaxed);
 }

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "engine/executor/run.hpp"
-#include "engine/executor/tbb/retreat.hpp"
-#include "engine/thread/patience.hpp"
+#include "engine/executor/tbb/contention_backoff.hpp"
+#include "engine/thread/backoff.hpp"
 
 namespace cvtflow::engine {
 
@@ -51,10 +51,10 @@ private:
     [[nodiscard]] bool settle(std::uint64_t ran) noexcept;
     [[nodiscard]] std::uint64_t open_next(int worker, std::uint64_t finished) noexcept;
     std::uint64_t open_level(std::uint64_t sequence, std::uint64_t level) noexcept;
-    void leave(Retreat& retreat) noexcept;
+    void leave(ContentionBackoff& contention) noexcept;
 
     Run& run_;
-    const Patience untried_;
+    const Backoff untried_;
     int workers_;
     bool retreats_;                           ///< not on a machine of one's own
     std::vector<Level> levels_;               ///< of all cycles

@@ -27,8 +27,8 @@ constexpr double inner = 0.3;  ///< |z| below which consistency alone decides
 constexpr double knee = 4.0;   ///< real z beyond which the ripple applies
 constexpr int most_iterations = 60;
 constexpr double slimmest = 10.0;  ///< real over imaginary extent of the basis: off a short real interval its polynomials grow too fast
-constexpr int patience = 8;        ///< iterations after which
-constexpr double hopeless = 1.5;   ///< a largest residual beyond this will not come down to 1
+constexpr int most_useless_iterations = 8;  ///< iterations after which
+constexpr double hopeless = 1.5;            ///< a largest residual beyond this will not come down to 1
 constexpr double margin = 5e-5;
 constexpr double ridge = 1e-2;  ///< keeps the weights small: they multiply rounding and kinks
 constexpr double least_weight = 1e-14;
@@ -108,7 +108,7 @@ public:
             const Residuals residuals = measure();
             largest_ = residuals.largest;
             if (largest_ <= 1.0 - margin) return iteration;
-            if (iteration >= patience && largest_ > hopeless) return {};
+            if (iteration >= most_useless_iterations && largest_ > hopeless) return {};
             weights_ = (weights_.array() * residuals.values.array() / residuals.largest).matrix();
             weights_ = (weights_ / weights_.maxCoeff()).cwiseMax(least_weight);
         }

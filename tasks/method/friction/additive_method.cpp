@@ -35,17 +35,17 @@ std::optional<engine::PlanStep> AdditiveMethod::error_row() const noexcept {
 
 int AdditiveMethod::begin() {
     stage_ = 0;
-    std::copy(w_.states[0] + w_.layout().pulley_begin(), w_.states[0] + w_.layout().size(), w_.tail.data());
-    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    std::copy(w_.states[0] + w_.layout().pulley_begin(), w_.states[0] + w_.layout().size(), w_.pulleys.tail.data());
+    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.pulleys.tail.data(), w_.pulleys.sheaves);
     return evaluate({&start, 1});
 }
 
 /// The right-hand side of the stage at hand; the tail is at its state already.
 int AdditiveMethod::evaluate(std::span<const engine::Term> states) noexcept {
     at_ = At::evaluate;
-    w_.evaluate_end = false;
-    w_.row = {states, {}, -1, stage_ + 1, table_.times[at(stage_)]};
-    w_.slope_out = slope(stage_);
+    w_.step.evaluate_end = false;
+    w_.step.row = {states, {}, -1, stage_ + 1, table_.times[at(stage_)]};
+    w_.step.slope_out = slope(stage_);
     return evaluate_cycle;
 }
 
@@ -62,21 +62,21 @@ int AdditiveMethod::next() {
 }
 
 int AdditiveMethod::after_evaluation() {
-    close_evaluation(w_, w_.time + table_.times[at(stage_)] * w_.h, w_.tail.data(),
-                     w_.variator.sheave_forces(w_.phases.data(), w_.loads.data()), slope(stage_));
+    close_evaluation(w_, w_.step.time + table_.times[at(stage_)] * w_.step.h, w_.pulleys.tail.data(),
+                     w_.variator.sheave_forces(w_.tips.phases.data(), w_.links.loads.data()), slope(stage_));
     if (stage_ == 0) {  // friction of the first stage is not solved for
         at_ = At::record;
         return record_cycle;
     }
     if (stage_ + 1 < table_.stages()) return start_stage();
-    w_.row = {{&start, 1}, weights_, -1, -1, 1.0};
+    w_.step.row = {{&start, 1}, weights_, -1, -1, 1.0};
     return done;
 }
 
 int AdditiveMethod::after_gathering() {
     if (stage_ == 0) return start_stage();
     at_ = At::solve;
-    return solve_.begin(w_.h);
+    return solve_.begin(w_.step.h);
 }
 
 int AdditiveMethod::after_solve(int cycle) {
@@ -92,9 +92,9 @@ int AdditiveMethod::start_stage() {
         double sum = 0.0;
         for (int other = 0; other < stage_; ++other)
             sum += table_.explicit_part[at(stage_)][at(other)] * slope(other)[layout.pulley_begin() + k];
-        w_.tail[at(k)] = w_.states[0][layout.pulley_begin() + k] + w_.h * sum;
+        w_.pulleys.tail[at(k)] = w_.states[0][layout.pulley_begin() + k] + w_.step.h * sum;
     }
-    if (layout.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    if (layout.pulley_size != 0) w_.variator.pulleys().motions(w_.pulleys.tail.data(), w_.pulleys.sheaves);
     at_ = At::stage;
     return stage_cycle;
 }
@@ -110,7 +110,7 @@ void AdditiveMethod::stage(int number) noexcept {
         const double weight = implicit_row[at(other)] - explicit_row[at(other)], *past = own.friction[at(other)].at(0);
         for (int k = 0; k < numbers; ++k) friction[k] += weight * past[k];
     }
-    const double step = w_.h * table_.gamma;
+    const double step = w_.step.h * table_.gamma;
     for (const auto& [link, lane] : solve_.group(number).links) {
         const int q = w_.layout().link_begin(link);
         const double* from = w_.states[0] + q;
@@ -122,8 +122,8 @@ void AdditiveMethod::stage(int number) noexcept {
         }
         for (int k = 0; k < size; ++k) {
             double& velocity = own.explicit_velocity.at(k)[lane];
-            velocity = from[size + k] + w_.h * (to[size + k] + velocity);
-            to[k] = from[k] + w_.h * to[k];
+            velocity = from[size + k] + w_.step.h * (to[size + k] + velocity);
+            to[k] = from[k] + w_.step.h * to[k];
             to[size + k] = velocity + step * own.friction[at(stage_ - 1)].at(k)[lane];
         }
     }
@@ -135,7 +135,7 @@ void AdditiveMethod::record(int segment) noexcept {
 
 void AdditiveMethod::gather(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
-    solve_.space().gather(field_, w_.phases.data(), table_.gamma * w_.h, g);
+    solve_.space().gather(field_, w_.tips.phases.data(), table_.gamma * w_.step.h, g);
     if (stage_ > 1) return;
     read(predicts_from_start() ? w_.states[0] : stage_state(), w_.layout().link_size(), number, g.velocity);
     solve_.space().slips(0.0, g, g.own);
@@ -166,7 +166,7 @@ void AdditiveMethod::base(int number) noexcept {
 void AdditiveMethod::finish(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     const model::ChainLayout& layout = w_.layout();
-    const double step = w_.h * table_.gamma;
+    const double step = w_.step.h * table_.gamma;
     solve_.settle(number);
     solve_.space().accelerate(g);
     std::copy_n(g.acceleration.at(0), layout.link_size() * model::slip_lanes, stages_[at(number)].friction[at(stage_)].at(0));

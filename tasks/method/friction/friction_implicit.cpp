@@ -136,7 +136,7 @@ void FrictionImplicit::add_neighbours(engine::TaskGraph& graph, const std::vecto
 
 void FrictionImplicit::record_window(int segment, const double* window, const model::ContactDrift& drift) noexcept {
     const Segment& own = w_.partition[segment];
-    solve_.space().friction().record({own.first, own.last, window, w_.sheaves, w_.phases.data()}, drift, field_,
+    solve_.space().friction().record({own.first, own.last, window, w_.pulleys.sheaves, w_.tips.phases.data()}, drift, field_,
                                      normal_loads_.data() + own.first);
 }
 

@@ -105,10 +105,11 @@ int FrictionLeapfrog::next() {
 int FrictionLeapfrog::start_kick() {
     if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
-    table_ = tables_.reaching(margin * radius_ * w_.h);
+    table_ = tables_.reaching(margin * radius_ * w_.step.h);
     if (table_ == nullptr) {
-        fault_ = std::isfinite(radius_) ? Fault{FaultKind::too_stiff, w_.time, -1, radius_ * w_.h, tables_.longest_reach() / margin}
-                                        : Fault{FaultKind::non_finite, w_.time, first_not_finite(w_), 0.0, 0.0};
+        fault_ = std::isfinite(radius_)
+                     ? Fault{FaultKind::too_stiff, w_.step.time, -1, radius_ * w_.step.h, tables_.longest_reach() / margin}
+                     : Fault{FaultKind::non_finite, w_.step.time, first_not_finite(w_), 0.0, 0.0};
         return failed;
     }
     state_ = State::stages;
@@ -140,7 +141,7 @@ void FrictionLeapfrog::push(int segment) noexcept {
     system_.begin_from(w_, w_.states[0], segment);
 }
 
-void FrictionLeapfrog::stage(int segment) noexcept { system_.stage(w_, row_, w_.h, lean_, segment); }
+void FrictionLeapfrog::stage(int segment) noexcept { system_.stage(w_, row_, w_.step.h, lean_, segment); }
 
 void FrictionLeapfrog::finish(int segment) noexcept {
     system_.react(w_, segment);
@@ -151,7 +152,7 @@ void FrictionLeapfrog::finish(int segment) noexcept {
         const int v = q + at.link_size();
         for (int k = 0; k < at.link_size(); ++k) {
             w_.states[1][v + k] = *velocity.at(k, link + 1);
-            w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.h * (w_.states[0][v + k] + w_.states[1][v + k]);
+            w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.step.h * (w_.states[0][v + k] + w_.states[1][v + k]);
         }
     }
 }

@@ -36,7 +36,7 @@ void FrictionSystem::repartition(const Partition& partition) {
 
 model::FrictionRange FrictionSystem::range_of(const Workspace& w, double time, const model::Columns& velocity, int segment) noexcept {
     const Segment& own = w.partition[segment];
-    return {own.first, own.last, velocity.at(0, own.first), velocity.stride(), scratch_[at(segment)].data(), w.phases.data(), time};
+    return {own.first, own.last, velocity.at(0, own.first), velocity.stride(), scratch_[at(segment)].data(), w.tips.phases.data(), time};
 }
 
 /// Ghost columns next to a segment's own, where it holds the link that they repeat.
@@ -53,7 +53,7 @@ void FrictionSystem::push(Workspace& w, const model::ContactDrift& drift, int se
     const Segment& own = w.partition[segment];
     double* window = w.windows[at(segment)].data();
     fill_window(w, own, window);
-    friction_.record_and_push({own.first, own.last, window, w.sheaves, w.phases.data()}, drift, field_, base_,
+    friction_.record_and_push({own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data()}, drift, field_, base_,
                               normal_loads_.data() + own.first);
 }
 
@@ -90,11 +90,11 @@ void FrictionSystem::stage(const Workspace& w, const KickRow& row, double h, dou
 void FrictionSystem::react(Workspace& w, int segment) const noexcept {
     const Segment& own = w.partition[segment];
     for (int link = own.first; link < own.last; ++link) {
-        w.loads[at(link)] = normal_loads_[at(link)];
-        model::SheaveLoad& load = w.loads[at(link)].load;
+        w.links.loads[at(link)] = normal_loads_[at(link)];
+        model::SheaveLoad& load = w.links.loads[at(link)].load;
         const model::TipArms& p = field_.arms[at(link)];
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
-            if (w.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
+            if (w.tips.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
             const double fx = *impulses_.at(3 * corner, link + 1), fy = *impulses_.at(3 * corner + 1, link + 1),
                          fz = *impulses_.at(3 * corner + 2, link + 1);
             load.add(corner % 2, -fx, -fy, -fz, p.x[corner], p.y[corner], p.z[corner]);

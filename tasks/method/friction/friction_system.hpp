@@ -27,7 +27,7 @@ public:
 
     // Bodies of tasks: each touches the columns of one segment only, and reads those of its two neighbours.
 
-    /// Notes the contacts of a segment's links at the stage state of workspace.row, and all other forces there.
+    /// Notes the contacts of a segment's links at the stage state of workspace.step.row, and all other forces there.
     void push(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
     /// One row of a chained table: evaluates at the velocities of its slot, with lean times the difference between base and that of the
     /// step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.

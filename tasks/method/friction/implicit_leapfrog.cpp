@@ -63,7 +63,7 @@ int ImplicitLeapfrog::next() {
         case At::evaluate: at_ = At::record; return record_cycle;
         case At::record: at_ = At::gather; return gather_cycle;
         case At::gather:
-        case At::stage: at_ = At::solve; return solve_.begin(w_.h);
+        case At::stage: at_ = At::solve; return solve_.begin(w_.step.h);
         case At::solve: return after_solve(solve_.next());
         case At::finish: frame_.end(); return done;
     }
@@ -86,22 +86,22 @@ void ImplicitLeapfrog::record(int segment) noexcept {
     const Segment& own = w_.partition[segment];
     double* window = w_.windows[at(segment)].data();
     fill_window(w_, own, window);
-    solve_.space().friction().record_and_push({own.first, own.last, window, w_.sheaves, w_.phases.data()}, frame_.drift(), field_, push_,
-                                              normal_loads_.data() + own.first);
+    solve_.space().friction().record_and_push({own.first, own.last, window, w_.pulleys.sheaves, w_.tips.phases.data()}, frame_.drift(),
+                                              field_, push_, normal_loads_.data() + own.first);
 }
 
 /// Contacts, and the slips of the velocities with which the other forces were evaluated and of those with which the step begins.
 void ImplicitLeapfrog::gather(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     model::LaneRows& start = kicks_[at(number)].start;
-    solve_.space().gather(field_, w_.phases.data(), table_.gamma * w_.h, g);
+    solve_.space().gather(field_, w_.tips.phases.data(), table_.gamma * w_.step.h, g);
     read(w_.states[0], w_.layout().link_size(), number, start);
     std::copy_n(start.at(0), model::slip_lanes * w_.layout().link_size(), g.velocity.at(0));
     solve_.space().slips(-0.5, g, g.own_start);
     read(w_.slopes[1], w_.layout().link_size(), number, g.velocity);
     for (int row = 0; row < w_.layout().link_size(); ++row) {
         for (int lane = 0; lane < model::slip_lanes; ++lane)
-            g.velocity.at(row)[lane] = start.at(row)[lane] + 0.5 * w_.h * g.velocity.at(row)[lane];
+            g.velocity.at(row)[lane] = start.at(row)[lane] + 0.5 * w_.step.h * g.velocity.at(row)[lane];
     }
     solve_.space().slips(0.0, g, g.own);
 }
@@ -132,7 +132,7 @@ void ImplicitLeapfrog::guess(int number, double share) noexcept {
 void ImplicitLeapfrog::predict(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
-    const double share = table_.lean(stage_, frame_.rise()), h = w_.h, step = h * table_.gamma;
+    const double share = table_.lean(stage_, frame_.rise()), h = w_.step.h, step = h * table_.gamma;
     const int numbers = w_.layout().link_size() * model::slip_lanes;
     const double *now = kick.base.at(0), *before = kick.before.at(0), *start = kick.start.at(0);
     double *slope = kick.slopes[at(stage_)].at(0), *velocity = g.velocity.at(0);
@@ -177,12 +177,12 @@ void ImplicitLeapfrog::finish(int number) noexcept {
     react(number);
     const model::SlipGroup& g = solve_.group(number);
     const model::ChainLayout& layout = w_.layout();
-    const double step = w_.h * table_.gamma;
+    const double step = w_.step.h * table_.gamma;
     for (const auto& [link, lane] : g.links) {
         const int q = layout.link_begin(link), v = q + layout.link_size();
         for (int k = 0; k < layout.link_size(); ++k) {
             w_.states[1][v + k] = g.velocity.at(k)[lane] + step * g.acceleration.at(k)[lane];
-            w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.h * (w_.states[0][v + k] + w_.states[1][v + k]);
+            w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.step.h * (w_.states[0][v + k] + w_.states[1][v + k]);
         }
     }
 }
@@ -192,11 +192,11 @@ void ImplicitLeapfrog::react(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     const model::LaneRows& impulses = kicks_[at(number)].impulses;
     for (const auto& [link, lane] : g.links) {
-        w_.loads[at(link)] = normal_loads_[at(link)];
-        model::SheaveLoad& load = w_.loads[at(link)].load;
+        w_.links.loads[at(link)] = normal_loads_[at(link)];
+        model::SheaveLoad& load = w_.links.loads[at(link)].load;
         const model::TipArms& p = field_.arms[at(link)];
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
-            if (w_.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
+            if (w_.tips.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
             const int row = model::SlipGroup::Tip::count * corner + model::SlipGroup::Tip::tangent;
             const double first = impulses.at(2 * corner)[lane], second = impulses.at(2 * corner + 1)[lane];
             const auto along = [&, k = lane](int axis) {

@@ -46,40 +46,41 @@ void LeapfrogFrame::extrapolate() {
 
 void LeapfrogFrame::turn_over() {
     extrapolate();
-    std::copy(std::begin(w_.sheaves), std::end(w_.sheaves), sheaves_before_);
+    std::copy(std::begin(w_.pulleys.sheaves), std::end(w_.pulleys.sheaves), sheaves_before_);
     length_before_ = continues_ ? length_ : 0.0;
-    begun_ = w_.time;
+    begun_ = w_.step.time;
     continues_ = true;
 }
 
 void LeapfrogFrame::begin() {
-    length_ = w_.h;
+    length_ = w_.step.h;
     rise_ = length_before_ > 0.0 ? 2.0 * length_ / (length_ + length_before_) : 0.0;
     static constexpr engine::Term from{0, 1.0}, along{1, 0.5};
-    w_.evaluate_end = false;
-    w_.row = {{&from, 1}, {&along, 1}, -1, 2, 0.5};
-    w_.slope_out = w_.slopes[2];
+    w_.step.evaluate_end = false;
+    w_.step.row = {{&from, 1}, {&along, 1}, -1, 2, 0.5};
+    w_.step.slope_out = w_.slopes[2];
     const model::ChainLayout& at = w_.layout();
-    engine::combine(w_.row, w_.h, w_.slots(), at.pulley_begin(), at.size(), w_.tail.data());
-    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
-    drift_.step = w_.h;
-    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.sheaves[k], sheaves_before_[k], rise_);
+    engine::combine(w_.step.row, w_.step.h, w_.slots(), at.pulley_begin(), at.size(), w_.pulleys.tail.data());
+    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.pulleys.tail.data(), w_.pulleys.sheaves);
+    drift_.step = w_.step.h;
+    for (int k = 0; k < 4; ++k) drift_.change[k] = change_of(w_.pulleys.sheaves[k], sheaves_before_[k], rise_);
 }
 
 void LeapfrogFrame::end() {
     const model::ChainLayout& at = w_.layout();
     const int begin = at.pulley_begin(), half = at.pulley_size;
-    close_evaluation(w_, w_.time + 0.5 * w_.h, w_.tail.data(), w_.variator.sheave_forces(w_.phases.data(), w_.loads.data()), w_.slopes[2]);
-    for (int k = begin + half; k < at.size(); ++k) w_.states[1][k] = w_.states[0][k] + w_.h * w_.slopes[2][k];
+    close_evaluation(w_, w_.step.time + 0.5 * w_.step.h, w_.pulleys.tail.data(),
+                     w_.variator.sheave_forces(w_.tips.phases.data(), w_.links.loads.data()), w_.slopes[2]);
+    for (int k = begin + half; k < at.size(); ++k) w_.states[1][k] = w_.states[0][k] + w_.step.h * w_.slopes[2][k];
     for (int k = begin; k < begin + half; ++k)
-        w_.states[1][k] = w_.states[0][k] + 0.5 * w_.h * (w_.states[0][k + half] + w_.states[1][k + half]);
+        w_.states[1][k] = w_.states[0][k] + 0.5 * w_.step.h * (w_.states[0][k + half] + w_.states[1][k + half]);
     static constexpr engine::Term end{1, 1.0};
-    w_.row = {{&end, 1}, {}, -1, -1, 1.0};
+    w_.step.row = {{&end, 1}, {}, -1, -1, 1.0};
 }
 
 void LeapfrogFrame::save(std::vector<double>& memory) const {
     memory.insert(memory.end(), {continues_ ? 1.0 : 0.0, length_});
-    for (const model::SheaveMotion& s : w_.sheaves) memory.insert(memory.end(), {s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z});
+    for (const model::SheaveMotion& s : w_.pulleys.sheaves) memory.insert(memory.end(), {s.vx, s.vy, s.vz, s.spin_x, s.spin_y, s.spin_z});
     memory.insert(memory.end(), w_.end_slope, w_.end_slope + w_.layout().size());
 }
 
@@ -88,7 +89,7 @@ std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
     continues_ = own[0] != 0.0;
     length_ = own[1];
     begun_ = -1e300;
-    for (model::SheaveMotion& s : w_.sheaves) {
+    for (model::SheaveMotion& s : w_.pulleys.sheaves) {
         const auto motion = taken(memory, 6);
         s.vx = motion[0], s.vy = motion[1], s.vz = motion[2];
         s.spin_x = motion[3], s.spin_y = motion[4], s.spin_z = motion[5];

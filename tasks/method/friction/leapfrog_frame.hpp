@@ -23,12 +23,12 @@ public:
     /// There is no step before.
     void restart() noexcept;
     /// Whether the step that begins follows another or none; else it is the same step once more, only shorter.
-    [[nodiscard]] bool is_new() const noexcept { return w_.time != begun_ || !continues_; }
+    [[nodiscard]] bool is_new() const noexcept { return w_.step.time != begun_ || !continues_; }
     /// Of a new step, before begin(): what the step before has left becomes history.
     void turn_over();
-    /// workspace.row for the middle of the step, and the sheaves there.
+    /// workspace.step.row for the middle of the step, and the sheaves there.
     void begin();
-    /// Pulleys, from the loads of all links; workspace.row for the result, whose links are in state slot 1.
+    /// Pulleys, from the loads of all links; workspace.step.row for the result, whose links are in state slot 1.
     void end();
 
     [[nodiscard]] const model::ContactDrift& drift() const noexcept { return drift_; }

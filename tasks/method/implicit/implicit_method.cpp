@@ -34,60 +34,39 @@ ImplicitMethod::ImplicitMethod(Workspace& workspace)
       derivatives_(w_.variator) {}
 
 void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
-    const int links = w_.layout().links, batches = differences_.batches(), chunks = matrix_.chunks();
     for (int s = 0; s < w_.partition.size(); ++s) {
         const Segment& own = w_.partition[s];
-        graph.add({numbered("prepare", s),
-                   prepare_cycle,
-                   engine::code_of<&ImplicitMethod::prepare_segment>(*this),
-                   s,
-                   {{right_side_field, own.first, own.last, true}}});
-        graph.add({numbered("update", s),
-                   update_cycle,
-                   engine::code_of<&ImplicitMethod::update_segment>(*this),
-                   s,
-                   {{jacobian_field, own.first, own.last, true}}});
+        const engine::TaskCode prepare = engine::code_of<&ImplicitMethod::prepare_segment>(*this),
+                               update = engine::code_of<&ImplicitMethod::update_segment>(*this);
+        graph.add({numbered("prepare", s), prepare_cycle, prepare, s, {{right_side_field, own.first, own.last, true}}});
+        graph.add({numbered("update", s), update_cycle, update, s, {{jacobian_field, own.first, own.last, true}}});
     }
-    const int corner = graph.add(
-        {"corner", jacobian_cycle, engine::code_of<&ImplicitMethod::jacobian_corner>(*this), 0, {{jacobian_field, 0, links, true}}});
-    for (int b = 0; b < batches; ++b)
-        graph.order(graph.add({numbered("jacobian", b),
-                               jacobian_cycle,
-                               engine::code_of<&ImplicitMethod::jacobian_batch>(*this),
-                               b,
-                               {{jacobian_field, b, b + 1, true}}}),
-                    corner);
-    const int join = graph.add({"join",
-                                factor_cycle,
-                                engine::code_of<&ImplicitMethod::join>(*this),
-                                0,
-                                {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
-    const int join_solution = graph.add({"join",
-                                         solve_cycle,
-                                         engine::code_of<&ImplicitMethod::join_solution>(*this),
-                                         0,
-                                         {{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}}});
+    const int links = w_.layout().links;
+    const engine::TaskCode batch = engine::code_of<&ImplicitMethod::jacobian_batch>(*this),
+                           corner_of = engine::code_of<&ImplicitMethod::jacobian_corner>(*this);
+    const int corner = graph.add({"corner", jacobian_cycle, corner_of, 0, {{jacobian_field, 0, links, true}}});
+    for (int b = 0; b < differences_.batches(); ++b)
+        graph.order(graph.add({numbered("jacobian", b), jacobian_cycle, batch, b, {{jacobian_field, b, b + 1, true}}}), corner);
+    add_solution(graph);
+}
+
+/// Tasks that factor the matrix and solve with it, chunk by chunk.
+void ImplicitMethod::add_solution(engine::TaskGraph& graph) {
+    const int links = w_.layout().links, chunks = matrix_.chunks();
+    const std::vector<engine::Access> all{{chunk_field, 0, chunks, true}, {joint_field, 0, 1, true}};
+    const int join = graph.add({"join", factor_cycle, engine::code_of<&ImplicitMethod::join>(*this), 0, all});
+    const int join_solution = graph.add({"join", solve_cycle, engine::code_of<&ImplicitMethod::join_solution>(*this), 0, all});
+    const engine::TaskCode eliminate = engine::code_of<&ImplicitMethod::eliminate>(*this),
+                           forward = engine::code_of<&ImplicitMethod::forward>(*this),
+                           backward = engine::code_of<&ImplicitMethod::backward>(*this);
     for (int c = 0; c < chunks; ++c) {
         const auto& own = matrix_.range(c);
-        graph.order(graph.add({numbered("eliminate", c),
-                               factor_cycle,
-                               engine::code_of<&ImplicitMethod::eliminate>(*this),
-                               c,
-                               {{jacobian_field, 0, links, false}, {chunk_field, c, c + 1, true}}}),
-                    join);
-        graph.order(graph.add({numbered("forward", c),
-                               solve_cycle,
-                               engine::code_of<&ImplicitMethod::forward>(*this),
-                               c,
-                               {{right_side_field, own.first, own.last, false}, {chunk_field, c, c + 1, true}}}),
-                    join_solution);
-        graph.order(
-            join_solution,
-            graph.add({numbered("backward", c),
-                       solve_cycle,
-                       engine::code_of<&ImplicitMethod::backward>(*this),
-                       c,
-                       {{chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, own.first, own.last, true}}}));
+        const engine::Access chunk{chunk_field, c, c + 1, true}, right{right_side_field, own.first, own.last, false};
+        const std::vector<engine::Access> back{
+            {chunk_field, c, c + 1, false}, {joint_field, 0, 1, false}, {increment_field, own.first, own.last, true}};
+        graph.order(graph.add({numbered("eliminate", c), factor_cycle, eliminate, c, {{jacobian_field, 0, links, false}, chunk}}), join);
+        graph.order(graph.add({numbered("forward", c), solve_cycle, forward, c, {right, chunk}}), join_solution);
+        graph.order(join_solution, graph.add({numbered("backward", c), solve_cycle, backward, c, back}));
     }
 }
 
@@ -125,30 +104,31 @@ double ImplicitMethod::link_energy(const double* v) const noexcept {
 }
 
 int ImplicitMethod::evaluate(std::span<const engine::Term> states, double c, int slope_slot, int keep) noexcept {
-    w_.evaluate_end = false;
-    w_.row = {states, {}, keep, slope_slot, c};
-    w_.slope_out = slope(slope_slot);
+    w_.step.evaluate_end = false;
+    w_.step.row = {states, {}, keep, slope_slot, c};
+    w_.step.slope_out = slope(slope_slot);
     const model::ChainLayout& at = w_.layout();
-    engine::combine(w_.row, w_.h, w_.slots(), q_tail_, at.size(), w_.tail.data());
-    if (keep >= 0) std::copy(w_.tail.begin(), w_.tail.end(), state(keep) + q_tail_);
-    if (half_ != 0) w_.variator.pulleys().motions(w_.tail.data(), w_.sheaves);
+    engine::combine(w_.step.row, w_.step.h, w_.slots(), q_tail_, at.size(), w_.pulleys.tail.data());
+    if (keep >= 0) std::copy(w_.pulleys.tail.begin(), w_.pulleys.tail.end(), state(keep) + q_tail_);
+    if (half_ != 0) w_.variator.pulleys().motions(w_.pulleys.tail.data(), w_.pulleys.sheaves);
     return evaluate_cycle;
 }
 
 void ImplicitMethod::close_evaluate() noexcept {
-    close_evaluation(w_, w_.time + w_.row.time * w_.h, w_.tail.data(), w_.sheave_forces(), w_.slope_out);
+    close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), w_.sheave_forces(), w_.step.slope_out);
 }
 
 int ImplicitMethod::take_jacobian(double c, int state_slot, int slope_slot) noexcept {
-    base_ = {w_.time + c * w_.h, state(state_slot), slope(slope_slot), w_.phases.data(), w_.loads.data(), w_.accounts.data()};
+    base_ = {w_.step.time + c * w_.step.h, state(state_slot),     slope(slope_slot),
+             w_.tips.phases.data(),        w_.links.loads.data(), w_.links.accounts.data()};
     ++jacobians_;
-    if (!exact_) w_.evaluations += differences_.groups();
+    if (!exact_) w_.step.evaluations += differences_.groups();
     return jacobian_cycle;
 }
 
 int ImplicitMethod::factorise(double theta) noexcept {
     theta_ = theta;
-    const ContactMap contacts{w_.phases.data(), w_.loads.data()};
+    const ContactMap contacts{w_.tips.phases.data(), w_.links.loads.data()};
     for (int link = 0; link < w_.layout().links; ++link) shafts_[static_cast<std::size_t>(link)] = contacts.shaft(link);
     ++factorisations_;
     return factor_cycle;

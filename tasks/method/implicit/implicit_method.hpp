@@ -30,7 +30,7 @@ public:
     void add_tasks(engine::TaskGraph& graph) override;
     /// Stiff accelerations make no good interpolants.
     [[nodiscard]] bool retakes() const noexcept override { return true; }
-    [[nodiscard]] Fault fault() const noexcept override { return {FaultKind::non_finite, w_.time + w_.h, -1, 0.0, 0.0}; }
+    [[nodiscard]] Fault fault() const noexcept override { return {FaultKind::non_finite, w_.step.time + w_.step.h, -1, 0.0, 0.0}; }
 
     // Bodies of the cycles.
     virtual void prepare(int first, int last) noexcept = 0;
@@ -81,6 +81,7 @@ protected:
     bool finish_in_tasks_ = true;  ///< finish() is called by the backward tasks
 
 private:
+    void add_solution(engine::TaskGraph& graph);
     ColouredJacobian differences_;
     model::ExactJacobian derivatives_;
     BasePoint base_;

@@ -41,7 +41,7 @@ LinearMethod::LinearMethod(Workspace& workspace, const LinearPlan& plan)
     exact_ = true;
 }
 
-double LinearMethod::theta() const noexcept { return plan_.stages[stage_].gamma * w_.h; }
+double LinearMethod::theta() const noexcept { return plan_.stages[stage_].gamma * w_.step.h; }
 
 int LinearMethod::begin() {
     stage_ = 0;
@@ -69,10 +69,10 @@ int LinearMethod::next() {
 
 /// A step that is retaken begins at the same state: its Jacobian stays.
 int LinearMethod::after_evaluation() noexcept {
-    const bool at_hand = has_jacobian_ && time_of_jacobian_ == w_.time;
+    const bool at_hand = has_jacobian_ && time_of_jacobian_ == w_.step.time;
     if (stage_ == 0 && !at_hand) {
         has_jacobian_ = true;
-        time_of_jacobian_ = w_.time;
+        time_of_jacobian_ = w_.step.time;
         at_ = At::jacobian;
         return take_jacobian(0.0, 0, stage_slope);
     }
@@ -90,7 +90,7 @@ int LinearMethod::begin_factor() noexcept {
 void LinearMethod::coordinates_right(int begin, int size, double* out) const noexcept {
     const double gamma = plan_.stages[stage_].gamma;
     for (int k = 0; k < size; ++k) {
-        double sum = w_.h * slope(stage_slope)[begin + k];
+        double sum = w_.step.h * slope(stage_slope)[begin + k];
         for (const engine::Term& term : rights_[stage_]) sum += term.factor * state(term.slot)[begin + k];
         out[k] = gamma * sum;
     }
@@ -114,7 +114,7 @@ void LinearMethod::prepare_link(int link) noexcept {
     if (half_ == 0) return;
     double* reaction = reactions_.data() + link * border_size_;
     std::fill_n(reaction, border_size_, 0.0);
-    if (ContactMap{w_.phases.data(), w_.loads.data()}.shaft(link) < 0) return;
+    if (ContactMap{w_.tips.phases.data(), w_.links.loads.data()}.shaft(link) < 0) return;
     double pulleys[36 + 1] = {};
     coordinates_right(q_tail_, half_, pulleys);
     add_product(size_, border_size_, theta(), jacobian_.columns(link, model::With::position), pulleys, r);
@@ -159,7 +159,7 @@ int LinearMethod::finish_stage() noexcept {
     const int ledger = w_.layout().ledger_begin();
     coordinates_right(ledger, w_.layout().size() - ledger, state(static_cast<int>(stage_) + 1) + ledger);
     if (++stage_ < plan_.stages.size()) return begin_stage();
-    w_.row = {result_, {}, -1, -1, 1.0};
+    w_.step.row = {result_, {}, -1, -1, 1.0};
     return done;
 }
 

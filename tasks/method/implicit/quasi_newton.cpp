@@ -31,7 +31,7 @@ void TrapezoidalMethod::broyden_direction() noexcept {
 
 /// Squares of the change over what each row sees.
 int TrapezoidalMethod::begin_update() noexcept {
-    const ContactMap contacts{w_.phases.data(), w_.loads.data()};
+    const ContactMap contacts{w_.tips.phases.data(), w_.links.loads.data()};
     squares_[0] = squares_[1] = 0.0;
     for (int link = 0; link < w_.layout().links; ++link) {
         if (const int shaft = contacts.shaft(link); shaft >= 0) squares_[shaft] += square(velocities(change_, link), size_);
@@ -45,7 +45,7 @@ int TrapezoidalMethod::begin_update() noexcept {
 /// B = I - θ D - θ² K: the update is entered in D.
 void TrapezoidalMethod::update(int first, int last) noexcept {
     const model::ChainLayout& at = w_.layout();
-    const ContactMap contacts{w_.phases.data(), w_.loads.data()};
+    const ContactMap contacts{w_.tips.phases.data(), w_.links.loads.data()};
     for (int link = first; link < last; ++link) {
         const int shaft = contacts.shaft(link);
         const int near[3] = {at.previous(link), link, at.next(link)};

@@ -67,8 +67,8 @@ int TrapezoidalMethod::begin() {
     ++statistics_.steps;
     iterations_ = 0;
     refreshed_ = false;
-    const bool again = start_slope_ && w_.time == time_of_start_;  // retaken, only shorter
-    time_of_start_ = w_.time;
+    const bool again = start_slope_ && w_.step.time == time_of_start_;  // retaken, only shorter
+    time_of_start_ = w_.step.time;
     if (again) return predict();
     if (std::exchange(end_slope_, false)) {
         std::swap(w_.slopes[trial_slope], w_.slopes[start_slope]);
@@ -244,7 +244,7 @@ int TrapezoidalMethod::finish_step() noexcept {
     statistics_.refreshed += refreshed_ ? 1 : 0;
     statistics_.most = std::max<long>(statistics_.most, iterations_);
     terms_[0] = {iterate_, 1.0};
-    w_.row = {{terms_, 1}, {}, -1, -1, 1.0};
+    w_.step.row = {{terms_, 1}, {}, -1, -1, 1.0};
     return done;
 }
 

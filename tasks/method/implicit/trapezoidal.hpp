@@ -38,7 +38,7 @@ public:
 private:
     enum class At { start_slope, predict, evaluate, residual, jacobian, update, factor, solve };
 
-    [[nodiscard]] double theta() const noexcept { return 0.5 * w_.h; }
+    [[nodiscard]] double theta() const noexcept { return 0.5 * w_.step.h; }
     [[nodiscard]] bool keeps_over_steps() const noexcept { return options_.matrix >= NewtonMatrix::frozen; }
     int predict() noexcept;
     int evaluate_trial(double lambda) noexcept;

@@ -7,7 +7,7 @@ namespace cvtflow::tasks {
 
 void TrapezoidalMethod::start_link(int link) noexcept {
     const int q = w_.layout().link_begin(link), v = q + size_;
-    const double share = options_.start == NewtonStart::euler ? w_.h : 0.0;
+    const double share = options_.start == NewtonStart::euler ? w_.step.h : 0.0;
     double* out = state(iterate_);
     for (int k = 0; k < size_; ++k) {
         const double before = state(0)[v + k];
@@ -18,7 +18,7 @@ void TrapezoidalMethod::start_link(int link) noexcept {
 
 void TrapezoidalMethod::start_tail() noexcept {
     double* out = state(iterate_);
-    const double share = options_.start == NewtonStart::euler ? w_.h : 0.0;
+    const double share = options_.start == NewtonStart::euler ? w_.step.h : 0.0;
     std::copy(state(0) + q_tail_, state(0) + w_.layout().size(), out + q_tail_);
     for (int k = q_tail_; k < q_tail_ + half_; ++k) {
         out[k + half_] += share * slope(start_slope)[k + half_];

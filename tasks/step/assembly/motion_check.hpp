@@ -31,8 +31,8 @@ inline void check_motion(const Workspace& w, int link, const double* block, Verd
     bool finite = true;
     for (int k = 0; k < 2 * size; ++k) finite = finite && std::isfinite(block[k]);
     for (int k = size; k < 2 * size; ++k) largest = std::max(largest, std::abs(block[k]));
-    if (!finite) return report(verdict, FaultKind::non_finite, w.time + w.h, link, 0.0, 0.0);
-    report(verdict, FaultKind::blow_up, w.time + w.h, link, largest, fastest_pin);
+    if (!finite) return report(verdict, FaultKind::non_finite, w.step.time + w.step.h, link, 0.0, 0.0);
+    report(verdict, FaultKind::blow_up, w.step.time + w.step.h, link, largest, fastest_pin);
 }
 
 }  // namespace cvtflow::tasks

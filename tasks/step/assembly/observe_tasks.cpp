@@ -5,7 +5,7 @@
 namespace cvtflow::tasks {
 
 model::Account* cleared_accounts(Workspace& w, const Segment& own) noexcept {
-    model::Account* accounts = w.accounts.data() + model::account_parts * own.first;
+    model::Account* accounts = w.links.accounts.data() + model::account_parts * own.first;
     std::fill(accounts, accounts + model::account_parts * own.size(), model::Account{});
     return accounts;
 }
@@ -14,9 +14,10 @@ void observe_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
-    const model::ChainRange range{own.first, own.last, window_of(w, w.states[0], segment), w.observed_sheaves, w.phases.data()};
+    const model::ChainRange range{own.first, own.last, window_of(w, w.states[0], segment), w.pulleys.observed_sheaves,
+                                  w.tips.phases.data()};
     model::Account* accounts = cleared_accounts(w, own);
-    w.variator.chain().observed_slopes(range, w.cut_state + layout.link_begin(own.first), w.loads.data() + own.first, accounts);
+    w.variator.chain().observed_slopes(range, w.cut_state + layout.link_begin(own.first), w.links.loads.data() + own.first, accounts);
     for (int link = own.first; link < own.last; ++link) {
         const double* velocities = w.states[0] + layout.link_begin(link) + layout.link_size();
         accounts[model::account_parts * (link - own.first)].store(

@@ -38,10 +38,10 @@ void indicate(const Workspace& w, const double* state, const model::SheaveMotion
 /// Whether a link's tips are where contact can be described.
 void check_contact(const Workspace& w, int link, const model::TipProbe& probe, Verdict& verdict) noexcept {
     const auto& pulley = w.parameters.pulley;
-    const double now = w.time + w.h;
+    const double now = w.step.time + w.step.h;
     bool touching = false;
     for (int tip = 0; tip < model::tips_per_link; ++tip) {
-        if (w.phases[at(model::tips_per_link * link + tip)] == Phase::free) continue;
+        if (w.tips.phases[at(model::tips_per_link * link + tip)] == Phase::free) continue;
         touching = true;
         if (probe.depth[tip] > w.parameters.tip.deepest)
             report(verdict, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
@@ -51,19 +51,21 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, V
 }
 
 /// Whether a tip may change now: it has kept its phase for the dwell time.
-[[nodiscard]] bool may_change(const Workspace& w, int tip) noexcept { return w.time + w.h - w.changed[at(tip)] >= w.dwell; }
+[[nodiscard]] bool may_change(const Workspace& w, int tip) noexcept {
+    return w.step.time + w.step.h - w.tips.changed[at(tip)] >= w.step.dwell;
+}
 
 /// Where inside the step a tip could have changed and changed back, judged on the parabola through both ends and the first slope.
 [[nodiscard]] bool grazes(const Workspace& w, int tip, const TipIndicator& middle) noexcept {
-    const Phase phase = w.phases[at(tip)];
-    return w.rule.next(phase, w.before[at(tip)]) == phase && w.rule.next(phase, middle) != phase;
+    const Phase phase = w.tips.phases[at(tip)];
+    return w.rule.next(phase, w.tips.before[at(tip)]) == phase && w.rule.next(phase, middle) != phase;
 }
 
 /// Tips so close to contact that they can cross and return within a step.
 [[nodiscard]] bool near_contact(const Workspace& w, int link) noexcept {
     constexpr double near = 2e-7;  // m: an elastic oscillation of 1e6 1/s covers less in the longest useful step
     for (int tip = model::tips_per_link * link; tip < model::tips_per_link * (link + 1); ++tip) {
-        if (std::abs(w.before[at(tip)].depth) < near && std::abs(w.after[at(tip)].depth) < near) return true;
+        if (std::abs(w.tips.before[at(tip)].depth) < near && std::abs(w.tips.after[at(tip)].depth) < near) return true;
     }
     return false;
 }
@@ -73,11 +75,11 @@ void check_middle(Workspace& w, int link, Verdict& verdict) noexcept {
     double middle[2 * 4 * model::most_lateral + 8];
     const int begin = layout.link_begin(link);
     for (int k = 0; k < layout.link_block(); ++k) {
-        middle[k] = 0.75 * w.states[0][begin + k] + 0.25 * w.end_state[begin + k] + 0.25 * w.h * w.slopes[0][begin + k];
+        middle[k] = 0.75 * w.states[0][begin + k] + 0.25 * w.end_state[begin + k] + 0.25 * w.step.h * w.slopes[0][begin + k];
     }
     TipIndicator tips[model::tips_per_link];
     model::TipProbe probe;
-    indicate(w, middle, w.end_sheaves, tips, probe);
+    indicate(w, middle, w.pulleys.end_sheaves, tips, probe);
     for (int tip = 0; tip < model::tips_per_link; ++tip) {
         const int number = model::tips_per_link * link + tip;
         if (may_change(w, number) && grazes(w, number, tips[tip])) verdict.pending = true;
@@ -87,7 +89,7 @@ void check_middle(Workspace& w, int link, Verdict& verdict) noexcept {
 /// Transitions due at the step's end, among the tips of one link.
 void find_due(Workspace& w, int link, Verdict& verdict) noexcept {
     for (int tip = model::tips_per_link * link; tip < model::tips_per_link * (link + 1); ++tip) {
-        if (w.rule.next(w.phases[at(tip)], w.after[at(tip)]) == w.phases[at(tip)]) continue;
+        if (w.rule.next(w.tips.phases[at(tip)], w.tips.after[at(tip)]) == w.tips.phases[at(tip)]) continue;
         if (may_change(w, tip)) {
             verdict.pending = true;
         } else {
@@ -121,16 +123,16 @@ private:
 /// Earliest transition of one tip that may change, if any.
 [[nodiscard]] Transition locate_tip(Workspace& w, int link, int corner) noexcept {
     const int tip = model::tips_per_link * link + corner;
-    const Phase phase = w.phases[at(tip)];
+    const Phase phase = w.tips.phases[at(tip)];
     LinkAt state(w, link);
     double end = 1.0;
-    Phase to = w.rule.next(phase, w.after[at(tip)]);
+    Phase to = w.rule.next(phase, w.tips.after[at(tip)]);
     if (to == phase) {  // perhaps there and back within the step
         end = 0.5;
         to = w.rule.next(phase, state.tips(end)[corner]);
         if (to == phase) return {};
     }
-    const double from = w.rule.due(phase, to, w.before[at(tip)]);
+    const double from = w.rule.due(phase, to, w.tips.before[at(tip)]);
     if (from > 0.0) return {0.0, tip, to};  // was due already, but had been put off
     const auto gap = [&](double theta) noexcept { return w.rule.due(phase, to, state.tips(theta)[corner]); };
     return {engine::locate(gap, 0.0, end, from, gap(end), 1e-9).theta, tip, to};
@@ -138,15 +140,15 @@ private:
 
 /// Gives every tip of a link the phase that is due at the cut.
 void change_phases(Workspace& w, int link, const TipIndicator* tips, Verdict& verdict) noexcept {
-    const double now = w.time + w.theta * w.h;
+    const double now = w.step.time + w.step.theta * w.step.h;
     for (int corner = 0; corner < model::tips_per_link; ++corner) {
         const std::size_t tip = at(model::tips_per_link * link + corner);
-        Phase to = w.rule.next(w.phases[tip], tips[corner]);
-        if (to == w.phases[tip] && w.secant && static_cast<int>(tip) == w.due.tip)
-            to = w.due.to;  // retaken: there but for the error of the search
-        if (to == w.phases[tip] || !may_change(w, static_cast<int>(tip))) continue;
-        w.phases[tip] = to;
-        w.changed[tip] = now;
+        Phase to = w.rule.next(w.tips.phases[tip], tips[corner]);
+        if (to == w.tips.phases[tip] && w.step.secant && static_cast<int>(tip) == w.step.due.tip)
+            to = w.step.due.to;  // retaken: there but for the error of the search
+        if (to == w.tips.phases[tip] || !may_change(w, static_cast<int>(tip))) continue;
+        w.tips.phases[tip] = to;
+        w.tips.changed[tip] = now;
         ++verdict.detected;
     }
 }
@@ -157,7 +159,7 @@ void fill_window(Workspace& w, const Segment& own, double* window) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();
     const auto combine = [&](int link, int links, double* out) {
-        engine::combine(w.row, w.h, w.slots(), layout.link_begin(link), layout.link_begin(link) + links * block, out);
+        engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(link), layout.link_begin(link) + links * block, out);
     };
     combine(layout.previous(own.first), 1, window);
     combine(own.first, own.size(), window + block);
@@ -186,21 +188,21 @@ void evaluate_segment(void* workspace, int segment) noexcept {
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
     double* window = w.windows[at(segment)].data();
-    if (w.evaluate_end) {
+    if (w.step.evaluate_end) {
         copy_window(w, own, w.end_state, window);
     } else {
         fill_window(w, own, window);
-        if (w.row.keep >= 0) {
-            std::memcpy(w.states[at(w.row.keep)] + layout.link_begin(own.first), window + layout.link_block(),
+        if (w.step.row.keep >= 0) {
+            std::memcpy(w.states[at(w.step.row.keep)] + layout.link_begin(own.first), window + layout.link_block(),
                         at(own.size() * layout.link_block()) * sizeof(double));
         }
     }
-    const model::ChainRange range{own.first, own.last, window, w.sheaves, w.phases.data()};
-    double* slope = w.slope_out + layout.link_begin(own.first);
+    const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data()};
+    double* slope = w.step.slope_out + layout.link_begin(own.first);
     if (layout.ledger) {
-        w.variator.chain().observed_slopes(range, slope, w.loads.data() + own.first, cleared_accounts(w, own));
+        w.variator.chain().observed_slopes(range, slope, w.links.loads.data() + own.first, cleared_accounts(w, own));
     } else {
-        w.variator.chain().slopes(range, slope, w.loads.data() + own.first);
+        w.variator.chain().slopes(range, slope, w.links.loads.data() + own.first);
     }
     if (layout.pulley_size != 0) w.add_up(own);
 }
@@ -211,7 +213,7 @@ namespace {
 void make_secants(Workspace& w, const Segment& own) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int half = layout.link_size();
-    const double h = w.h;
+    const double h = w.step.h;
     for (int link = own.first; link < own.last; ++link) {
         const int begin = layout.link_begin(link);
         const double* __restrict from = w.states[0] + begin + half;
@@ -230,8 +232,8 @@ void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept 
     const model::ChainLayout& layout = w.layout();
     for (int link = own.first; link < own.last; ++link) {
         const int begin = layout.link_begin(link);
-        engine::combine(w.error_row, w.h, w.slots(), begin, begin + layout.link_block(), errors);
-        w.link_errors[at(link)] = w.error_scale.norm(errors, layout.link_size());
+        engine::combine(w.step.error_row, w.step.h, w.slots(), begin, begin + layout.link_block(), errors);
+        w.links.errors[at(link)] = w.step.error_scale.norm(errors, layout.link_size());
     }
 }
 
@@ -243,19 +245,19 @@ void detect_segment(void* workspace, int segment) noexcept {
     const Segment& own = w.partition[segment];
     Verdict& verdict = w.verdicts[at(segment)];
     verdict = {};
-    engine::combine(w.row, w.h, w.slots(), layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
+    engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
                     w.end_state + layout.link_begin(own.first));
-    if (w.secant) make_secants(w, own);
-    if (w.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
+    if (w.step.secant) make_secants(w, own);
+    if (w.step.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
     if (layout.pulley_size != 0) {
-        w.variator.chain().probe_links(w.end_state + layout.link_begin(own.first), own.size(), w.end_sheaves,
-                                       w.parameters.detail.stick_slip, w.probes.data() + own.first);
+        w.variator.chain().probe_links(w.end_state + layout.link_begin(own.first), own.size(), w.pulleys.end_sheaves,
+                                       w.parameters.detail.stick_slip, w.tips.probes.data() + own.first);
     }
     for (int link = own.first; link < own.last; ++link) {
         check_motion(w, link, w.end_state + layout.link_begin(link), verdict);
         if (layout.pulley_size == 0 || verdict.fault) continue;
-        const model::TipProbe& probe = w.probes[at(link)];
-        show(probe, w.after.data() + model::tips_per_link * link);
+        const model::TipProbe& probe = w.tips.probes[at(link)];
+        show(probe, w.tips.after.data() + model::tips_per_link * link);
         check_contact(w, link, probe, verdict);
         find_due(w, link, verdict);
         if (near_contact(w, link)) check_middle(w, link, verdict);
@@ -280,12 +282,12 @@ void truncate_segment(void* workspace, int segment) noexcept {
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
     Verdict& verdict = w.verdicts[at(segment)];
-    w.interpolant().evaluate(w.theta, layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
+    w.interpolant().evaluate(w.step.theta, layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
                              w.cut_state + layout.link_begin(own.first));
     for (int link = own.first; link < own.last; ++link) {
-        TipIndicator* tips = w.after.data() + model::tips_per_link * link;
+        TipIndicator* tips = w.tips.after.data() + model::tips_per_link * link;
         model::TipProbe probe;
-        indicate(w, w.cut_state + layout.link_begin(link), w.sheaves, tips, probe);
+        indicate(w, w.cut_state + layout.link_begin(link), w.pulleys.sheaves, tips, probe);
         change_phases(w, link, tips, verdict);
     }
 }

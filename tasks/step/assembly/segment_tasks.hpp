@@ -5,7 +5,7 @@
 
 namespace cvtflow::tasks {
 
-/// Stage state of links first - 1 … last of a segment, as workspace.row combines it. @param window room for them
+/// Stage state of links first - 1 … last of a segment, as workspace.step.row combines it. @param window room for them
 void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
 
 /// The same of a state vector, as it is: at the step's end, say.
@@ -19,7 +19,8 @@ void copy_window(const Workspace& workspace, const Segment& own, const double* s
 
 /// Stage state of the segment and its halo, forces, slope of its links.
 void evaluate_segment(void* workspace, int segment) noexcept;
-/// Losses and stored energies of its links at the step's start, kinetic ones too, into workspace.accounts; on workspace.observed_sheaves.
+/// Losses and stored energies of its links at the step's start, kinetic ones too, into workspace.links.accounts; on
+/// workspace.pulleys.observed_sheaves.
 void observe_segment(void* workspace, int segment) noexcept;
 /// Result of the step for its links; their tips at the step's end.
 void detect_segment(void* workspace, int segment) noexcept;

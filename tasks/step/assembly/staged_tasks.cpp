@@ -21,21 +21,22 @@ void combine_segment(void* workspace, int segment) noexcept {
     const int begin = layout.link_begin(own.first);
     const int end = begin + own.size() * layout.link_block();
     const std::size_t bytes = static_cast<std::size_t>(end - begin) * sizeof(double);
-    if (w.evaluate_end) {
-        std::memcpy(w.stage_state + begin, w.end_state + begin, bytes);
+    if (w.step.evaluate_end) {
+        std::memcpy(w.staged.state + begin, w.end_state + begin, bytes);
     } else {
-        engine::combine(w.row, w.h, w.slots(), begin, end, w.stage_state + begin);
-        if (w.row.keep >= 0) std::memcpy(w.states[static_cast<std::size_t>(w.row.keep)] + begin, w.stage_state + begin, bytes);
+        engine::combine(w.step.row, w.step.h, w.slots(), begin, end, w.staged.state + begin);
+        if (w.step.row.keep >= 0) std::memcpy(w.states[static_cast<std::size_t>(w.step.row.keep)] + begin, w.staged.state + begin, bytes);
     }
     if (!layout.ledger) return;
-    std::fill_n(w.accounts.begin() + model::account_parts * own.first, model::account_parts * own.size(), model::Account{});
+    std::fill_n(w.links.accounts.begin() + model::account_parts * own.first, model::account_parts * own.size(), model::Account{});
 }
 
 void contact_batch(void* workspace, int batch) noexcept {
     Workspace& w = of(workspace);
-    const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(w.touching_count) * k / w.partition.size()); };
+    const auto cut = [&](int k) { return static_cast<int>(static_cast<long>(w.tips.touching_count) * k / w.partition.size()); };
     const model::StagedChain chain = w.staged_chain();
-    for (int k = cut(batch); k < cut(batch + 1); ++k) w.stages.contact(w.variator.chain(), chain, w.touching[static_cast<std::size_t>(k)]);
+    for (int k = cut(batch); k < cut(batch + 1); ++k)
+        w.stages.contact(w.variator.chain(), chain, w.tips.touching[static_cast<std::size_t>(k)]);
 }
 
 void chain_segment(void* workspace, int segment) noexcept {

@@ -53,14 +53,14 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
       cancel_(cancel),
       grid_(grid_of(settings)),
       control_(longest_free_step(settings), std::max(1, method_.error_power())),
-      phases_before_(workspace.phases) {
-    w_.estimate_error = settings.control != StepControl::fixed;
-    if (w_.estimate_error && method_.error_power() == 0)
+      phases_before_(workspace.tips.phases) {
+    w_.step.estimate_error = settings.control != StepControl::fixed;
+    if (w_.step.estimate_error && method_.error_power() == 0)
         throw std::invalid_argument("this method has no estimate of its error: run.step_control can only be \"fixed\"");
-    w_.time = settings.begin;
-    w_.dwell = dwell_steps * grid_.step;
-    w_.secant = method_.retakes();
-    w_.evaluations = 0;
+    w_.step.time = settings.begin;
+    w_.step.dwell = dwell_steps * grid_.step;
+    w_.step.secant = method_.retakes();
+    w_.step.evaluations = 0;
     method_.restart();  // a run does not depend on what ran before it
     w_.energy.restart(method_.observation_stride());
     if (settings.choice != nullptr) settings.choice->restart();
@@ -78,19 +78,19 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
       grid_(grid_of(settings)),
       control_(longest_free_step(settings), std::max(1, method_.error_power())),
       counters_(from.counters),
-      phases_before_(workspace.phases) {
-    w_.estimate_error = settings.control != StepControl::fixed;
-    w_.time = from.time;
+      phases_before_(workspace.tips.phases) {
+    w_.step.estimate_error = settings.control != StepControl::fixed;
+    w_.step.time = from.time;
     if (from.grid_steps > 0) {
         grid_.divide(grid_.leg_length() / static_cast<double>(from.grid_steps));
         grid_.leg = from.grid_number / grid_.steps_per_leg;
         grid_.point = from.grid_number % grid_.steps_per_leg;
     }
-    w_.dwell = dwell_steps * grid_.step;
+    w_.step.dwell = dwell_steps * grid_.step;
     w_.energy.load(from.energy, method_.observation_stride());
     if (settings.choice != nullptr) settings.choice->load(from.step_choice);
-    w_.secant = method_.retakes();
-    w_.evaluations = from.counters.evaluations;
+    w_.step.secant = method_.retakes();
+    w_.step.evaluations = from.counters.evaluations;
     method_.restart();
     std::span<const double> memory(from.method);
     if (settings.control == StepControl::error) control_.load(taken(memory, StepSizeControl::memory_size));
@@ -100,7 +100,7 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
 
 void StepController::save(IntegrationState& state) const {
     state.started = true;
-    state.time = w_.time;
+    state.time = w_.step.time;
     state.begin = settings_.begin;
     state.output_interval = settings_.output_interval;
     state.step = settings_.step;
@@ -112,9 +112,9 @@ void StepController::save(IntegrationState& state) const {
     state.outputs = outputs_;
     state.counters = counters_;
     state.state.assign(w_.states[0], w_.states[0] + w_.layout().size());
-    state.phases = w_.phases;
-    state.changed = w_.changed;
-    state.before = w_.before;
+    state.phases = w_.tips.phases;
+    state.changed = w_.tips.changed;
+    state.before = w_.tips.before;
     method_.save(state.method);
     if (settings_.control == StepControl::error) {
         const auto own = control_.save();
@@ -130,14 +130,14 @@ void StepController::rethrow() const {
 void StepController::probe_start() {
     const model::ChainLayout& at = w_.layout();
     if (at.pulley_size == 0) return;
-    w_.variator.pulleys().motions(w_.states[0] + at.pulley_begin(), w_.sheaves);
+    w_.variator.pulleys().motions(w_.states[0] + at.pulley_begin(), w_.pulleys.sheaves);
     for (int link = 0; link < at.links; ++link) {
         model::TipProbe probe;
-        w_.variator.chain().probe(w_.states[0] + at.link_begin(link), w_.sheaves, w_.parameters.detail.stick_slip, probe);
+        w_.variator.chain().probe(w_.states[0] + at.link_begin(link), w_.pulleys.sheaves, w_.parameters.detail.stick_slip, probe);
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             const std::size_t tip = static_cast<std::size_t>(model::tips_per_link * link + corner);
-            w_.before[tip] = {probe.depth[corner], probe.slip[corner]};
-            w_.phases[tip] = w_.rule.next(w_.phases[tip], w_.before[tip]);
+            w_.tips.before[tip] = {probe.depth[corner], probe.slip[corner]};
+            w_.tips.phases[tip] = w_.rule.next(w_.tips.phases[tip], w_.tips.before[tip]);
         }
     }
     w_.list_touching();
@@ -151,7 +151,7 @@ int StepController::next() noexcept {
             case State::method: return take(method_.next());
             case State::detect: return finish_detect();
             case State::end_slope:
-                close_evaluation(w_, w_.time + w_.h, w_.end_state + w_.layout().pulley_begin(), w_.sheave_forces(), w_.end_slope);
+                close_evaluation(w_, w_.step.time + w_.step.h, w_.end_state + w_.layout().pulley_begin(), w_.sheave_forces(), w_.end_slope);
                 return start_locate();
             case State::locate: return finish_locate();
             case State::truncate: return finish_truncate();
@@ -168,48 +168,48 @@ int StepController::end(Fault fault) {
 }
 
 Fault StepController::budget() const {
-    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.time, -1, 0.0, 0.0};
+    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.step.time, -1, 0.0, 0.0};
     if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
-        return {FaultKind::max_steps, w_.time, -1, 0.0, static_cast<double>(settings_.max_steps)};
+        return {FaultKind::max_steps, w_.step.time, -1, 0.0, static_cast<double>(settings_.max_steps)};
     }
     if (settings_.max_wall > 0.0 && counters_.steps % 64 == 0) {
         const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
-        if (wall > settings_.max_wall) return {FaultKind::max_wall, w_.time, -1, wall, settings_.max_wall};
+        if (wall > settings_.max_wall) return {FaultKind::max_wall, w_.step.time, -1, wall, settings_.max_wall};
     }
     return {};
 }
 
 int StepController::begin_step() {
     if (const Fault lost = lost_in_rounding()) return end(lost);
-    counters_.evaluations = w_.evaluations;
-    if (w_.energy.due(w_.time)) return start_observation();
+    counters_.evaluations = w_.step.evaluations;
+    if (w_.energy.due(w_.step.time)) return start_observation();
     return go_on();
 }
 
 int StepController::go_on() {
-    const bool due = w_.time == grid_.here() && grid_.at_output(outputs_);
-    const bool over = w_.time >= settings_.until - 1e-9 * settings_.output_interval;
+    const bool due = w_.step.time == grid_.here() && grid_.at_output(outputs_);
+    const bool over = w_.step.time >= settings_.until - 1e-9 * settings_.output_interval;
     if (due || over) {
-        w_.energy.output(w_.time, w_.shaft_momentum());
-        observer_.output(w_.time, w_, counters_);
+        w_.energy.output(w_.step.time, w_.shaft_momentum());
+        observer_.output(w_.step.time, w_, counters_);
     }
     if (due) ++outputs_;
     if (over) return end(Fault{});
     if (const Fault spent = budget()) return end(spent);
-    if (settings_.automatic() && grid_.point == 0 && w_.time == grid_.here()) choose_step();
+    if (settings_.automatic() && grid_.point == 0 && w_.step.time == grid_.here()) choose_step();
     return start_step();
 }
 
 /// To the next grid point, in as many equal steps as the error asks for.
 int StepController::start_step() {
-    w_.h = grid_.next() - w_.time;
+    w_.step.h = grid_.next() - w_.step.time;
     lands_ = true;
     retaking_ = false;
     if (settings_.control == StepControl::error) {
-        const double pieces = std::ceil(w_.h / method_.longest_step(control_.proposal()) * (1.0 - 1e-9));
+        const double pieces = std::ceil(w_.step.h / method_.longest_step(control_.proposal()) * (1.0 - 1e-9));
         lands_ = pieces <= 1.0;
-        if (!lands_) w_.h /= pieces;
-        w_.dwell = dwell_steps * w_.h;
+        if (!lands_) w_.step.h /= pieces;
+        w_.step.dwell = dwell_steps * w_.step.h;
     }
     return take(method_.begin());
 }
@@ -219,7 +219,7 @@ int StepController::reject() {
     ++counters_.rejected;
     method_.rejected();
     const double shortest = shortest_step * settings_.step;
-    if (control_.proposal() < shortest) return end({FaultKind::step_size, w_.time, -1, control_.proposal(), shortest});
+    if (control_.proposal() < shortest) return end({FaultKind::step_size, w_.step.time, -1, control_.proposal(), shortest});
     if (const Fault spent = budget()) return end(spent);
     return start_step();
 }
@@ -229,11 +229,12 @@ double StepController::step_error() {
     const model::ChainLayout& at = w_.layout();
     double largest = 0.0;
     if (at.pulley_size != 0) {
-        engine::combine(w_.error_row, w_.h, w_.slots(), at.pulley_begin(), at.pulley_begin() + 2 * at.pulley_size, w_.tail.data());
-        largest = w_.error_scale.norm(w_.tail.data(), at.pulley_size);
+        engine::combine(w_.step.error_row, w_.step.h, w_.slots(), at.pulley_begin(), at.pulley_begin() + 2 * at.pulley_size,
+                        w_.pulleys.tail.data());
+        largest = w_.step.error_scale.norm(w_.pulleys.tail.data(), at.pulley_size);
         if (!std::isfinite(largest)) return largest;
     }
-    for (const double error : w_.link_errors) {
+    for (const double error : w_.links.errors) {
         if (!std::isfinite(error)) return error;
         largest = std::max(largest, error);
     }
@@ -249,19 +250,19 @@ int StepController::take(int cycle) {
 
 int StepController::start_end_slope() {
     state_ = State::end_slope;
-    w_.evaluate_end = true;
-    w_.slope_out = w_.end_slope;
-    std::copy(std::begin(w_.end_sheaves), std::end(w_.end_sheaves), std::begin(w_.sheaves));
+    w_.step.evaluate_end = true;
+    w_.step.slope_out = w_.end_slope;
+    std::copy(std::begin(w_.pulleys.end_sheaves), std::end(w_.pulleys.end_sheaves), std::begin(w_.pulleys.sheaves));
     return evaluate_cycle;
 }
 
 int StepController::accept() {
-    const double begin = w_.time;
+    const double begin = w_.step.time;
     if (lands_) grid_.pass();
-    w_.time = lands_ ? grid_.here() : w_.time + w_.h;
-    w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.time, w_.end_state + w_.layout().pulley_begin());
+    w_.step.time = lands_ ? grid_.here() : w_.step.time + w_.step.h;
+    w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.end_state + w_.layout().pulley_begin());
     std::swap(w_.states[0], w_.end_state);
-    std::swap(w_.before, w_.after);
+    std::swap(w_.tips.before, w_.tips.after);
     ++counters_.steps;
     return begin_step();
 }

@@ -107,7 +107,7 @@ public:
 
     [[nodiscard]] const Fault& fault() const noexcept { return fault_; }
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
-    [[nodiscard]] double time() const noexcept { return w_.time; }
+    [[nodiscard]] double time() const noexcept { return w_.step.time; }
     /// Step in use: settings.step, or what was chosen, or a little less, so that it divides the output interval; the longest one if the
     /// error decides [s].
     [[nodiscard]] double step() const noexcept { return settings_.control == StepControl::error ? settings_.step : grid_.step; }

@@ -17,33 +17,33 @@ constexpr double worth_while = 1.05;
 
 /// Stages must lie at times of their own, and a step must move the time by what it says, to three digits.
 Fault StepController::lost_in_rounding() const {
-    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.time);
+    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.step.time);
     if (grid_.step >= shortest) return {};
-    return {FaultKind::step_too_short, w_.time, -1, grid_.step, shortest};
+    return {FaultKind::step_too_short, w_.step.time, -1, grid_.step, shortest};
 }
 
 int StepController::start_observation() {
     state_ = State::observe;
-    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.observed_sheaves);
+    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.pulleys.observed_sheaves);
     return observe_cycle;
 }
 
 int StepController::finish_observation() {
-    w_.energy.sample(w_.time, w_.observed_links(), w_.observed_pulleys(), w_.pin_period());
+    w_.energy.sample(w_.step.time, w_.observed_links(), w_.observed_pulleys(), w_.pin_period());
     return go_on();
 }
 
 /// Steps of the leg that begins: shorter ones as soon as they are needed, longer ones where it is worth while.
 void StepController::choose_step() {
     if (settings_.control == StepControl::error) return;
-    const double longest =
-        std::min(method_.longest_step(StepChoice::longest_step), settings_.choice->longest(w_.time, w_.states[0], w_.phases.data()));
+    const double longest = std::min(method_.longest_step(StepChoice::longest_step),
+                                    settings_.choice->longest(w_.step.time, w_.states[0], w_.tips.phases.data()));
     StepGrid next = grid_;
     next.divide(longest);
     const bool longer = next.step > grid_.step;
     if (longer && grid_.leg > 0) next.divide(longest / worth_while);
     if (!longer || next.step > grid_.step) grid_ = next;
-    w_.dwell = dwell_steps * grid_.step;
+    w_.step.dwell = dwell_steps * grid_.step;
 }
 
 }  // namespace cvtflow::tasks

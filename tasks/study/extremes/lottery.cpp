@@ -98,7 +98,7 @@ class Means final : public RunObserver {
 public:
     explicit Means(const model::Variator& variator) : eye_(variator) {}
     void output(double time, const Workspace& w, const Counters&) override {
-        means.add(eye_.observe(time, w.states[0], w.phases.data()), w.energy.sums(time), w.pin_period());
+        means.add(eye_.observe(time, w.states[0], w.tips.phases.data()), w.energy.sums(time), w.pin_period());
     }
     void transition(const TransitionRecord&) override {}
     RunMeans means;

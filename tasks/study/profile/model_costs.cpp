@@ -30,8 +30,8 @@ std::vector<std::vector<double>> task_times(const Spans& spans, int tasks) {
 
 std::vector<bool> touching_links(const Workspace& workspace) {
     std::vector<bool> touching(static_cast<std::size_t>(workspace.layout().links), false);
-    for (std::size_t tip = 0; tip < workspace.phases.size(); ++tip) {
-        if (workspace.phases[tip] != model::Phase::free) touching[tip / model::tips_per_link] = true;
+    for (std::size_t tip = 0; tip < workspace.tips.phases.size(); ++tip) {
+        if (workspace.tips.phases[tip] != model::Phase::free) touching[tip / model::tips_per_link] = true;
     }
     return touching;
 }

@@ -6,6 +6,7 @@
 #include "engine/method/catalogue.hpp"
 #include "engine/method/combine.hpp"
 #include "model/observe/observation.hpp"
+#include "tasks/study/relative_error.hpp"
 
 namespace cvtflow::tasks {
 
@@ -27,15 +28,6 @@ Solution solution_of(const model::Variator& variator, double t, const std::vecto
         solution.velocities.insert(solution.velocities.end(), q + at.link_size(), q + at.link_block());
     }
     return solution;
-}
-
-double relative_error(const std::vector<double>& values, const std::vector<double>& reference) {
-    double error = 0.0, size = 0.0;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        error += (values[i] - reference[i]) * (values[i] - reference[i]);
-        size += reference[i] * reference[i];
-    }
-    return size > 0.0 ? std::sqrt(error / size) : 0.0;
 }
 
 /// Pointers to `count` vectors of `size`.

@@ -1,4 +1,5 @@
 #include "tasks/study/tradeoff/error_measure.hpp"
+#include "tasks/study/relative_error.hpp"
 
 #include <fmt/format.h>
 
@@ -29,7 +30,7 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters&) override {
         const auto started = Clock::now();
-        const model::Observation& seen = observer_.observe(time, workspace.states[0], workspace.phases.data());
+        const model::Observation& seen = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
         watch.add(seen, workspace);
         if (time > begin_) add(time, seen);
         observing_ += seconds(Clock::now() - started);
@@ -74,39 +75,21 @@ Trajectory observed(const Scene& scene, double duration, const engine::Cancellat
     return trajectory;
 }
 
-/// Sums of squares of differences and of the reference.
-struct Squares {
-    double difference = 0.0, reference = 0.0;
-
-    void add(double value, double expected) noexcept {
-        difference += (value - expected) * (value - expected);
-        reference += expected * expected;
-    }
-    void add(const std::vector<double>& values, const std::vector<double>& expected) noexcept {
-        for (std::size_t i = 0; i < values.size(); ++i) add(values[i], expected[i]);
-    }
-    void add(const Squares& other) noexcept {
-        difference += other.difference;
-        reference += other.reference;
-    }
-    [[nodiscard]] double relative() const noexcept {
-        if (difference == 0.0) return 0.0;
-        return std::isfinite(difference) && reference > 0.0 ? std::sqrt(difference / reference) : infinite;
-    }
-};
+std::span<const double> numbers(const double& value) noexcept { return {&value, 1}; }
+std::span<const double> numbers(const std::vector<double>& values) noexcept { return values; }
 
 /// Errors of one quantity: of all outputs, and of the worst.
 template <class Row>
 std::pair<double, double> quantity_errors(const std::vector<Row>& values, const std::vector<Row>& reference) {
-    Squares all;
+    RelativeError all;
     double worst = 0.0;
     for (std::size_t output = 0; output < reference.size(); ++output) {
-        Squares here;
-        here.add(values[output], reference[output]);
-        worst = std::max(worst, here.relative());
+        RelativeError here;
+        here.add(numbers(values[output]), numbers(reference[output]));
+        worst = std::max(worst, here.value());
         all.add(here);
     }
-    return {all.relative(), worst};
+    return {all.value(), worst};
 }
 
 }  // namespace

@@ -13,9 +13,9 @@ namespace {
 
 using InputFileTest = RecordTest;
 
-std::string refusal(const std::string& path, std::uint64_t most = 1'000'000, double patience = 10.0) {
+std::string refusal(const std::string& path, std::uint64_t most = 1'000'000, double timeout = 10.0) {
     try {
-        (void)read_text_input(path, most, patience);
+        (void)read_text_input(path, most, timeout);
     } catch (const InputError& error) {
         return error.what();
     }

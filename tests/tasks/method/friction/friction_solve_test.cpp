@@ -36,9 +36,10 @@ public:
           scratch_(static_cast<std::size_t>(friction().scratch_size(links))) {
         std::copy_n(simulation_.state(), layout().size(), workspace_.states[0]);
         if (layout().pulley_size != 0)
-            workspace_.variator.pulleys().motions(workspace_.states[0] + layout().pulley_begin(), workspace_.sheaves);
-        friction().record({0, links, window_of(workspace_, workspace_.states[0], 0), workspace_.sheaves, simulation_.phases().data()}, {},
-                          field_, loads_.data());
+            workspace_.variator.pulleys().motions(workspace_.states[0] + layout().pulley_begin(), workspace_.pulleys.sheaves);
+        friction().record(
+            {0, links, window_of(workspace_, workspace_.states[0], 0), workspace_.pulleys.sheaves, simulation_.phases().data()}, {}, field_,
+            loads_.data());
         for (int k = 0; k < solve.groups(); ++k) solve.space().gather(field_, simulation_.phases().data(), g, solve.group(k));
     }
 

@@ -8,6 +8,7 @@
 #include "settled_fixture.hpp"
 #include "tasks/method/implicit/catalogue.hpp"
 #include "tasks/study/method_trial.hpp"
+#include "tasks/study/relative_error.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -32,7 +33,7 @@ TEST(ImplicitMethods, AllWaysToNewtonsMatrixLeadToTheSameSolution) {
     for (const NewtonVariant& variant : newton_variants()) {
         if (!variant.options.backtracking) continue;
         // Residuals of 1e-7 m/s, in velocities of 3 m/s.
-        EXPECT_LT(relative_difference(end(variant.name), exact), 1e-7) << variant.name;
+        EXPECT_LT(relative_error(end(variant.name), exact), 1e-7) << variant.name;
     }
 }
 

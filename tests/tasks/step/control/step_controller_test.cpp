@@ -59,7 +59,7 @@ public:
     explicit CutWatcher(const Workspace& workspace) : w_(workspace) {}
     void output(double, const Workspace&, const Counters&) override {}
     void transition(const TransitionRecord& event) override {
-        const model::TipIndicator& at = w_.before[static_cast<std::size_t>(event.tip)];  // at the cut
+        const model::TipIndicator& at = w_.tips.before[static_cast<std::size_t>(event.tip)];  // at the cut
         const double miss = std::abs(w_.rule.due(event.from, event.to, at));
         const bool by_depth = event.from == model::Phase::free || event.to == model::Phase::free;
         by_depth ? depth_.push_back(miss) : slip_.push_back(miss);
@@ -104,7 +104,8 @@ TEST(StepControllerTransitions, PutOffWhileATipHasJustChangedAreMadeUpForAndTheR
     ASSERT_FALSE(free_running.run({settling_begin, settling_begin + 1e-4, 5e-8, 1e-5}));
     ASSERT_GT(free_running.counters().detected, 0);
     Rig rig(p);
-    std::fill(rig.workspace().changed.begin(), rig.workspace().changed.end(), settling_begin + 3e-5);  // as if all had changed at that time
+    std::fill(rig.workspace().tips.changed.begin(), rig.workspace().tips.changed.end(),
+              settling_begin + 3e-5);  // as if all had changed at that time
     ASSERT_FALSE(rig.run({settling_begin, settling_begin + 1e-4, 5e-8, 1e-5}));
     EXPECT_GT(rig.counters().suppressed, 0);
     EXPECT_GT(rig.counters().detected, 0);

@@ -21,14 +21,14 @@ struct ProcessorUse {
 };
 
 /// One worker's view; not shared.
-class Retreat {
+class ContentionBackoff {
 public:
     using Milliseconds = std::chrono::milliseconds;
     static constexpr Milliseconds window{2};     ///< shorter than a slice, so that one loss stands out
     static constexpr Milliseconds shortest{8};   ///< two slices
     static constexpr Milliseconds longest{256};  ///< a return costs up to one slice of everybody's time: below 2 %
 
-    explicit Retreat(const ProcessorUse& begin) noexcept : begin_(begin) {}
+    explicit ContentionBackoff(const ProcessorUse& begin) noexcept : begin_(begin) {}
 
     /// Called between tasks. Whether the worker should leave for length(): since the last window it was kept off the processor, against
     /// its will, for more than a quarter of the time. Reads the clock, and the rest only when a window is over.

@@ -1,4 +1,4 @@
-#include "engine/thread/patience.hpp"
+#include "engine/thread/backoff.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,15 +13,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Patience, ReturnsTheNewValueAtOnceIfThereIsOne) {
+TEST(Backoff, ReturnsTheNewValueAtOnceIfThereIsOne) {
     const std::atomic<std::uint64_t> word{7};
     for (const Wait wait : {Wait::spin, Wait::balanced, Wait::passive}) {
-        Patience patience({.threads = 1, .wait = wait});
-        EXPECT_EQ(patience.change(word, std::uint64_t{6}), 7u);
+        Backoff backoff({.threads = 1, .wait = wait});
+        EXPECT_EQ(backoff.change(word, std::uint64_t{6}), 7u);
     }
 }
 
-TEST(Patience, SeesWhatWasWrittenBefore) {
+TEST(Backoff, SeesWhatWasWrittenBefore) {
     for (const Wait wait : {Wait::spin, Wait::balanced, Wait::passive}) {
         for (const auto delay : {0us, 10us, 1000us, 5000us}) {
             std::atomic<std::uint64_t> word{0};
@@ -31,24 +31,24 @@ TEST(Patience, SeesWhatWasWrittenBefore) {
                 plain = 1;
                 word.store(1, std::memory_order_release);
             });
-            Patience patience({.threads = 2, .wait = wait});
-            EXPECT_EQ(patience.change(word, std::uint64_t{0}), 1u);
+            Backoff backoff({.threads = 2, .wait = wait});
+            EXPECT_EQ(backoff.change(word, std::uint64_t{0}), 1u);
             EXPECT_EQ(plain, 1);
         }
     }
 }
 
 /// Two threads on one processor hand a word to and fro: they must not pause in each other's time.
-TEST(Patience, LearnsThatPausesDoNotHelp) {
+TEST(Backoff, LearnsThatPausesDoNotHelp) {
     constexpr std::uint64_t rounds = 400;
     std::atomic<std::uint64_t> word{0};
     const Processors processors;
-    const Patience untried({.threads = 1, .wait = Wait::spin});
+    const Backoff untried({.threads = 1, .wait = Wait::spin});
     const auto play = [&](std::uint64_t first) {
         const Pin pin(true, processors, 0);
-        Patience patience = untried;
+        Backoff backoff = untried;
         for (std::uint64_t round = first; round < rounds; round += 2) {
-            if (round > 0) static_cast<void>(patience.change(word, round - 1));
+            if (round > 0) static_cast<void>(backoff.change(word, round - 1));
             word.store(round + 1, std::memory_order_release);
         }
     };
@@ -67,15 +67,15 @@ double own_time() {
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-TEST(Patience, LeavesTheProcessorToOthersIfPassive) {
+TEST(Backoff, LeavesTheProcessorToOthersIfPassive) {
     std::atomic<std::uint64_t> word{0};
     std::jthread other([&] {
         std::this_thread::sleep_for(100ms);
         word.store(1, std::memory_order_release);
     });
     const double before = own_time();
-    Patience patience({.threads = 2, .wait = Wait::passive});
-    EXPECT_EQ(patience.change(word, std::uint64_t{0}), 1u);
+    Backoff backoff({.threads = 2, .wait = Wait::passive});
+    EXPECT_EQ(backoff.change(word, std::uint64_t{0}), 1u);
     EXPECT_LT(own_time() - before, 0.05);
 }
 

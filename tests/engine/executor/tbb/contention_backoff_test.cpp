@@ -1,4 +1,4 @@
-#include "engine/executor/tbb/retreat.hpp"
+#include "engine/executor/tbb/contention_backoff.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,15 +16,15 @@ protected:
         use_.wall += wall;
         use_.processor += wall - lost;
         use_.taken_away += taken_away;
-        return retreat_.due(use_);
+        return contention_.due(use_);
     }
     void stay_away() {
-        use_.wall += retreat_.length();
+        use_.wall += contention_.length();
         ++use_.taken_away;
-        retreat_.returned(use_);
+        contention_.returned(use_);
     }
     ProcessorUse use_;
-    Retreat retreat_{use_};
+    ContentionBackoff contention_{use_};
 };
 
 TEST_F(RetreatOf, AWorkerWithAProcessorOfItsOwnStays) {
@@ -39,16 +39,16 @@ TEST_F(RetreatOf, ALostSliceIsSeenInTheNextWindow) {
 TEST_F(RetreatOf, SleepOfOnesOwnWillIsNoLoss) { EXPECT_FALSE(window(5ms, 4ms, 0)); }
 
 TEST_F(RetreatOf, StaysAwayLongerEachTimeAndForgetsWhenLeftInPeace) {
-    auto expected = Retreat::shortest;
+    auto expected = ContentionBackoff::shortest;
     for (int i = 0; i < 8; ++i) {
         ASSERT_TRUE(window(5ms, 4ms, 1));
-        ASSERT_EQ(retreat_.length(), expected);
+        ASSERT_EQ(contention_.length(), expected);
         stay_away();
-        expected = std::min(Retreat::longest, 2 * expected);
+        expected = std::min(ContentionBackoff::longest, 2 * expected);
     }
-    EXPECT_EQ(retreat_.length(), Retreat::longest);
-    for (int i = 0; i <= 2 * Retreat::longest / 2ms; ++i) EXPECT_FALSE(window(2ms, 0us, 0));
-    EXPECT_EQ(retreat_.length(), Retreat::shortest);
+    EXPECT_EQ(contention_.length(), ContentionBackoff::longest);
+    for (int i = 0; i <= 2 * ContentionBackoff::longest / 2ms; ++i) EXPECT_FALSE(window(2ms, 0us, 0));
+    EXPECT_EQ(contention_.length(), ContentionBackoff::shortest);
 }
 
 TEST(ProcessorUse, CountsTimeOnTheProcessorAndNotTimeAsleep) {

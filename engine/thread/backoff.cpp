@@ -1,4 +1,4 @@
-#include "engine/thread/patience.hpp"
+#include "engine/thread/backoff.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -25,11 +25,11 @@ nanoseconds pauses(const ExecutorOptions& options) {
 
 }  // namespace
 
-Patience::Patience(const ExecutorOptions& options)
+Backoff::Backoff(const ExecutorOptions& options)
     : most_pauses_(pauses(options)),
       yields_(options.wait == Wait::passive ? nanoseconds(std::chrono::microseconds(100)) : nanoseconds::max()) {}
 
-void Patience::rest(nanoseconds waited) const noexcept {
+void Backoff::rest(nanoseconds waited) const noexcept {
     if (waited < pauses_) {
         for (int i = 0; i < 4; ++i) pause();
     } else if (waited - pauses_ < yields_) {
@@ -39,7 +39,7 @@ void Patience::rest(nanoseconds waited) const noexcept {
     }
 }
 
-void Patience::learn(nanoseconds waited) noexcept {
+void Backoff::learn(nanoseconds waited) noexcept {
     const nanoseconds least_growth = std::chrono::microseconds(1);
     pauses_ = waited > pauses_ ? pauses_ / 2 : std::min(most_pauses_, 2 * pauses_ + least_growth);
 }

@@ -7,7 +7,7 @@
 
 namespace cvtflow::engine {
 
-class Occupancy {
+class ReentryGuard {
 public:
     /// True if nobody was inside; then leave() must follow. What the last one did inside is seen.
     [[nodiscard]] bool enter() noexcept {

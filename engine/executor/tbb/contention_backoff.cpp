@@ -1,4 +1,4 @@
-#include "engine/executor/tbb/retreat.hpp"
+#include "engine/executor/tbb/contention_backoff.hpp"
 
 #include <sys/resource.h>
 
@@ -28,9 +28,9 @@ ProcessorUse ProcessorUse::now() noexcept {
     return use;
 }
 
-bool Retreat::due() noexcept { return wall_now() - begin_.wall >= window && due(ProcessorUse::now()); }
+bool ContentionBackoff::due() noexcept { return wall_now() - begin_.wall >= window && due(ProcessorUse::now()); }
 
-bool Retreat::due(const ProcessorUse& now) noexcept {
+bool ContentionBackoff::due(const ProcessorUse& now) noexcept {
     const nanoseconds wall = now.wall - begin_.wall, lost = wall - (now.processor - begin_.processor);
     const bool pushed = now.taken_away > begin_.taken_away;  // a thread that slept of its own will lost nothing
     begin_ = now;
@@ -40,7 +40,7 @@ bool Retreat::due(const ProcessorUse& now) noexcept {
     return false;
 }
 
-void Retreat::returned(const ProcessorUse& now) noexcept {
+void ContentionBackoff::returned(const ProcessorUse& now) noexcept {
     begin_ = now;
     undisturbed_ = {};
     length_ = std::min(longest, 2 * length_);

@@ -12,13 +12,13 @@ namespace cvtflow::engine {
 /// Data of different writers stay this far apart: two cache lines, since processors fetch lines in pairs.
 inline constexpr std::size_t apart = 128;
 
-/// One thread's patience; each has its own copy. It learns: a wait that outlasts the pauses halves them, a shorter one doubles them up
+/// One thread's backoff; each has its own copy. It learns: a wait that outlasts the pauses halves them, a shorter one doubles them up
 /// to the policy's. Two threads that the system has put on one processor would otherwise pause in each other's time (measured: 46 µs
 /// per cycle, and 8 ms with OpenMP's barriers, which pause for milliseconds).
-class Patience {
+class Backoff {
 public:
     /// No pauses if there are more threads than processors: the one waited for may need ours.
-    explicit Patience(const ExecutorOptions& options);
+    explicit Backoff(const ExecutorOptions& options);
 
     /// Returns the word's value once it differs from `old`; acquires what was written before it was stored.
     template <class Word>
