@@ -172,11 +172,6 @@ std::vector<Change> read_power_log(const fs::path& log, const fs::path& folder) 
 void cut_power(const std::vector<Change>& changes, std::size_t count, Disk disk, const fs::path& folder, std::mt19937& chance) {
     Replay replay(disk, folder);
     for (std::size_t i = 0; i < std::min(count, changes.size()); ++i) replay.add(changes[i]);
-    for (const Change& change : changes) {
-        for (const std::string& name : {change.path, change.to}) {
-            if (!name.empty()) fs::remove_all(name);
-        }
-    }
     replay.write(chance);
 }
 

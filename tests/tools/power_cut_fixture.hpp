@@ -26,8 +26,7 @@ struct Change {
 enum class Disk { dropped, journalled };
 
 /// Puts into `folder` what the first `count` changes leave on disk.
-/// @param folder  as in the log; what is in it before is removed, but for files that the log does not name   @param chance  for
-/// Disk::journalled
+/// @param folder  as in the log; empty, but for what was there before   @param chance  for Disk::journalled
 void cut_power(const std::vector<Change>& changes, std::size_t count, Disk disk, const std::filesystem::path& folder, std::mt19937& chance);
 
 }  // namespace cvtflow::tools

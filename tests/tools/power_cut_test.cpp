@@ -31,6 +31,14 @@ protected:
         return read_power_log(folder_ / "changes", work_);
     }
 
+    /// What was there before the program ran stays.
+    void clear_work() const {
+        const std::vector<std::filesystem::directory_entry> all(std::filesystem::directory_iterator(work_), {});
+        for (const auto& entry : all) {
+            if (entry.path().filename() != "sweep.toml") std::filesystem::remove_all(entry.path());
+        }
+    }
+
     /// Goes on after `cuts` cuts at random moments, every other one of each kind.
     /// @param go_on  whether the result is there and the same; if not, why: what it was refused with
     template <class GoOn>
@@ -39,6 +47,7 @@ protected:
         for (int cut = 0; cut < cuts; ++cut) {
             const std::size_t count = chance() % (changes.size() + 1);
             const Disk disk = cut % 2 == 0 ? Disk::dropped : Disk::journalled;
+            clear_work();
             cut_power(changes, count, disk, work_, chance);
             SCOPED_TRACE("cut " + std::to_string(cut) + " after " + std::to_string(count) + " of " + std::to_string(changes.size()));
             const Outcome outcome = go_on();
