@@ -171,9 +171,6 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"run", "tiny", "--until", ""}, 2, "--until : \"\" does not begin with a number"},
         {{"run", "tiny", "--step", "1"}, 2, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
         {{"run", "tiny", "--threads=-1"}, 2, "--threads -1: -1 is outside [0, 1024]"},
-        {{"run", "tiny", "--tolerance", "1"},
-         2,
-         "--tolerance 1: run.step_control: 'rk4' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)"},
         {{"run", "tiny", "--segments", "30"}, 2, "--segments 30: 30 segments for chain.pins = 24"},
         {{"settle", "tiny", "--method", "rk5"}, 2, "--method rk5: no method 'rk5' (did you mean 'rk4'?)"},
         {{"settle", "tiny", "--step", "1"}, 2, "--step 1: 1 s is outside [1e-12, 1e-2] s (did you mean \"1 us\"?)"},
@@ -202,12 +199,9 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
     make_records();
     const std::string record = std::to_string(read("record.h5").size() - engine::seal_size),
                       state = std::to_string(read("state.h5").size() - engine::seal_size);
-    const std::string long_name(300, 'a');
     const std::vector<Mistake> mistakes{
         {{"info", "missing.h5"}, 1, "missing.h5: No such file or directory"},
         {{"info", "folder"}, 1, "folder: a folder, not a file"},
-        {{"table", long_name}, 1, long_name + ": File name too long"},
-        {{"resume", long_name}, 1, long_name + ": File name too long"},
         {{"info", "text.h5"}, 1, "text.h5: not an HDF5 file"},
         {{"info", "pipe"}, 1, "pipe: not a regular file"},
         {{"info", "/dev/zero"}, 1, "/dev/zero: not a regular file"},
@@ -238,6 +232,18 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
          "with 1"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
+}
+
+TEST_F(Errors, BlameNoSettingThatWasNotGiven) {
+    expect(
+        {{"run", "tiny", "--tolerance", "1"},
+         2,
+         "--tolerance 1: run.step_control: 'rk4' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)"});
+}
+
+TEST_F(Errors, OfTheStandardLibraryAreInOurWords) {
+    const std::string long_name(300, 'a');
+    for (const char* command : {"table", "resume"}) expect({{command, long_name}, 1, long_name + ": File name too long"});
 }
 
 TEST_F(Errors, OfPlacesComeBeforeTheWork) {
