@@ -57,6 +57,7 @@ bool CaseEngine::restore() {
         std::filesystem::remove(record_file() + ".before", missing);
     }
     on_disk_ = true;
+    if (why.empty() && end_before()) result_.start = "continued";  // that end stays until the case has its own
     return why.empty();
 }
 
@@ -74,9 +75,9 @@ void CaseEngine::go_on_from(const Checkpoint& checkpoint) {
     if (recorder_) recorder_->restore({memory.begin(), memory.end()});
 }
 
-/// The latest end of a case before this one in its strand, else what any case begins with. Ends are kept in two files by turns, so that a
-/// case that was lost with a killed process finds the end before it.
-StartStates::State CaseEngine::start() {
+/// The latest end of a case before this one in its strand; nullptr: there is none. Ends are kept in two files by turns, so that a case that
+/// was lost with a killed process finds the end before it.
+StartStates::State CaseEngine::end_before() const {
     const long first = result_.number - result_.number % sweep_.strand();
     StartStates::State latest;
     double newest = -1.0;
@@ -90,8 +91,14 @@ StartStates::State CaseEngine::start() {
         newest = number;
         latest = std::move(state);
     }
-    if (latest) result_.start = "continued";
-    return latest ? latest : starts_.of_case(result_.number, scene_, control_.stop());
+    return latest;
+}
+
+/// What a case begins with: the end before it, else what any case begins with.
+StartStates::State CaseEngine::start() {
+    const StartStates::State before = end_before();
+    if (before) result_.start = "continued";
+    return before ? before : starts_.of_case(result_.number, scene_, control_.stop());
 }
 
 /// The end as a start: shaft 1 is turned back by the angle that the governor's reference has gone.

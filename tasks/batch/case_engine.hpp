@@ -109,6 +109,7 @@ private:
     [[nodiscard]] std::string record_file() const;
     [[nodiscard]] double elapsed() const;
     [[nodiscard]] StartStates::State start();
+    [[nodiscard]] StartStates::State end_before() const;
     void keep_for_neighbour();
 
     const Sweep& sweep_;

@@ -274,6 +274,18 @@ TEST_F(ContinuedBatch, SharesASettledStateAndContinuesFromNeighbours) {
     expect_error_of_continuation();
 }
 
+TEST_F(ContinuedBatch, GivesTheSameTableAfterAStopInACase) {
+    write_sweep("\"6 N*m\"", "1 ms", "continuation = \"clamping.driven\"\ncheck = 0\n");
+    const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
+    Child child({"batch", "sweep.toml", "-o", "out", "--grace", "1 us", "--checkpoint-every", "10 ms"}, folder_);
+    ASSERT_TRUE(eventually([&] { return exists("out/checkpoints/case-000001.h5"); }));
+    child.send(SIGTERM);
+    ASSERT_EQ(child.wait().status, 130);
+    ASSERT_TRUE(exists("out/checkpoints/case-000001.h5"));
+    EXPECT_EQ(hash_in(run({"resume", "out"}).out), hash_in(whole.out));
+    EXPECT_EQ(column("start"), column("start", "whole"));
+}
+
 TEST_F(Batch, RecordsCasesIfAsked) {
     write_sweep("\"6 N*m\"");
     std::string text = read("sweep.toml");
