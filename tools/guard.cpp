@@ -12,6 +12,7 @@
 #include <exception>
 #include <system_error>
 
+#include "engine/base/error_text.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/run/run.hpp"
 
@@ -49,7 +50,7 @@ int guarded(const std::function<int()>& work) noexcept {
     } catch (const std::bad_alloc&) {
         to_stderr("cvtflow: no memory\n");
     } catch (const std::exception& error) {
-        print_error(error.what());
+        print_error(engine::error_text(error));
     } catch (...) {
         to_stderr("cvtflow: an exception of unknown type\n");
     }

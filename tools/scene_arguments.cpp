@@ -35,6 +35,10 @@ std::string changes(const std::vector<std::string>& before, const std::vector<st
     return fmt::format("{}", fmt::join(texts, ", "));
 }
 
+constexpr std::string_view tolerance_key = "run.tolerance";
+/// What a tolerance on the command line sets beside itself.
+constexpr std::string_view by_tolerance = "run.step_control=error";
+
 /// Says a problem in the words of the command line: shortcuts were turned into settings.
 std::string in_words_given(const std::string& message, const SceneArguments& arguments) {
     std::istringstream lines(message);
@@ -42,7 +46,9 @@ std::string in_words_given(const std::string& message, const SceneArguments& arg
     for (std::string line; std::getline(lines, line);) {
         for (const Shortcut& shortcut : arguments.shortcuts) {
             if (!shortcut.value) continue;
-            const std::string as_setting = fmt::format("--set {}={}: ", shortcut.key, *shortcut.value);
+            const bool beside = shortcut.key == tolerance_key && line.starts_with(fmt::format("--set {}: ", by_tolerance));
+            const std::string as_setting =
+                beside ? fmt::format("--set {}: ", by_tolerance) : fmt::format("--set {}={}: ", shortcut.key, *shortcut.value);
             if (!line.starts_with(as_setting)) continue;
             std::string problem = line.substr(as_setting.size());
             if (problem.starts_with(shortcut.key + ": ")) problem.erase(0, shortcut.key.size() + 2);
@@ -55,7 +61,7 @@ std::string in_words_given(const std::string& message, const SceneArguments& arg
 
 /// A tolerance on the command line means that it shall count, unless something else is said.
 bool asks_for_tolerance_only(const SceneArguments& arguments) {
-    const auto given = [&](const Shortcut& shortcut) { return shortcut.key == "run.tolerance" && shortcut.value; };
+    const auto given = [&](const Shortcut& shortcut) { return shortcut.key == tolerance_key && shortcut.value; };
     const auto controls = [](const std::string& setting) { return setting.starts_with("run.step_control="); };
     return std::any_of(arguments.shortcuts.begin(), arguments.shortcuts.end(), given) &&
            std::none_of(arguments.settings.begin(), arguments.settings.end(), controls);
@@ -67,7 +73,7 @@ void apply_settings(tasks::Scene& scene, const SceneArguments& arguments) {
         if (shortcut.value) settings.push_back(shortcut.key + "=" + *shortcut.value);
     }
     if (arguments.settle) settings.emplace_back("start.state=");
-    if (asks_for_tolerance_only(arguments)) settings.emplace_back("run.step_control=error");
+    if (asks_for_tolerance_only(arguments)) settings.emplace_back(by_tolerance);
     try {
         tasks::set_values(scene, settings);
     } catch (const tasks::SceneError& error) {
@@ -96,9 +102,9 @@ namespace {
 void require_member(const tasks::Scene& scene, const std::string& own_method, const SceneArguments& arguments) {
     const std::string& method = scene.run.method;
     if (tasks::plan_for(method)) return;
-    const std::string problem = "run.method: " + tasks::no_method(method);
-    if (method == own_method) throw tasks::SceneError(fmt::format("{}: {}", scene.path.string(), problem));
-    throw UsageError(in_words_given(fmt::format("--set run.method={}: {}", method, problem), arguments));
+    const std::string problem = scene.method_place + "run.method: " + tasks::no_method(method);
+    if (method == own_method) throw tasks::SceneError(problem);
+    throw UsageError(in_words_given(problem, arguments));
 }
 
 }  // namespace

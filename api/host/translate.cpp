@@ -1,5 +1,7 @@
 #include "api/host/translate.hpp"
 
+#include "engine/base/error_text.hpp"
+
 namespace cvtflow::api {
 
 ErrorCode code_of(tasks::FaultKind kind) noexcept {
@@ -23,7 +25,7 @@ void rethrow(ErrorCode otherwise) {
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::memory, "no memory");
     } catch (const std::exception& error) {
-        throw Error(otherwise, error.what());
+        throw Error(otherwise, engine::error_text(error));
     }
 }
 

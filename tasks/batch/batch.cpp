@@ -49,7 +49,7 @@ public:
           cancel_(options.cancel != nullptr ? *options.cancel : never),
           threads_(options.threads > 0 ? options.threads : usable_threads()),
           starts_(sweep, fs::path(options.folder) / "states"),
-          control_(threads_, options.grace, cancel_),
+          control_(threads_, options.grace, cancel_, options.notice),
           cases_(shard_cases(sweep, options.shard)) {}
 
     BatchReport run() {

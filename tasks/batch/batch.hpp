@@ -48,6 +48,7 @@ struct BatchOptions {
     engine::SharedSlots* journal = nullptr;  ///< for as many workers as threads; is told which case each of them runs
     const engine::Cancellation* cancel = nullptr;
     std::function<void(const BatchProgress&)> progress;  ///< after each case, by one thread at a time
+    std::function<void(const std::string&)> notice;      ///< what a user should know of: a checkpoint that was damaged; the same
 };
 
 struct BatchReport {

@@ -14,6 +14,8 @@ std::string CaseEngine::checkpoint_file() const {
     return (places_.checkpoints / fmt::format("{}-{:06}.h5", own_start_ ? "check" : "case", result_.number)).string();
 }
 
+std::string CaseEngine::record_file() const { return (places_.records / fmt::format("case-{:06}.h5", result_.number)).string(); }
+
 void CaseEngine::save() {
     last_save_ = std::chrono::steady_clock::now();
     Checkpoint checkpoint;
@@ -36,13 +38,30 @@ void CaseEngine::forget_checkpoint() {
     if (std::exchange(on_disk_, false)) remove_checkpoint(checkpoint_file());
 }
 
-/// Puts the case to where its checkpoint was taken, if it has one. A checkpoint that does not fit any more is passed over: the case begins
-/// anew.
+/// Puts the case to where its checkpoint was taken, if it has one. A checkpoint that is damaged, or does not fit any more, is passed over:
+/// the case begins anew, with the same result.
 bool CaseEngine::restore() {
     std::error_code missing;
-    on_disk_ = resumable_ && std::filesystem::exists(checkpoint_file(), missing);
-    if (!on_disk_) return false;
-    const Checkpoint checkpoint = read_checkpoint(checkpoint_file());
+    if (!resumable_ || !std::filesystem::exists(checkpoint_file(), missing)) return false;
+    std::string why;
+    try {
+        go_on_from(read_checkpoint(checkpoint_file()));
+    } catch (const std::runtime_error& damaged) {  // engine::RecordError, SimulationError, SceneError
+        why = damaged.what();
+    } catch (const std::invalid_argument& of_another_method) {
+        why = of_another_method.what();
+    }
+    if (!why.empty()) {
+        control_.tell(fmt::format("case {} begins anew, its checkpoint cannot be used: {}", result_.number, why));
+        prepare();
+        std::filesystem::remove(record_file() + ".before", missing);
+    }
+    on_disk_ = true;
+    if (why.empty() && end_before()) result_.start = "continued";  // that end stays until the case has its own
+    return why.empty();
+}
+
+void CaseEngine::go_on_from(const Checkpoint& checkpoint) {
     record_options_.from = &checkpoint;
     begin(nullptr);
     record_options_.from = nullptr;
@@ -54,12 +73,11 @@ bool CaseEngine::restore() {
     for (Reducer& reducer : reducers_) memory = reducer.load(memory);
     memory = means_.load(memory);
     if (recorder_) recorder_->restore({memory.begin(), memory.end()});
-    return true;
 }
 
-/// The latest end of a case before this one in its strand, else what any case begins with. Ends are kept in two files by turns, so that a
-/// case that was lost with a killed process finds the end before it.
-StartStates::State CaseEngine::start() {
+/// The latest end of a case before this one in its strand; nullptr: there is none. Ends are kept in two files by turns, so that a case that
+/// was lost with a killed process finds the end before it.
+StartStates::State CaseEngine::end_before() const {
     const long first = result_.number - result_.number % sweep_.strand();
     StartStates::State latest;
     double newest = -1.0;
@@ -73,8 +91,14 @@ StartStates::State CaseEngine::start() {
         newest = number;
         latest = std::move(state);
     }
-    if (latest) result_.start = "continued";
-    return latest ? latest : starts_.of_case(result_.number, scene_, control_.stop());
+    return latest;
+}
+
+/// What a case begins with: the end before it, else what any case begins with.
+StartStates::State CaseEngine::start() {
+    const StartStates::State before = end_before();
+    if (before) result_.start = "continued";
+    return before ? before : starts_.of_case(result_.number, scene_, control_.stop());
 }
 
 /// The end as a start: shaft 1 is turned back by the angle that the governor's reference has gone.

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/base/error_text.hpp"
 #include "tasks/method/method_choice.hpp"
 
 namespace cvtflow::tasks {
@@ -27,23 +28,6 @@ constexpr double required_gain = 1.1;
 
 std::span<const std::string_view> status_names() noexcept { return statuses; }
 std::string_view status_name(CaseStatus status) noexcept { return statuses[static_cast<int>(status)]; }
-
-double BatchControl::grace_left() {
-    return mutex_.guard([&] {
-        if (asked_ == std::chrono::steady_clock::time_point{}) asked_ = std::chrono::steady_clock::now();
-        return grace_ - seconds_since(asked_);
-    });
-}
-
-void BatchControl::idle() {
-    mutex_.guard([&] { ++idle_; });
-    tail_.request();
-}
-
-int BatchControl::threads_per_case() {
-    if (!tail_.requested()) return 1;
-    return mutex_.guard([&] { return threads_ / std::max(1, threads_ - idle_); });
-}
 
 CaseEngine::CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places)
     : sweep_(sweep), starts_(starts), control_(control), places_(std::move(places)), scene_(sweep.scene), reducers_(sweep.scalars.size()) {
@@ -68,6 +52,8 @@ const CaseResult& CaseEngine::run(long number) {
             integrate();
     } catch (const engine::RecordError&) {
         throw;
+    } catch (const std::filesystem::filesystem_error& error) {
+        throw engine::RecordError(engine::error_text(error));
     } catch (const StartFault& fault) {
         judge(fault.fault);
         if (result_.status != CaseStatus::stopped) result_.error = fault.what();
@@ -76,7 +62,7 @@ const CaseResult& CaseEngine::run(long number) {
         result_.error = "out of memory";
     } catch (const std::exception& error) {  // the scene's own: a chain that does not close, a state that does not fit
         result_.status = CaseStatus::bad_parameters;
-        result_.error = error.what();
+        result_.error = engine::error_text(error);
     }
     result_.wall = elapsed();
     if (result_.status != CaseStatus::ok)
@@ -112,6 +98,7 @@ void CaseEngine::prepare() {
     pause_ = on_disk_ = false;
     why_ = Pause::none;
     recorder_.reset();
+    record_options_.from = nullptr;
     for (Reducer& reducer : reducers_) reducer.clear();
     means_.clear();
     result_.efficiency = result_.residual = result_.suspicion = std::numeric_limits<double>::quiet_NaN();
@@ -136,7 +123,7 @@ void CaseEngine::begin(const StartStates::State& saved) {
     eye_ = serial_eye_.get();
     simulation_->pause_on(&pause_);
     if (!sweep_.records || own_start_) return;
-    record_options_.file = (places_.records / fmt::format("case-{:06}.h5", result_.number)).string();
+    record_options_.file = record_file();
     recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);
 }
 

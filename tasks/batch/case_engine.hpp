@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "engine/executor/tbb/job_pool.hpp"
@@ -12,6 +13,8 @@
 #include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow::tasks {
+
+struct Checkpoint;
 
 /// How a case ended; the column `status` has these names.
 enum class CaseStatus { ok, unreliable, diverged, budget, bad_parameters, crashed, undefined, stopped };
@@ -38,7 +41,10 @@ struct CaseResult {
 /// What all workers share: when to stop, and how many threads a case may have.
 class BatchControl {
 public:
-    BatchControl(int threads, double grace, const engine::Cancellation& stop) : threads_(threads), grace_(grace), stop_(stop) {}
+    using Notice = std::function<void(const std::string&)>;
+    /// @param notice  told what a user should know of, by one thread at a time; may be empty
+    BatchControl(int threads, double grace, const engine::Cancellation& stop, Notice notice = {})
+        : threads_(threads), grace_(grace), stop_(stop), notice_(std::move(notice)) {}
 
     [[nodiscard]] const engine::Cancellation& stop() const noexcept { return stop_; }
     /// Seconds left of the grace time, which begins with the first call after the wish to stop.
@@ -47,11 +53,13 @@ public:
     void idle();
     /// Threads that each of the running cases may use. Cheap while all workers are busy.
     [[nodiscard]] int threads_per_case();
+    void tell(const std::string& what);
 
 private:
     int threads_;
     double grace_;
     const engine::Cancellation& stop_;
+    Notice notice_;
     engine::Cancellation tail_;
     engine::Mutex mutex_;
     int idle_ = 0;
@@ -87,6 +95,7 @@ private:
     void prepare();
     void begin(const StartStates::State& saved);
     [[nodiscard]] bool restore();
+    void go_on_from(const Checkpoint& checkpoint);
     void integrate();
     [[nodiscard]] Fault part();
     void judge(const Fault& fault);
@@ -97,8 +106,10 @@ private:
     void change_threads();
     [[nodiscard]] Pause wanted(double time, const Counters& counters);
     [[nodiscard]] std::string checkpoint_file() const;
+    [[nodiscard]] std::string record_file() const;
     [[nodiscard]] double elapsed() const;
     [[nodiscard]] StartStates::State start();
+    [[nodiscard]] StartStates::State end_before() const;
     void keep_for_neighbour();
 
     const Sweep& sweep_;

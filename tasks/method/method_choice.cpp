@@ -21,14 +21,14 @@ const std::vector<MethodProgram>& method_programs() {
     static const std::vector<MethodProgram> all = [] {
         std::vector<MethodProgram> programs{
             {"dumka3", "DUMKA3, polynomial and step by the spectrum", "Medovikov, BIT 38 (1998) 372-390", 3, 0, 3, 5, dumka3_by_spectrum,
-             "none", nullptr, dumka3_step},
+             "none", nullptr, dumka3_step, true},
             {"rkc", "Runge-Kutta-Chebyshev, stages by the spectrum",
              "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326", 2, 0, 4, 3, rkc_by_spectrum, "none", nullptr,
-             rkc_step},
+             rkc_step, true},
             {"rock2", "ROCK2, stages by the spectrum", "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18", 2, 0, 5, 4, rock2_by_spectrum,
-             "none", nullptr, rock2_step},
+             "none", nullptr, rock2_step, true},
             {"fitted", "polynomial fitted to the spectrum, again when it moves", "weights by Lawson's iteration", 3, 0,
-             FittedMethod::most_stages + 1, 3, fitted_by_spectrum, "none", nullptr, fitted_step},
+             FittedMethod::most_stages + 1, 3, fitted_by_spectrum, "none", nullptr, fitted_step, true},
         };
         for (const auto& family : {friction_methods(), implicit_programs()}) programs.insert(programs.end(), family.begin(), family.end());
         return programs;
@@ -87,6 +87,12 @@ int evaluations_per_step(std::string_view method) {
     const auto plan = engine::make_method(method);
     if (!plan) return 0;
     return static_cast<int>(plan->stages.size()) - (engine::CompiledPlan(*plan).last_is_result() ? 1 : 0);
+}
+
+bool may_estimate_error(std::string_view method) {
+    if (const MethodProgram* program = find_program(method)) return program->estimates_error;
+    const auto plan = engine::make_method(method);
+    return !plan || plan->error.has_value();
 }
 
 std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace) {

@@ -30,6 +30,7 @@ struct MethodProgram {
     ProgramStability (*stability)() = nullptr;
     /// What its step makes of small disturbances (tasks/method/stability/step_map.hpp).
     std::unique_ptr<StepMap> (*linear)(const LinearChain& chain) = nullptr;
+    bool estimates_error = false;  ///< of a step: StepMethod::error_power() is not 0
 };
 
 /// All programs, each under a name of its own.
@@ -49,6 +50,9 @@ struct MethodProgram {
 [[nodiscard]] std::string no_method(std::string_view method);
 /// Evaluations of the right-hand side in one step without transitions, the first step excepted; 0: no such method, or it varies.
 [[nodiscard]] int evaluations_per_step(std::string_view method);
+/// Whether steps of the method come with an estimate of their error, so that it can be reported or decide (run.step_control). A member of a
+/// family is made to look. @return true also if there is no such method
+[[nodiscard]] bool may_estimate_error(std::string_view method);
 /// The method at work on a workspace made with plan_for(method). @throws std::invalid_argument for unknown names, and as
 /// MethodProgram::make
 [[nodiscard]] std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace);

@@ -35,11 +35,19 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
 
 }  // namespace
 
+std::shared_ptr<const engine::SavedState> saved_start(const Scene& scene) {
+    try {
+        return scene.start_state.read(scene.state_file);
+    } catch (const engine::RecordError& error) {
+        throw engine::RecordError(fmt::format("{}start.state: {}", scene.state_place, error.what()));
+    }
+}
+
 std::vector<std::string> start_differences(const engine::SavedState& saved, const Scene& scene) {
     std::vector<std::string> lines;
     const std::string* text = text_attribute(saved, "scene");
     if (text == nullptr) return lines;
-    const Scene then = parse_scene(*text, scene.path, StartState::ignored);
+    const Scene then = parse_scene(*text, scene.state_file, StartState::ignored);
     for (const Parameter& parameter : parameter_table()) {
         if (!describes_machine(parameter)) continue;
         const std::string was = value_text(parameter, then);

@@ -45,7 +45,7 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
                        engine::StampRecorder* recorder)
     : scene_(scene), integrator_(integrator_of(scene, candidates, options, recorder)), workspace_(&integrator_->workspace()) {
     if (!scene_.state_file.empty()) {
-        const auto saved = scene_.start_state.read(scene_.state_file);
+        const auto saved = saved_start(scene_);
         start_differences_ = tasks::start_differences(*saved, scene_);
         take_state(*saved);
     } else {
@@ -104,14 +104,14 @@ void Simulation::take_state(const engine::SavedState& saved) {
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
     const std::size_t beyond = saved.state.size() < mechanical ? 2 : saved.state.size() - mechanical;  // control: 1, ledger: 12, both: 13
     if ((beyond > 1 && beyond != ledger_size && beyond != ledger_size + 1) || saved.phases.size() != workspace_->tips.phases.size()) {
-        std::string message =
-            fmt::format("start.state: {} holds {} unknowns, this scene has {}", scene_.state_file, saved.state.size(), at.size());
+        std::string message = fmt::format("{}start.state: {} holds {} unknowns, this scene has {}", scene_.state_place, scene_.state_file,
+                                          saved.state.size(), at.size());
         for (const std::string& line : start_differences_) message += "\n  " + line;
         throw SimulationError(message);
     }
     if (std::any_of(saved.phases.begin(), saved.phases.end(),
                     [](std::uint8_t phase) { return phase > static_cast<std::uint8_t>(model::Phase::slip); })) {
-        throw SimulationError(fmt::format("start.state: {} holds a phase that is none", scene_.state_file));
+        throw SimulationError(fmt::format("{}start.state: {} holds a phase that is none", scene_.state_place, scene_.state_file));
     }
     const bool had_control = beyond % ledger_size == 1;
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);

@@ -144,6 +144,12 @@ Violation method_exists(const Scene& scene) {
     return "run.method: " + no_method(scene.run.method);
 }
 
+Violation method_estimates_error(const Scene& scene) {
+    if (scene.run.step_control == StepControl::fixed || may_estimate_error(scene.run.method)) return {};
+    return fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
+                       scene.run.method);
+}
+
 Violation executor_exists(const Scene& scene) {
     const std::string& name = scene.run.schedule;
     if (name == "auto" || engine::find_executor(name) != nullptr) return {};
@@ -175,6 +181,7 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
+        {{"run.step_control", "run.method"}, method_estimates_error},
         {{"run.schedule"}, executor_exists},
     };
     return checks;

@@ -115,6 +115,9 @@ void Reading::check(const CrossCheck& cross_check) {
 
 Scene Reading::finish(const std::function<std::string(Position)>& place) {
     for (const CrossCheck& cross_check : cross_checks()) check(cross_check);
+    for (const auto& [key, to] : {std::pair{"start.state", &scene_.state_place}, {"run.method", &scene_.method_place}}) {
+        if (const auto given = given_.find(key); given != given_.end()) *to = place(given->second) + ": ";
+    }
     if (problems_.empty()) return std::move(scene_);
     std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) { return a.position < b.position; });
     std::vector<std::string> lines;

@@ -59,6 +59,8 @@ struct Scene {
     model::Parameters parameters;
     RunSettings run;
     std::string state_file;      ///< absolute path of the state to start from; empty: geometric start
+    std::string state_place;     ///< where start.state was given, for problems that show later: `scene.toml:12:9: `; empty: nowhere
+    std::string method_place;    ///< the same of run.method
     KeptState start_state;       ///< what state_file holds, read once
     std::string text;            ///< the TOML as it was read; not changed by set_values or apply_detail (see write_scene)
     std::filesystem::path path;  ///< of the file, as given

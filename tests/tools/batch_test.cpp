@@ -16,7 +16,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-using Batch = Sweeps;
+class Batch : public Sweeps {
+protected:
+    void kill_twenty_times(unsigned seed) const;
+};
 
 TEST_F(Batch, GivesOneHashForEveryNumberOfThreadsAndEveryCut) {
     write_sweep();
@@ -41,7 +44,6 @@ TEST_F(Batch, CaseEqualsTheRunOfItsScene) {
     EXPECT_THAT(single.out, HasSubstr("state hash          " + column("hash").at(4)));
 }
 
-/// 20 times kill -9 at a random moment, then to the end.
 TEST_F(Batch, LeavesNothingBehindOfACheckpointThatAKillCutShort) {
     write_sweep();
     std::filesystem::create_directories(folder_ / "out" / "checkpoints");
@@ -51,11 +53,12 @@ TEST_F(Batch, LeavesNothingBehindOfACheckpointThatAKillCutShort) {
     EXPECT_FALSE(exists("out/checkpoints"));
 }
 
-TEST_F(Batch, KilledTwentyTimesAtRandomMomentsLosesAndRepeatsNothing) {
+/// 20 times kill -9 at a random moment, then to the end.
+void Batch::kill_twenty_times(unsigned seed) const {
     write_sweep("\"6 N*m\", \"9 N*m\", \"12 N*m\", \"15 N*m\", \"18 N*m\"", "80 us");
     const Outcome undisturbed = run({"batch", "sweep.toml", "-o", "whole"});
     ASSERT_EQ(undisturbed.status, 0) << undisturbed.err;
-    std::mt19937 moments(6);
+    std::mt19937 moments(seed);
     for (int kill = 0; kill < 20; ++kill) {
         Child child({"batch", "sweep.toml", "-o", "out", "--checkpoint-every", "10 ms", "-q"}, folder_);
         std::this_thread::sleep_for(std::chrono::microseconds(5000 + moments() % 200000));
@@ -70,6 +73,17 @@ TEST_F(Batch, KilledTwentyTimesAtRandomMomentsLosesAndRepeatsNothing) {
     EXPECT_EQ(column("slip_mean"), column("slip_mean", "whole"));
     EXPECT_EQ(column("evaluations"), column("evaluations", "whole"));
     EXPECT_FALSE(exists("out/checkpoints"));
+}
+
+TEST_F(Batch, KilledTwentyTimesAtRandomMomentsLosesAndRepeatsNothing) { kill_twenty_times(6); }
+
+using NightlyBatch = Batch;
+
+TEST_F(NightlyBatch, KilledAHundredTimesLosesAndRepeatsNothing) {
+    for (unsigned seed = 20; seed < 25; ++seed) {
+        kill_twenty_times(seed);
+        for (const char* folder : {"out", "whole"}) std::filesystem::remove_all(folder_ / folder);
+    }
 }
 
 TEST_F(Batch, ThatIsToldToStopLeavesCheckpointsAndGoesOnBitForBit) {
@@ -258,6 +272,18 @@ TEST_F(ContinuedBatch, SharesASettledStateAndContinuesFromNeighbours) {
     EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_ / "shared/states"), {}), 1);
     EXPECT_EQ(column("start", "shared").at(3), "shared");
     expect_error_of_continuation();
+}
+
+TEST_F(ContinuedBatch, GivesTheSameTableAfterAStopInACase) {
+    write_sweep("\"6 N*m\"", "1 ms", "continuation = \"clamping.driven\"\ncheck = 0\n");
+    const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
+    Child child({"batch", "sweep.toml", "-o", "out", "--grace", "1 us", "--checkpoint-every", "10 ms"}, folder_);
+    ASSERT_TRUE(eventually([&] { return exists("out/checkpoints/case-000001.h5"); }));
+    child.send(SIGTERM);
+    ASSERT_EQ(child.wait().status, 130);
+    ASSERT_TRUE(exists("out/checkpoints/case-000001.h5"));
+    EXPECT_EQ(hash_in(run({"resume", "out"}).out), hash_in(whole.out));
+    EXPECT_EQ(column("start"), column("start", "whole"));
 }
 
 TEST_F(Batch, RecordsCasesIfAsked) {

@@ -27,6 +27,8 @@ protected:
         write("syntax.toml", "[chain\n");
         write("method.toml", "[run]\nmethod = \"rk45\"\nstepp = \"50 ns\"\n");
         write("no_method.toml", "[run]\nmethod = \"rk5\"\n");
+        write("no_estimate.toml", "[run]\nmethod = \"rk4\"\nstep_control = \"error\"\n[chain]\npins = \"x\"\n");
+        write("text_state.toml", "[start]\nstate = \"text.h5\"\n");
         write("no_member.toml", "[run]\nmethod = \"rkc-s1\"\n");
         write("no_executor.toml", "[run]\n\nschedule = \"flwo\"\n");
         write("no_state.toml", "[start]\nstate = \"gone.h5\"\n");
@@ -120,11 +122,16 @@ const std::vector<Mistake> mistakes_in_scenes{
     {{"run", "no_method.toml"}, 1, "no_method.toml:2:10: run.method: no method 'rk5' (did you mean 'rk4'?)"},
     {{"check", "no_member.toml"},
      1,
-     "no_member.toml: run.method: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if "
+     "no_member.toml:2:10: run.method: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if "
      "absent)"},
     {{"check", "no_executor.toml"},
      1,
      "no_executor.toml:3:12: run.schedule: there is no executor 'flwo' (did you mean \"flow\"?) (cvtflow list executors; or auto)"},
+    {{"check", "no_estimate.toml"},
+     1,
+     "no_estimate.toml:3:16: run.step_control: 'rk4' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list "
+     "methods)\ncvtflow: no_estimate.toml:5:8: chain.pins: \"x\" is not an integer"},
+    {{"check", "text_state.toml"}, 1, "text_state.toml:2:9: start.state: FOLDER/text.h5: not an HDF5 file"},
     {{"run", "no_state.toml"}, 1, "no_state.toml:2:9: start.state: there is no file \"gone.h5\""},
     {{"settle", "free_ring"}, 1, "free_ring: nothing to settle, start.layout and start.settling_time say so"},
     {{"explain", "chain.pich"}, 1, "chain.pich: unknown key (did you mean \"chain.pitch\"?)"},
@@ -208,19 +215,35 @@ TEST_F(Errors, InFilesSayWhatTheFileIs) {
         {{"info", "cut_record.h5"}, 1, "cut_record.h5: truncated HDF5 file: 2000 bytes of " + record},
         {{"info", "cut_state.h5"}, 1, "cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
         {{"run", "tiny", "--set", "start.state=gone.h5"}, 2, "--set start.state=gone.h5: start.state: there is no file \"gone.h5\""},
-        {{"run", "tiny", "--set", "start.state=text.h5"}, 1, "FOLDER/text.h5: not an HDF5 file"},
-        {{"run", "tiny", "--set", "start.state=cut_state.h5"}, 1, "FOLDER/cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
+        {{"run", "tiny", "--set", "start.state=text.h5"}, 1, "--set start.state=text.h5: start.state: FOLDER/text.h5: not an HDF5 file"},
+        {{"run", "tiny", "--set", "start.state=cut_state.h5"},
+         1,
+         "--set start.state=cut_state.h5: start.state: FOLDER/cut_state.h5: truncated HDF5 file: 2000 bytes of " + state},
         {{"run", "tiny", "--set", "start.state=record.h5"},
          1,
-         "FOLDER/record.h5: an HDF5 file, but not a cvtflow state (format: 'cvtflow run')"},
+         "--set start.state=record.h5: start.state: FOLDER/record.h5: an HDF5 file, but not a cvtflow state (format: 'cvtflow run')"},
         {{"run", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
          1,
-         "start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled with 1"},
+         "--set start.state=state.h5: start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled "
+         "with 1"},
         {{"check", "tiny", "--set", "start.state=state.h5", "--set", "detail.order=0"},
          1,
-         "start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled with 1"},
+         "--set start.state=state.h5: start.state: FOLDER/state.h5 holds 648 unknowns, this scene has 456\n  detail.order = 0, settled "
+         "with 1"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
+}
+
+TEST_F(Errors, BlameNoSettingThatWasNotGiven) {
+    expect(
+        {{"run", "tiny", "--tolerance", "1"},
+         2,
+         "--tolerance 1: run.step_control: 'rk4' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)"});
+}
+
+TEST_F(Errors, OfTheStandardLibraryAreInOurWords) {
+    const std::string long_name(300, 'a');
+    for (const char* command : {"table", "resume"}) expect({{command, long_name}, 1, long_name + ": File name too long"});
 }
 
 TEST_F(Errors, OfPlacesComeBeforeTheWork) {

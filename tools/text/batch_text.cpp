@@ -42,6 +42,14 @@ public:
         drawn_ = terminal_;
     }
 
+    /// A line that stays.
+    void tell(const std::string& what) {
+        if (quiet_) return;
+        if (drawn_) to_stderr("\r\x1b[K");
+        drawn_ = false;
+        print_error(what);
+    }
+
 private:
     bool quiet_, terminal_, drawn_ = false;
     Clock::time_point last_{};
@@ -105,6 +113,7 @@ ExitStatus run_part(const tasks::Sweep& sweep, tasks::BatchOptions options, bool
         BatchDisplay display(quiet);
         options.cancel = &interrupted;
         options.progress = [&display](const tasks::BatchProgress& progress) { display.show(progress); };
+        options.notice = [&display](const std::string& what) { display.tell(what); };
         if (options.part.only >= 0) options.threads = 1;
         report = tasks::run_batch(sweep, options);
     }

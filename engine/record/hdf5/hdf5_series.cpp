@@ -53,7 +53,7 @@ void collect_datasets(hid_t file, const std::string& group, const std::string& p
         throw Failure(what + ": too many objects");
     }
     for (const std::string& name : names) {
-        const std::string path = group + "/" + name;
+        const std::string path = (group == "/" ? "" : group) + "/" + name;
         const Handle object(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, "cannot open '" + path + "'");
         const H5I_type_t kind = H5Iget_type(object.id());
         if (kind == H5I_DATASET) {

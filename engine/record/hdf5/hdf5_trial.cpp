@@ -1,12 +1,15 @@
 #include "engine/record/hdf5/hdf5_trial.hpp"
 
+#include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <climits>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -20,7 +23,8 @@ namespace {
 
 bool files_are_tried = false;  // set by a program's main(), before there are threads
 
-constexpr int out_of_memory = 3;  ///< exit status of a child
+/// Exit status of a child.
+constexpr int out_of_memory = 3, has_a_message = 4;
 
 [[nodiscard]] bool single_threaded() {
     std::error_code unknown;
@@ -49,7 +53,9 @@ void limit_child() {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
 }
 
-[[noreturn]] void be_the_child(const std::function<void()>& look) {
+/// What HDF5 refuses, the parent must not try: after an error in the middle of a list, HDF5 frees pointers that it has never set, which
+/// ends one process and not the other.
+[[noreturn]] void be_the_child(const std::function<void()>& look, int to_parent) {
     files_are_tried = false;
     int status = 0;
     try {
@@ -57,9 +63,21 @@ void limit_child() {
         look();
     } catch (const std::bad_alloc&) {
         status = out_of_memory;
+    } catch (const hdf5::Failure& failure) {
+        const std::string_view text = failure.what();
+        const ssize_t told = write(to_parent, text.data(), std::min<std::size_t>(text.size(), PIPE_BUF));
+        status = told > 0 ? has_a_message : 0;
     } catch (...) {  // what it says, the parent will say
     }
     _exit(status);
+}
+
+/// What was written into a pipe whose other end is closed.
+[[nodiscard]] std::string text_in(int pipe) {
+    std::string text(PIPE_BUF, '\0');
+    const ssize_t size = read(pipe, text.data(), text.size());
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+    return text;
 }
 
 }  // namespace
@@ -109,15 +127,21 @@ void look_at_everything(hid_t file) {
 
 void survive(const std::function<void()>& look) {
     if (!files_are_tried || !single_threaded()) return;
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0) return;
     const pid_t child = fork();
-    if (child < 0) return;  // no processes to be had: as in a host
-    if (child == 0) be_the_child(look);
+    if (child == 0) be_the_child(look, ends[1]);
+    close(ends[1]);
     int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+    while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {}
+    const std::string said = text_in(ends[0]);
+    close(ends[0]);
+    if (child < 0) return;  // no processes to be had: as in a host
     if (WIFSIGNALED(status)) {
         const bool late = WTERMSIG(status) == SIGALRM || WTERMSIG(status) == SIGPROF;
         throw Failure(late ? "it takes HDF5 too long" : "HDF5 crashes on it");
     }
+    if (WEXITSTATUS(status) == has_a_message) throw Failure(said);
     if (WEXITSTATUS(status) == out_of_memory) throw Failure("HDF5 wants more than 1 GiB for it");
 }
 

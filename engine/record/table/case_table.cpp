@@ -229,7 +229,8 @@ void CaseWriter::sync() {
 FolderLock::FolderLock(const std::string& folder) {
     std::error_code error;
     std::filesystem::create_directory(folder, error);
-    if (!std::filesystem::is_directory(folder))
+    std::error_code unreadable;
+    if (!std::filesystem::is_directory(folder, unreadable))
         throw RecordError(folder + ": cannot create: " + (error ? error.message() : "a file of that name is in the way"));
     descriptor_ = open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     if (descriptor_ < 0) throw RecordError(folder + ": cannot write into it: " + std::strerror(errno));

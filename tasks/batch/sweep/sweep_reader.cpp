@@ -107,6 +107,7 @@ private:
     void setting(const Parameter& parameter, const Node& node) {
         read_value(parameter, node, sweep_.scene, problems_);
         if (parameter.key != "start.state" || sweep_.scene.state_file.empty()) return;
+        sweep_.scene.state_place = fmt::format("{}:{}:{}: ", sweep_.path.string(), node.position.line, node.position.column);
         sweep_.scene.state_file =
             std::filesystem::absolute(sweep_.path.parent_path() / sweep_.scene.state_file).lexically_normal().string();
     }

@@ -66,7 +66,8 @@ MethodProgram additive(const char* description, const char* solves) {
             make_additive<table>,
             solves,
             stability_of<table>,
-            linear_step_with<table>};
+            linear_step_with<table>,
+            !t.embedded.empty()};
 }
 
 }  // namespace

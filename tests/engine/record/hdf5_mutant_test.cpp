@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <map>
 #include <new>
+#include <utility>
 
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
@@ -53,9 +54,9 @@ void read_run(const std::string& path) {
     }
 }
 
-void begin_five_seconds() {
-    const itimerval five{{0, 0}, {5, 0}};
-    setitimer(ITIMER_REAL, &five, nullptr);
+void end_in(long seconds) {
+    const itimerval time{{0, 0}, {seconds, 0}};
+    setitimer(ITIMER_REAL, &time, nullptr);
 }
 
 struct Reader {
@@ -71,7 +72,7 @@ const Reader readers[] = {{"run", read_run},
 
 /// @return refused if the mutant is not taken
 Fate fate_of(const std::string& path, const Reader& reader) {
-    begin_five_seconds();
+    end_in(5);
     try {
         reader.read(path);
         return Fate::ok;
@@ -150,7 +151,7 @@ protected:
         setrlimit(RLIMIT_CORE, &none);
         try_files_first();  // as the program does
         for (; notes_->next < count; ++notes_->next) {
-            begin_five_seconds();
+            end_in(60);  // making some of them means writing many megabytes
             const auto number = static_cast<std::uint64_t>(notes_->next);
             const std::string mutant = path("mutant.h5");
             std::filesystem::remove(mutant);  // file systems write out at once what is cut and written anew
@@ -168,13 +169,18 @@ protected:
         ASSERT_LE(count, static_cast<long>(std::size(notes_->fate)));
         const std::vector<std::string> files = originals();
         *notes_ = {};
+        long late = -1;  // a mutant that took too long: once more, since the machine may be busy elsewhere
         while (notes_->next < count) {
             const int status = wait_for(start_child([&] { work(files, seed, count, seal_anew); }));
             if (status == 0) break;
+            if (status == 128 + SIGALRM && std::exchange(late, notes_->next) != notes_->next) continue;
             const auto number = static_cast<std::size_t>(notes_->next++);
             notes_->fate[number] = status == 128 + SIGALRM ? Fate::hang : Fate::crash;
+            const std::string kept = "cvtflow_mutant_" + std::to_string(seed) + "_" + std::to_string(number) + ".h5";
+            std::filesystem::copy_file(path("mutant.h5"), std::filesystem::temp_directory_path() / kept,
+                                       std::filesystem::copy_options::overwrite_existing);
             ADD_FAILURE() << "mutant " << number << " of seed " << seed << " of " << files[number % files.size()]
-                          << " ended its reader with " << status;
+                          << " ended its reader with " << status << "; kept as " << kept;
         }
     }
 

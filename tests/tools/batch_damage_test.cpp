@@ -1,0 +1,87 @@
+/// What a sweep left behind is damaged when it goes on: cases whose checkpoints cannot be used begin anew, with the same results.
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+
+#include "engine/record/run/run_reader.hpp"
+#include "tests/tools/batch_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::HasSubstr;
+
+class DamagedSweep : public Sweeps {
+protected:
+    /// Two of four cases, side by side, are stopped with checkpoints and records in out; the whole sweep is in whole.
+    void SetUp() override {
+        write_sweep("\"6 N*m\"", "1 ms");
+        std::string text = read("sweep.toml");
+        write("sweep.toml", text.insert(text.find("[start]"), "records = true\n"));
+        whole_ = run({"batch", "sweep.toml", "-o", "whole"});
+        ASSERT_EQ(whole_.status, 0) << whole_.err;
+        Child child({"batch", "sweep.toml", "-o", "out", "--threads", "2", "--grace", "1 us", "-q"}, folder_);
+        ASSERT_TRUE(eventually([&] { return exists("out/records/case-000001.h5.part"); }));
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        child.send(SIGTERM);
+        ASSERT_EQ(child.wait().status, 130);
+        for (const char* file : {"case-000000.h5", "case-000001.h5"}) ASSERT_TRUE(exists(std::string("out/checkpoints/") + file));
+    }
+
+    void change_a_byte(const std::string& name) const {
+        std::string bytes = read(name);
+        bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 4);
+        std::filesystem::remove(folder_ / name);
+        write(name, bytes);
+    }
+
+    /// @return what the rest of the sweep says
+    [[nodiscard]] std::string same_results() const {
+        const Outcome rest = run({"resume", "out"});
+        EXPECT_EQ(rest.status, 0) << rest.err;
+        EXPECT_EQ(hash_in(rest.out), hash_in(whole_.out));
+        EXPECT_FALSE(exists("out/checkpoints"));
+        for (const auto& file : std::filesystem::directory_iterator(folder_ / "out" / "records"))
+            EXPECT_EQ(file.path().extension(), ".h5") << "left behind: " << file.path();
+        const engine::RunReader again((folder_ / "out/records/case-000000.h5").string()),
+            whole((folder_ / "whole/records/case-000000.h5").string());
+        EXPECT_EQ(again.times(), whole.times());
+        EXPECT_EQ(again.attribute("state_hash"), whole.attribute("state_hash"));
+        return rest.err;
+    }
+
+    Outcome whole_;
+};
+
+TEST_F(DamagedSweep, BeginsACaseAnewWhoseCheckpointIsDamaged) {
+    change_a_byte("out/checkpoints/case-000000.h5");
+    const std::string said = same_results();
+    EXPECT_THAT(said, HasSubstr("cvtflow: case 0 begins anew, its checkpoint cannot be used: out/checkpoints/case-000000.h5: damaged"));
+    EXPECT_EQ(said.find("case 1 begins anew"), std::string::npos);
+}
+
+TEST_F(DamagedSweep, BeginsACaseAnewWhoseCheckpointIsThatOfAnother) {
+    std::filesystem::copy_file(folder_ / "out/checkpoints/case-000001.h5", folder_ / "out/checkpoints/case-000000.h5",
+                               std::filesystem::copy_options::overwrite_existing);
+    EXPECT_THAT(same_results(), HasSubstr("case 0 begins anew, its checkpoint cannot be used: out/checkpoints/case-000000.h5: this is no "
+                                          "checkpoint of the scene:\n  clamping.driven = "));
+}
+
+TEST_F(DamagedSweep, BeginsACaseAnewWhoseRecordIsGone) {
+    for (const char* name : {"case-000000.h5.part", "case-000000.h5"}) std::filesystem::remove(folder_ / "out/records" / name);
+    EXPECT_THAT(same_results(), HasSubstr("case 0 begins anew, its checkpoint cannot be used: out/records/case-000000.h5: the record"));
+}
+
+TEST_F(Sweeps, ThatCannotWriteItsCheckpointsStopsAndBlamesNoCase) {
+    write_sweep("\"6 N*m\"", "2 ms");
+    std::filesystem::create_directory(folder_ / "out");
+    write("out/checkpoints", "a file in the way");
+    const Outcome outcome = batch({"--checkpoint-every", "1 ms", "-q"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, testing::StartsWith("cvtflow: out/checkpoints"));
+    EXPECT_EQ(run({"table", "out", "--status", "bad_parameters", "--csv"}).out.find("bad_parameters"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

@@ -1,0 +1,149 @@
+/// Power cuts: what was not synced is lost, or part of it. A run and a sweep go on from what is left to the bits of an undisturbed one, or
+/// say clearly that they cannot, and nothing has a final name that is not whole.
+
+#include <gmock/gmock.h>
+
+#include <cstdio>
+
+#include "engine/base/hash.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "tests/tools/batch_fixture.hpp"
+#include "tests/tools/power_cut_fixture.hpp"
+
+#ifdef CVTFLOW_POWER
+
+namespace cvtflow::tools {
+namespace {
+
+class PowerCut : public Sweeps {
+protected:
+    PowerCut() { std::filesystem::create_directory(work_); }
+
+    Outcome run_at_work(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {}) const {
+        return Child(arguments, work_, environment).wait();
+    }
+
+    /// Runs to the end. @return everything that was done to files on the way
+    [[nodiscard]] std::vector<Change> logged(const std::vector<std::string>& arguments) const {
+        const Outcome outcome =
+            run_at_work(arguments, {"LD_PRELOAD=" CVTFLOW_POWER, "CVTFLOW_POWER_LOG=" + (folder_ / "changes").string()});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        return read_power_log(folder_ / "changes", work_);
+    }
+
+    /// What was there before the program ran stays.
+    void clear_work() const {
+        const std::vector<std::filesystem::directory_entry> all(std::filesystem::directory_iterator(work_), {});
+        for (const auto& entry : all) {
+            if (entry.path().filename() != "sweep.toml") std::filesystem::remove_all(entry.path());
+        }
+    }
+
+    /// Goes on after `cuts` cuts at random moments, every other one of each kind.
+    /// @param go_on  whether the result is there and the same; if not, why: what it was refused with
+    template <class GoOn>
+    void cut_and_go_on(const std::vector<Change>& changes, int cuts, const GoOn& go_on) {
+        std::mt19937 chance(17);
+        for (int cut = 0; cut < cuts; ++cut) {
+            const std::size_t count = chance() % (changes.size() + 1);
+            const Disk disk = cut % 2 == 0 ? Disk::dropped : Disk::journalled;
+            clear_work();
+            cut_power(changes, count, disk, work_, chance);
+            SCOPED_TRACE("cut " + std::to_string(cut) + " after " + std::to_string(count) + " of " + std::to_string(changes.size()));
+            const Outcome outcome = go_on();
+            same_ += outcome.status == 0;
+            if (outcome.status == 0) continue;
+            EXPECT_EQ(disk, Disk::journalled) << "refused what was synced: " << outcome.err;
+            EXPECT_EQ(outcome.status, 1) << outcome.err;
+            EXPECT_TRUE(outcome.err.starts_with("cvtflow: ")) << outcome.err;
+            std::printf("refused: %s", outcome.err.c_str());
+        }
+        std::printf("%d power cuts: %d the same bits (%d of them went on from a checkpoint or table), %d refused\n", cuts, same_, went_on_,
+                    cuts - same_);
+    }
+
+    void single_run(int cuts);
+    void sweep(int cuts);
+
+    const std::filesystem::path work_ = folder_ / "work";
+    int same_ = 0, went_on_ = 0;
+};
+
+/// What a record holds of its run: rows, the last state, how it ended.
+std::string contents_of(const std::filesystem::path& record) {
+    const engine::RunReader reader(record.string());
+    engine::Hash hash;
+    for (const engine::ChannelInfo& channel : reader.channels()) hash.add(std::span<const double>(reader.channel(channel.name)));
+    hash.add(std::span<const double>(reader.times())).add(std::span<const double>(reader.last_state().state));
+    return std::to_string(reader.rows()) + " " + hash.hex() + " " + reader.status();
+}
+
+void PowerCut::single_run(int cuts) {
+    const std::vector<std::string> order{"run",
+                                         "tiny",
+                                         "-q",
+                                         "-o",
+                                         "run.h5",
+                                         "--until",
+                                         "0.2 ms",
+                                         "--step",
+                                         "50 ns",
+                                         "--set",
+                                         "start.settling_time=100us",
+                                         "--set",
+                                         "start.ramp_time=50us",
+                                         "--set",
+                                         "run.schedule=serial"};
+    const std::vector<Change> changes = logged(order + std::vector<std::string>{"--checkpoint-every", "3 ms"});
+    const std::string whole = contents_of(work_ / "run.h5");
+    cut_and_go_on(changes, cuts, [&] {
+        Outcome outcome;
+        if (std::filesystem::exists(work_ / "run.checkpoint.h5")) {
+            outcome = run_at_work({"resume", "run.checkpoint.h5", "-q"});
+            went_on_ += outcome.status == 0;
+        } else if (!std::filesystem::exists(work_ / "run.h5")) {
+            outcome = run_at_work(order);
+        }
+        if (outcome.status == 0) {
+            EXPECT_EQ(contents_of(work_ / "run.h5"), whole);
+        }
+        return outcome;
+    });
+}
+
+void PowerCut::sweep(int cuts) {
+    write_sweep("\"6 N*m\", \"12 N*m\", \"18 N*m\"", "0.2 ms");
+    std::filesystem::rename(folder_ / "sweep.toml", work_ / "sweep.toml");
+    const std::vector<std::string> order{"batch", "sweep.toml", "-o", "out"};
+    const std::vector<Change> changes = logged(order + std::vector<std::string>{"--checkpoint-every", "5 ms", "--threads", "2"});
+    const std::string whole = hash_in(run_at_work(order).out);
+    cut_and_go_on(changes, cuts, [&] {
+        const bool begun = std::filesystem::exists(work_ / "out" / "cases.h5");
+        const Outcome outcome = run_at_work(order);
+        if (outcome.status == 0) {
+            EXPECT_EQ(hash_in(outcome.out), whole) << outcome.err;
+        }
+        went_on_ += begun && outcome.status == 0;
+        return outcome;
+    });
+}
+
+TEST_F(PowerCut, OfARunLeavesWhatLeadsToTheSameBits) {
+    single_run(20);
+    EXPECT_GE(went_on_, 5);
+}
+
+TEST_F(PowerCut, OfASweepLeavesWhatLeadsToTheSameBits) {
+    sweep(20);
+    EXPECT_GE(same_, 10);
+}
+
+using NightlyPowerCut = PowerCut;
+
+TEST_F(NightlyPowerCut, TwoHundredOfARun) { single_run(200); }
+TEST_F(NightlyPowerCut, TwoHundredOfASweep) { sweep(200); }
+
+}  // namespace
+}  // namespace cvtflow::tools
+
+#endif
