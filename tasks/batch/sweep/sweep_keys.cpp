@@ -11,70 +11,78 @@ namespace cvtflow::tasks {
 
 namespace {
 
-const std::vector<SweepKey>& sweep_rows() {
-    using enum SweepForm;
-    static const std::vector<SweepKey> rows{
-        {"sweep", "name", text, false, {}, "the file's name", "Name of the sweep."},
-        {"sweep", "description", text, false, {}, "empty", "What the sweep asks, in a sentence or two."},
-        {"sweep", "scene", text, true, {}, "", "Ready scene, or a file relative to the sweep's."},
-        {"sweep", "detail", text, false, {}, "the scene's", "Level of detail (cvtflow list detail)."},
-        {"set", "*", scene_keys, false, {}, "the scene's", "Keys of the scene that all cases share, written as in a scene."},
-        {"axes", "key", text, false, {}, "none", "Key of the scene that varies along this axis; every axis multiplies the cases."},
-        {"axes", "values", values, false, {}, "none", "The values of `key`, as a list."},
-        {"axes", "from", value, false, {}, "none", "First value of a range of `key`; needs to and count."},
-        {"axes", "to", value, false, {}, "none", "Last value of a range."},
-        {"axes", "count", integer, false, {}, "none", "Number of values of a range, or of samples; at most a million."},
-        {"axes", "scale", choice, false, {"linear", "log"}, "\"linear\"", "How a range is divided."},
-        {"axes", "zip", tables, false, {}, "none", "Keys that vary together: tables with key and values, or key and range."},
-        {"axes", "sample", choice, false, {"random", "latin-hypercube"}, "none", "Draws from the box `keys`; needs count and seed."},
-        {"axes", "seed", integer, false, {}, "none", "Seed of a sample."},
-        {"axes", "keys", tables, false, {}, "none", "The box from which a sample is drawn: tables with key, from and to."},
-        {"axes",
-         "csv",
-         text,
-         false,
-         {},
-         "none",
-         "Rows from a file; its first line names keys, with units in brackets where cells have none."},
-        {"axes.zip", "key", text, true, {}, "", "Key of the scene."},
-        {"axes.zip", "values", values, false, {}, "none", "Its values, as many as the others have."},
-        {"axes.zip", "from", value, false, {}, "none", "First value of a range."},
-        {"axes.zip", "to", value, false, {}, "none", "Last value of a range."},
-        {"axes.zip", "count", integer, false, {}, "none", "Number of values of a range."},
-        {"axes.zip", "scale", choice, false, {"linear", "log"}, "\"linear\"", "How a range is divided."},
-        {"axes.keys", "key", text, true, {}, "", "Key of the scene."},
-        {"axes.keys", "from", value, true, {}, "", "Lower end of the box."},
-        {"axes.keys", "to", value, true, {}, "", "Upper end of the box."},
-        {"axes.keys", "scale", choice, false, {"linear", "log"}, "\"linear\"", "Whether values or their logarithms are drawn evenly."},
-        {"outputs",
-         "scalars",
-         texts,
-         true,
-         {},
-         "",
-         "What a case is reduced to: channel, element and reduction, or a quotient of two such."},
-        {"outputs", "from", time, false, {}, "0", "Outputs before this time do not count."},
-        {"outputs", "records", boolean, false, {}, "false", "One record per case in the folder records of the results."},
-        {"budget", "steps", integer, false, {}, "run.max_steps of the scene", "Most steps of a case."},
-        {"budget", "wall", time, false, {}, "run.max_wall of the scene", "Longest wall time of a case."},
-        {"start",
-         "mode",
-         choice,
-         false,
-         {"scene", "settle", "shared"},
-         "\"scene\"",
-         "The scene's own start; every case settles; or settled once for all cases of one machine."},
-        {"start", "continuation", text, false, {}, "none", "Key of the last axis along which a case starts where its neighbour ended."},
-        {"start",
-         "check",
-         integer,
-         false,
-         {},
-         "1",
-         "So many continued cases also run from a start of their own; the summary tells the difference."},
-    };
-    return rows;
-}
+const std::vector<SweepKey> sweep_rows{
+    {"sweep", "name", SweepForm::text, false, {}, "the file's name", "Name of the sweep."},
+    {"sweep", "description", SweepForm::text, false, {}, "empty", "What the sweep asks, in a sentence or two."},
+    {"sweep", "scene", SweepForm::text, true, {}, "", "Ready scene, or a file relative to the sweep's."},
+    {"sweep", "detail", SweepForm::text, false, {}, "the scene's", "Level of detail (cvtflow list detail)."},
+    {"set", "*", SweepForm::scene_keys, false, {}, "the scene's", "Keys of the scene that all cases share, written as in a scene."},
+    {"axes", "key", SweepForm::text, false, {}, "none", "Key of the scene that varies along this axis; every axis multiplies the cases."},
+    {"axes", "values", SweepForm::values, false, {}, "none", "The values of `key`, as a list."},
+    {"axes", "from", SweepForm::value, false, {}, "none", "First value of a range of `key`; needs to and count."},
+    {"axes", "to", SweepForm::value, false, {}, "none", "Last value of a range."},
+    {"axes", "count", SweepForm::integer, false, {}, "none", "Number of values of a range, or of samples; at most a million."},
+    {"axes", "scale", SweepForm::choice, false, {"linear", "log"}, "\"linear\"", "How a range is divided."},
+    {"axes", "zip", SweepForm::tables, false, {}, "none", "Keys that vary together: tables with key and values, or key and range."},
+    {"axes", "sample", SweepForm::choice, false, {"random", "latin-hypercube"}, "none", "Draws from the box `keys`; needs count and seed."},
+    {"axes", "seed", SweepForm::integer, false, {}, "none", "Seed of a sample."},
+    {"axes", "keys", SweepForm::tables, false, {}, "none", "The box from which a sample is drawn: tables with key, from and to."},
+    {"axes",
+     "csv",
+     SweepForm::text,
+     false,
+     {},
+     "none",
+     "Rows from a file; its first line names keys, with units in brackets where cells have none."},
+    {"axes.zip", "key", SweepForm::text, true, {}, "", "Key of the scene."},
+    {"axes.zip", "values", SweepForm::values, false, {}, "none", "Its values, as many as the others have."},
+    {"axes.zip", "from", SweepForm::value, false, {}, "none", "First value of a range."},
+    {"axes.zip", "to", SweepForm::value, false, {}, "none", "Last value of a range."},
+    {"axes.zip", "count", SweepForm::integer, false, {}, "none", "Number of values of a range."},
+    {"axes.zip", "scale", SweepForm::choice, false, {"linear", "log"}, "\"linear\"", "How a range is divided."},
+    {"axes.keys", "key", SweepForm::text, true, {}, "", "Key of the scene."},
+    {"axes.keys", "from", SweepForm::value, true, {}, "", "Lower end of the box."},
+    {"axes.keys", "to", SweepForm::value, true, {}, "", "Upper end of the box."},
+    {"axes.keys",
+     "scale",
+     SweepForm::choice,
+     false,
+     {"linear", "log"},
+     "\"linear\"",
+     "Whether values or their logarithms are drawn evenly."},
+    {"outputs",
+     "scalars",
+     SweepForm::texts,
+     true,
+     {},
+     "",
+     "What a case is reduced to: channel, element and reduction, or a quotient of two such."},
+    {"outputs", "from", SweepForm::time, false, {}, "0", "Outputs before this time do not count."},
+    {"outputs", "records", SweepForm::boolean, false, {}, "false", "One record per case in the folder records of the results."},
+    {"budget", "steps", SweepForm::integer, false, {}, "run.max_steps of the scene", "Most steps of a case."},
+    {"budget", "wall", SweepForm::time, false, {}, "run.max_wall of the scene", "Longest wall time of a case."},
+    {"start",
+     "mode",
+     SweepForm::choice,
+     false,
+     {"scene", "settle", "shared"},
+     "\"scene\"",
+     "The scene's own start; every case settles; or settled once for all cases of one machine."},
+    {"start",
+     "continuation",
+     SweepForm::text,
+     false,
+     {},
+     "none",
+     "Key of the last axis along which a case starts where its neighbour ended."},
+    {"start",
+     "check",
+     SweepForm::integer,
+     false,
+     {},
+     "1",
+     "So many continued cases also run from a start of their own; the summary tells the difference."},
+};
 
 std::string form_of(const SweepKey& row) {
     using enum SweepForm;
@@ -102,11 +110,11 @@ std::string explained(const SweepKey& row) {
 
 std::string SweepKey::key() const { return table == "sweep" ? fmt::format("sweep.{}", name) : fmt::format("sweep.{}.{}", table, name); }
 
-std::span<const SweepKey> sweep_keys() { return sweep_rows(); }
+std::span<const SweepKey> sweep_keys() { return sweep_rows; }
 
 std::vector<std::string> sweep_sections() {
     std::vector<std::string> sections;
-    for (const SweepKey& row : sweep_rows()) {
+    for (const SweepKey& row : sweep_rows) {
         const std::string section(row.table.substr(0, row.table.find('.')));
         if (std::find(sections.begin(), sections.end(), section) == sections.end()) sections.push_back(section);
     }
@@ -115,13 +123,13 @@ std::vector<std::string> sweep_sections() {
 
 std::vector<std::string> names_in_sweep(std::string_view table) {
     std::vector<std::string> names;
-    for (const SweepKey& row : sweep_rows())
+    for (const SweepKey& row : sweep_rows)
         if (row.table == table) names.emplace_back(row.name);
     return names;
 }
 
 std::vector<std::string> sweep_choices(std::string_view table, std::string_view name) {
-    for (const SweepKey& row : sweep_rows())
+    for (const SweepKey& row : sweep_rows)
         if (row.table == table && row.name == name) return {row.choices.begin(), row.choices.end()};
     return {};
 }
@@ -131,7 +139,7 @@ bool names_sweep(std::string_view word) noexcept { return word == "sweep" || wor
 std::string explain_sweep(std::string_view word) {
     std::string text;
     std::vector<std::string> keys;
-    for (const SweepKey& row : sweep_rows()) {
+    for (const SweepKey& row : sweep_rows) {
         keys.push_back(row.key());
         if (keys.back() == word || keys.back().starts_with(fmt::format("{}.", word))) text += (text.empty() ? "" : "\n") + explained(row);
     }
