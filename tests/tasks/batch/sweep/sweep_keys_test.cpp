@@ -18,7 +18,7 @@ TEST(SweepKeys, AreExplainedOneByOneByTableAndAllTogether) {
         const std::string text = explain_sweep(row.key());
         EXPECT_THAT(text, testing::StartsWith(row.key() + "\n")) << row.key();
         EXPECT_THAT(text, HasSubstr(std::string(row.meaning))) << row.key();
-        EXPECT_THAT(explain_sweep("sweep"), HasSubstr(text)) << row.key();
+        EXPECT_THAT(explain_sweep("sweep"), HasSubstr(text.substr(0, text.find("\n\n")))) << row.key();  // alone, without what is below it
     }
     EXPECT_THAT(explain_sweep("sweep.axes"), testing::AllOf(HasSubstr("sweep.axes.key\n"), HasSubstr("sweep.axes.zip.values\n")));
     EXPECT_THAT(explain_sweep("sweep.axes.zip"), testing::Not(HasSubstr("sweep.axes.csv\n")));
