@@ -24,20 +24,21 @@ struct CaseResult {
     CaseStatus status = CaseStatus::ok;
     std::string error;
     std::string_view start;
-    std::vector<double> scalars;  ///< NaN unless ok
+    std::vector<double> scalars;  ///< NaN unless ok [scalars of the sweep]
     Counters counters, settling;
     double wall = 0.0;        ///< settling and resumed parts included [s]
     int threads = 1;          ///< most that worked on it at once
     std::uint64_t hash = 0;   ///< of the final state
-    double efficiency = 0.0;  ///< 1 - losses/input over whole pin periods since sweep.from
-    double residual = 0.0;    ///< of the energy balance over the losses, settling left out
-    double suspicion = 0.0;   ///< of settling and run: above 1 unreliable
+    double efficiency = 0.0;  ///< 1 - losses/input over whole pin periods since sweep.from [1]
+    double residual = 0.0;    ///< of the energy balance over the losses, settling left out [1]
+    double suspicion = 0.0;   ///< of settling and run: above 1 unreliable [1]
     std::string notes;        ///< names of what is odd, blank between them
 };
 
 /// What all workers share: when to stop, and how many threads a case may have.
 class BatchControl {
 public:
+    /// grace [s]
     BatchControl(int threads, double grace, const engine::Cancellation& stop) : threads_(threads), grace_(grace), stop_(stop) {}
 
     [[nodiscard]] const engine::Cancellation& stop() const noexcept { return stop_; }
@@ -50,7 +51,7 @@ public:
 
 private:
     int threads_;
-    double grace_;
+    double grace_;  ///< [s]
     const engine::Cancellation& stop_;
     engine::Cancellation tail_;
     engine::Gate gate_;
@@ -79,7 +80,7 @@ public:
     /// The result of a case that took its process down.
     [[nodiscard]] const CaseResult& book_crash(long number, const std::string& why);
 
-    void output(double time, const Workspace& workspace, const Counters& counters) override;
+    void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
     void transition(const TransitionRecord& record) override;
 
 private:
@@ -92,10 +93,10 @@ private:
     void judge(const Fault& fault);
     void judge_energy();
     void finish_record(const Fault& fault);
-    void reduce(double time, const Workspace& workspace, const Counters& counters);
+    void reduce(double time, const Workspace& workspace, const Counters& counters);  ///< time [s]
     void save();
     void change_threads();
-    [[nodiscard]] Pause wanted(double time, const Counters& counters);
+    [[nodiscard]] Pause wanted(double time, const Counters& counters);  ///< time [s]
     [[nodiscard]] std::string checkpoint_file() const;
     [[nodiscard]] double elapsed() const;
     [[nodiscard]] StartStates::State start();
@@ -109,7 +110,7 @@ private:
     CaseResult result_;
     std::vector<Reducer> reducers_;
     RunMeans means_;              ///< since sweep.from
-    std::vector<double> values_;  ///< of one channel
+    std::vector<double> values_;  ///< of one channel [width of the channel]
     std::unique_ptr<Simulation> serial_, parallel_;
     std::unique_ptr<model::Observer> serial_eye_, parallel_eye_;
     bool own_start_ = false;
@@ -125,7 +126,7 @@ private:
     double wall_before_ = 0.0;  ///< in former sessions [s]
     std::chrono::steady_clock::time_point started_, last_save_, window_begin_;
     long window_steps_ = 0;
-    double serial_rate_ = 0.0;  ///< steps per second by one thread; 0: not measured
+    double serial_rate_ = 0.0;  ///< steps per second by one thread; 0: not measured [1/s]
     int refused_threads_ = 0;   ///< that were tried and were not worth it
 };
 

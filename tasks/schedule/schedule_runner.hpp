@@ -47,7 +47,7 @@ private:
     [[nodiscard]] std::size_t current() const noexcept { return static_cast<std::size_t>(chooser_.candidate()); }
     void take_up();
     [[nodiscard]] double window() const noexcept override { return chooser_.window(); }
-    [[nodiscard]] bool rest(double seconds, double per_cycle) noexcept override;
+    [[nodiscard]] bool rest(double seconds, double per_cycle) noexcept override;  ///< seconds [s], per_cycle [s]
     [[nodiscard]] bool wants_other_borders() noexcept;
 
     Workspace& w_;

@@ -53,7 +53,7 @@ public:
     double h = 0.0;                ///< its length [s]
     double dwell = 0.0;            ///< a tip that changed less than this ago stays [s]
     engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
-    double theta = 1.0;            ///< where a truncate cycle cuts
+    double theta = 1.0;            ///< where a truncate cycle cuts [1]
     bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
     engine::PlanStep error_row{};  ///< how
     ErrorScale error_scale;        ///< in which units
@@ -61,8 +61,8 @@ public:
     bool secant = false;           ///< a detect cycle makes the slopes at both ends from the states there
     long evaluations = 0;          ///< of the right-hand side, so far
     StepMethod* method = nullptr;  ///< whose tasks are in the graph, for their bodies; nullptr: none
-    double* slope_out = nullptr;   ///< where an evaluate cycle writes slopes
-    double* state_out = nullptr;   ///< where a detect or truncate cycle writes states
+    double* slope_out = nullptr;   ///< where an evaluate cycle writes slopes [unknowns]
+    double* state_out = nullptr;   ///< where a detect or truncate cycle writes states [unknowns]
     bool evaluate_end = false;     ///< an evaluate cycle works at the end of the step instead of a stage
 
     // Fields over the state vector: [slot][layout.size()].
@@ -70,7 +70,7 @@ public:
     std::vector<double*> slopes;  ///< slope slots; 0 = its slope
     double* end_state;            ///< y at the step's end
     double* end_slope;            ///< its slope with the step's phases, only if a transition has to be located
-    double* cut_state;            ///< y at theta
+    double* cut_state;            ///< y at theta [unknowns]
 
     // Fields over links and tips.
     std::vector<model::LinkLoad> loads;  ///< [links]
@@ -86,7 +86,7 @@ public:
 
     // Staged assembly only; empty otherwise.
     bool staged_states = false;     ///< evaluate cycles leave the stage state in stage_state instead of in windows
-    double* stage_state = nullptr;  ///< stage state of all links, where later stages read it
+    double* stage_state = nullptr;  ///< stage state of all links, where later stages read it [unknowns]
     model::StagedBuffers staged;
     std::vector<int> touching;  ///< links with a touching tip, ascending: [0, touching_count)
     int touching_count = 0;
@@ -97,7 +97,7 @@ public:
     std::vector<Verdict> verdicts;
 
     // Pulleys, written by the controller.
-    std::vector<double> tail;              ///< stage state behind the links
+    std::vector<double> tail;              ///< stage state behind the links [unknowns behind the links]
     model::SheaveMotion sheaves[4]{};      ///< of the stage
     model::SheaveMotion end_sheaves[4]{};  ///< at the step's end
 

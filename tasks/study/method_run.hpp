@@ -39,7 +39,7 @@ private:
     engine::TaskGraph graph_;
     std::unique_ptr<engine::Executor> executor_;
     Counters counters_;
-    double step_ = 0.0;
+    double step_ = 0.0;                 ///< [s]
     std::unique_ptr<AutoStep> choice_;  ///< once an automatic step has been asked for
     std::string name_;
 };

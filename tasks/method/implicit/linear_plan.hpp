@@ -16,7 +16,7 @@
 namespace cvtflow::tasks {
 
 struct LinearStage {
-    double gamma;                      ///< θ/h of its matrix
+    double gamma;                      ///< θ/h of its matrix [1]
     std::vector<engine::Term> states;  ///< a: increments in the stage's state
     std::vector<engine::Term> right;   ///< c: increments on the right-hand side
 };
@@ -30,8 +30,8 @@ struct LinearPlan {
 
 /// Times of the stages [h], derived; and Σ m τ, which is 1 for a consistent method.
 struct LinearTimes {
-    std::vector<double> stage;
-    double result;
+    std::vector<double> stage;  ///< [1]
+    double result;              ///< [1]
 };
 [[nodiscard]] LinearTimes times_of(const LinearPlan& plan);
 
