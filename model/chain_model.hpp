@@ -23,7 +23,7 @@ struct LinkLoad {
 /// A range of links and where its inputs are.
 struct ChainRange {
     int first, last;              ///< [first, last)
-    const double* window;         ///< states of links first-1 … last
+    const double* window;         ///< states of links first-1 … last [m, m/s]
     const SheaveMotion* sheaves;  ///< [4] number 2 shaft + side; unused if the scene has no pulleys
     const Phase* phases;          ///< [links * 4], of the whole chain
 };
@@ -83,11 +83,11 @@ public:
     void probe_links(const double* states, int links, const SheaveMotion* sheaves, bool slip, TipProbe* probes) const noexcept {
         kernels_.probe_links(*this, states, links, sheaves, slip, probes);
     }
-    /// Forces that one link carries, with the phases of its four tips.
+    /// Forces that one link carries, with the phases of its four tips. state [unknowns]
     void contact(int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) const noexcept {
         kernels_.contact(*this, link, state, sheaves, phases, contact);
     }
-    /// Number of the shaft that a link belongs to: its middle lies nearer.
+    /// Number of the shaft that a link belongs to: its middle lies nearer. state [unknowns]
     [[nodiscard]] int shaft_of(const double* state) const noexcept {
         const ChainLayout& at = layout();
         return state[at.x(End::rear, 0)] + state[at.x(End::front, 0)] < coefficients_.centre_distance ? 0 : 1;

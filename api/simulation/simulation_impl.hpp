@@ -41,17 +41,17 @@ public:
     };
 
     [[nodiscard]] std::unique_ptr<Impl> copy();
-    void advance(Simulation& self, double until, long steps);
+    void advance(Simulation& self, double until, long steps);  ///< until [s]
     void cancel() noexcept { cancel_.request(); }
     [[nodiscard]] StateRecord record() const;
     void restore(const StateRecord& record);
-    void set_input(Input input, double value);
+    void set_input(Input input, double value);  ///< value [unit of the input]
     [[nodiscard]] double input(Input input) const;
-    void rhs(double t, std::span<const double> x, std::span<double> out);
+    void rhs(double t, std::span<const double> x, std::span<double> out);  ///< t [s], x [unknowns], out [unknowns, per second]
     [[nodiscard]] std::span<const double> channel(std::size_t index);
     [[nodiscard]] const tasks::Channel& channel_row(std::size_t index) const;
     [[nodiscard]] std::size_t find_channel(const std::string& name) const;
-    void on_output(double interval, std::function<void(Simulation&)> callback);
+    void on_output(double interval, std::function<void(Simulation&)> callback);  ///< interval [s]
     void on_transition(std::function<void(Simulation&, const Transition&)> callback) { transition_callback_ = std::move(callback); }
     [[nodiscard]] std::vector<std::string> notices() const;
     [[nodiscard]] Energy energy() const noexcept;
@@ -69,7 +69,7 @@ private:
     void transition(const tasks::TransitionRecord& record) override;
     [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
     void require_own_process();
-    [[nodiscard]] double next_stop(double until) const;
+    [[nodiscard]] double next_stop(double until) const;  ///< until [s]
     void deliver(Simulation& self, api::FloatingDefaults& defaults);
     [[nodiscard]] std::string advice(tasks::FaultKind kind) const;
     void hold(const model::HeldInputs& held);

@@ -15,7 +15,7 @@ class Hash {
 public:
     Hash& add(std::span<const std::byte> bytes) noexcept;
     Hash& add(std::span<const std::uint8_t> bytes) noexcept;
-    Hash& add(std::span<const double> values) noexcept;
+    Hash& add(std::span<const double> values) noexcept;  ///< values [any number]
     Hash& add(std::string_view text) noexcept;
     Hash& add(std::uint64_t word) noexcept;
 
@@ -32,7 +32,7 @@ private:
 /// 16 lower-case hexadecimal digits.
 [[nodiscard]] std::string hex(std::uint64_t word);
 
-/// Hash of a state, as tests, benchmarks and files print it.
+/// Hash of a state, as tests, benchmarks and files print it. state [unknowns]
 [[nodiscard]] std::uint64_t state_hash(std::span<const double> state) noexcept;
 
 }  // namespace cvtflow::engine

@@ -7,10 +7,10 @@ namespace cvtflow::engine {
 /// Refers to whole state vectors, which must outlive it.
 /// Source: Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, II.6 (6.7).
 struct Interpolant {
-    const double* start;        ///< y(t)
-    const double* start_slope;  ///< y'(t)
-    const double* end;          ///< y(t + h)
-    const double* end_slope;    ///< y'(t + h)
+    const double* start;        ///< y(t) [unknowns]
+    const double* start_slope;  ///< y'(t) [unknowns], per second
+    const double* end;          ///< y(t + h) [unknowns]
+    const double* end_slope;    ///< y'(t + h) [unknowns], per second
     double h;                   ///< [s]
 
     /// out[i - from] = y_i(t + theta h) for i in [from, to); bitwise y(t) at theta = 0, y(t + h) at 1, and independent of

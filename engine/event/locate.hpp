@@ -8,11 +8,12 @@
 namespace cvtflow::engine {
 
 struct Crossing {
-    double theta;     ///< the sign is the new one here, and the old one not further than the tolerance before it
+    double theta;  ///< the sign is the new one here, and the old one not further than the tolerance before it; place within the step, 0 to
+                   ///< 1 [1]
     int evaluations;  ///< of the gap function
 };
 
-/// Smallest n with 2^n ≥ x ≥ 1, without a logarithm, which near a power of two is not the same on every processor.
+/// Smallest n with 2^n ≥ x ≥ 1, without a logarithm, which near a power of two is not the same on every processor. x [1]
 [[nodiscard]] inline int doublings(double x) noexcept {
     int exponent = 0;
     return std::frexp(x, &exponent) > 0.5 ? exponent : exponent - 1;

@@ -58,9 +58,10 @@ public:
     /// Separators and border, after all chunks. @return false if a pivot vanished
     [[nodiscard]] bool join() noexcept;
 
-    /// Solves with what eliminate() and join() left; right-hand side and solution have unknowns() numbers and may be the same array.
+    /// Solves with what eliminate() and join() left; right-hand side and solution have unknowns() numbers and may be the same array. f
+    /// [rows of the matrix]
     void forward(int chunk, const double* f) noexcept;
-    void join_solution(const double* f) noexcept;
+    void join_solution(const double* f) noexcept;  ///< f [rows of the matrix]
     /// Writes the chunk's blocks of x; chunk 0 also the border's.
     void backward(int chunk, double* x) const noexcept;
 
@@ -93,7 +94,7 @@ private:
     BlockChain ring_;                      ///< separators but the last
     std::vector<double> corner_, matrix_;  ///< B; last separator and border: [size + border]²
     std::vector<int> exchanges_;
-    std::vector<double> known_;  ///< separators and border: right-hand side, then solution
+    std::vector<double> known_;  ///< separators and border: right-hand side, then solution [rows of the matrix]
     std::vector<double> seen_;   ///< [chunk][border] solution of the active border unknowns
 };
 

@@ -25,7 +25,7 @@ void balance(std::vector<double>& matrix, int size);
 /// What is asked of extremal_eigenvalues().
 struct ExtremalOptions {
     double left_of = -1e6;      ///< all eigenvalues whose real part is less [1/s]; besides the pair that oscillates fastest
-    double tolerance = 1e-6;    ///< ‖M x - λ x‖ / (|λ| ‖x‖) of all of them in the balanced matrix
+    double tolerance = 1e-6;    ///< ‖M x - λ x‖ / (|λ| ‖x‖) of all of them in the balanced matrix [1]
     int first_dimension = 120;  ///< of the Krylov space, before it grows
     std::function<void(int dimension, int settled, int wanted)> progress;  ///< after each check; may be empty
 };

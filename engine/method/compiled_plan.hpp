@@ -13,7 +13,7 @@ struct PlanStep {
     std::span<const Term> slopes;
     int keep = -1;      ///< state slot that stores the combination, or -1
     int slope = -1;     ///< slope slot that receives f, or -1 (result, error)
-    double time = 0.0;  ///< c: the combination belongs to t + c h (0 for the error estimate)
+    double time = 0.0;  ///< c: the combination belongs to t + c h (0 for the error estimate) [1]
 };
 
 class CompiledPlan {
@@ -41,7 +41,7 @@ private:
         int end;
         int keep;
         int slope;
-        double time;
+        double time;  ///< as above [1]
     };
 
     [[nodiscard]] PlanStep step(int row) const noexcept;

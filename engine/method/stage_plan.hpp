@@ -16,7 +16,7 @@ namespace cvtflow::engine {
 
 struct Term {
     int slot;
-    double factor;
+    double factor;  ///< [1]
     bool operator==(const Term&) const = default;
 };
 

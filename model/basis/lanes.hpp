@@ -172,7 +172,7 @@ template <int W>
     return larger<W>(lanes, Lanes<W>(0.0));
 }
 
-/// Whether no lane exceeds a limit; false for NaN.
+/// Whether no lane exceeds a limit; false for NaN. limit [unit of the lanes]
 template <int W>
 [[nodiscard]] inline bool all_at_most(const Lanes<W>& lanes, double limit) noexcept {
     if constexpr (W <= native_lanes) {

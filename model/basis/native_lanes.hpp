@@ -103,6 +103,7 @@ template <int W>
     return a < b ? a : b;
 }
 
+/// limit [unit of the lanes]
 template <int W>
 [[nodiscard]] inline bool native_all_at_most(typename NativeVector<W>::Type v, double limit) noexcept {
     if constexpr (W == 1) {

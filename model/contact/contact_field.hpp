@@ -80,27 +80,28 @@ struct FrictionRange {
     int first, last;         ///< links [first, last)
     const double* velocity;  ///< [link_size()][stride] of links first - 1 … last
     std::ptrdiff_t stride;   ///< of velocity
-    double* scratch;         ///< FrictionOperator::scratch_size(last - first)
+    double* scratch;         ///< FrictionOperator::scratch_size(last - first) [m/s, N]
     const Phase* phases;     ///< [links * 4], of the whole chain
-    double time;             ///< of the velocities, from the middle of the step, in steps
+    double time;             ///< of the velocities, from the middle of the step, in steps [1]
 };
 
 /// Accelerations by everything but friction, linear in time: now + lean (now - before). Columns over links (column = link + 1).
 struct FrictionBase {
     const Columns* now;
     const Columns* before;
-    double lean;
+    double lean;  ///< share of the change since the last step [1]
 };
 
 /// Velocities that a table combines from others and from the slope just evaluated: Σ weight from + slope_weight slope, in this order.
 struct VelocityRow {
     static constexpr std::size_t most_terms = 4;
     std::array<const Columns*, most_terms> from{};
-    std::array<double, most_terms> weight{};
+    std::array<double, most_terms> weight{};  ///< [1]
     std::size_t terms = 0;
     double slope_weight = 0.0;  ///< [s]
     Columns* to = nullptr;      ///< none of `from`, nor the columns evaluated
 
+    /// factor [1]
     void add(const Columns& columns, double factor) noexcept {
         from[terms] = &columns;
         weight[terms++] = factor;
@@ -113,7 +114,7 @@ struct FrictionStage {
     const FrictionBase* base = nullptr;
     Columns* slope = nullptr;           ///< may be absent from a row
     const VelocityRow* next = nullptr;  ///< with base, or neither
-    double weight = 0.0;                ///< of the tips' forces in impulses
+    double weight = 0.0;                ///< of the tips' forces in impulses [1]
     Columns* impulses = nullptr;        ///< [3 tips_per_link] rows: x, y, z of each tip
 };
 

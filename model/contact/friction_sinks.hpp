@@ -13,7 +13,7 @@ namespace {
 
 template <int W>
 struct SlopeSink {
-    double* slope;
+    double* slope;  ///< [m/s², rad/s²]
     std::ptrdiff_t stride;
 
     void put(int row, const Lanes<W>& value) const noexcept { value.copy_to(slope + row * stride); }
@@ -48,12 +48,12 @@ public:
     }
 
 private:
-    const double *now_, *before_;  ///< forces of the base
-    double lean_, slope_weight_;
-    double *slope_, *to_;
+    const double *now_, *before_;  ///< forces of the base [m/s², rad/s²]
+    double lean_, slope_weight_;   ///< [1], [s]
+    double *slope_, *to_;          ///< accelerations and velocities [m/s², m/s]
     std::ptrdiff_t stride_;
     std::array<const double*, Terms> from_;
-    std::array<double, Terms> weight_;
+    std::array<double, Terms> weight_;  ///< [1]
 };
 
 }  // namespace

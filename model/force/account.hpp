@@ -20,7 +20,9 @@ struct Account {
     std::array<double, loss_kinds> loss{};      ///< [W], each ≥ 0
     std::array<double, energy_kinds> energy{};  ///< [J]
 
+    /// power [W]
     void lose(Loss kind, double power) noexcept { loss[static_cast<std::size_t>(kind)] += power; }
+    /// joules [J]
     void store(Energy kind, double joules) noexcept { energy[static_cast<std::size_t>(kind)] += joules; }
     [[nodiscard]] double operator[](Loss kind) const noexcept { return loss[static_cast<std::size_t>(kind)]; }
     [[nodiscard]] double operator[](Energy kind) const noexcept { return energy[static_cast<std::size_t>(kind)]; }

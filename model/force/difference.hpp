@@ -33,7 +33,7 @@ struct Difference {
         z += total[2 * P + 2];
         e += total[2 * P + 3];
     }
-    /// Adds this generalized force, times sign, to that of one half of a link.
+    /// Adds this generalized force, times sign, to that of one half of a link. sign [1]
     [[gnu::always_inline]] void apply(double sign, Real* f, End end) const noexcept {
         for (int m = 0; m <= P; ++m) {
             f[at<P>.x(end, m)] += sign * x[m];
@@ -54,7 +54,7 @@ struct AxisPoints {
     AxisPoints(const PointLanes<Most>& points, int first) noexcept : xi(load<W>(&points.position[static_cast<std::size_t>(first)])) {
         for (int m = 1; m <= P; ++m) basis[m] = load<W>(&points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(first)]);
     }
-    /// Σ c_m P_m(ξ)
+    /// Σ c_m P_m(ξ); c [coefficients of the axis]
     [[nodiscard]] Lanes<W> along(const double* c) const noexcept {
         Lanes<W> value(c[0]);
         for (int m = 1; m <= P; ++m) value += c[m] * basis[m];
@@ -78,7 +78,7 @@ struct AxisPoints {
 template <int P, int W>
 struct AxisPoint {
     double basis[P + 1];  ///< P_m(ξ), m ≥ 1
-    double xi;
+    double xi;            ///< place along the pin [1]
 
     template <int Most>
     AxisPoint(const PointLanes<Most>& points, int point) noexcept : xi(points.position[static_cast<std::size_t>(point)]) {

@@ -33,7 +33,7 @@ template <int W, bool Observe>
 }
 
 /// Bending modes 2…P of both halves, split along travel and height; lanes: rear 2…P, front 2…P. Adds forces; returns the moment on the
-/// link.
+/// link. q [coordinates of the link], v [m/s, rad/s], f [N, N·m]
 template <int P, bool Observe>
 [[nodiscard]] inline double bending(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v, double* f,
                                     Account* account) noexcept {

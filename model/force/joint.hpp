@@ -168,7 +168,8 @@ template <int P, int W, bool Observe, class Real, class Points>
     return terms;
 }
 
-/// The joint between the front half of the link at q_before and the rear half of the one at q_after.
+/// The joint between the front half of the link at q_before and the rear half of the one at q_after. q_before [coordinates of the link],
+/// v_before [m/s]
 template <int P, int W, bool Observe>
 inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* q_before, const double* v_before,
                   const double* q_after, const double* v_after, JointForce<P>& out, Account* account) noexcept {

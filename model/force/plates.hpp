@@ -63,7 +63,7 @@ inline void plate_chunk(const Coefficients& c, double free_length, const Differe
     pull.add(total);
 }
 
-/// All plates of a link. Adds to the generalized forces f of the link.
+/// All plates of a link. Adds to the generalized forces f of the link. q [coordinates of the link], v [m/s], f [N, N·m]
 template <int P, int W, bool Observe>
 inline void plates(const Coefficients& c, const LinkKind& kind, const double* q, const double* v, double* f, Account* account) noexcept {
     const Difference<P> d(q, End::front, q, End::rear);

@@ -48,29 +48,30 @@ public:
     [[nodiscard]] int size() const noexcept { return size_; }
     /// Positions and velocities of the four sheaves from the pulleys' block [q | v].
     void motions(const double* block, SheaveMotion* sheaves) const noexcept;
-    /// Inputs at time t; `control` is the control integral I (ignored without control).
+    /// Inputs at time t; `control` is the control integral I (ignored without control). t [s], block [unknowns of the pulleys], control [s]
     [[nodiscard]] Inputs inputs(double t, const double* block, double control) const noexcept;
     /// Puts values in place of tables; between steps only.
     void hold(const HeldInputs& held) noexcept { held_ = held; }
     [[nodiscard]] const HeldInputs& held() const noexcept { return held_; }
-    /// What the governor of mode speed wants at time t: angle and speed of shaft 1.
+    /// What the governor of mode speed wants at time t: angle and speed of shaft 1. t [s]
     [[nodiscard]] double reference_angle(double t) const noexcept;
-    [[nodiscard]] double reference_speed(double t) const noexcept;
+    [[nodiscard]] double reference_speed(double t) const noexcept;  ///< t [s]
     /// Slope [v | acceleration] of the pulleys' block. Losses and energies are added to the account if there is one.
     void slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept;
-    [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;
+    [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;  ///< block [unknowns of the pulleys]
     /// Work of constant inputs while the pulleys move from one position to another [J]. @param from, to blocks [q | v]
     [[nodiscard]] WorkRates work(const double* from, const double* to, const Inputs& inputs) const noexcept;
     /// Angular momentum of shaft 0 or 1 and its sheaves about the shaft's axis [N·m·s].
     [[nodiscard]] double momentum(const double* block, int shaft) const noexcept;
     /// Angle, speed of shaft 0 or 1; axial position of its movable sheave relative to its shaft.
     [[nodiscard]] double shaft_speed(const double* block, int shaft) const noexcept { return block[size_ + rotation(shaft)]; }
+    /// block [unknowns of the pulleys]
     [[nodiscard]] double clamped_position(const double* block, int shaft) const noexcept { return opening(block, shaft); }
     /// Index of a shaft's rotation, and of its movable sheave's axial motion, in the pulleys' q.
     [[nodiscard]] int rotation(int shaft) const noexcept { return elastic() ? body_freedom(shaft, 5) : shaft; }
     [[nodiscard]] int movable(int shaft) const noexcept { return elastic() ? body_freedom(movable_body(shaft), 4) : 2 + shaft; }
     [[nodiscard]] double inertia(int coordinate) const noexcept { return inertia_[static_cast<std::size_t>(coordinate)]; }
-    /// Adds losses and energies of supports, cylinders and motion.
+    /// Adds losses and energies of supports, cylinders and motion. block [unknowns of the pulleys]
     void account(const double* block, Account& account) const noexcept;
     /// Kinetic energy of the pulleys [J].
     [[nodiscard]] double kinetic(const double* block) const noexcept;
@@ -91,12 +92,14 @@ private:
     void add_inertia();
     void add_bearings(int shaft);
     void add_attachment(int shaft, int side);
-    void spring(std::array<int, 3> index, std::array<double, 3> factor, double stiffness, double mass);
-    void add_supports(const double* block, double* force, Account* account) const noexcept;
-    void add_gyroscopic(const double* v, double* force) const noexcept;
-    void add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept;
-    void add_chain(const SheaveForces& chain, double* force) const noexcept;
-    [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;
+    void spring(std::array<int, 3> index, std::array<double, 3> factor, double stiffness, double mass);  ///< stiffness [N/m], mass [kg]
+    void add_supports(const double* block, double* force,
+                      Account* account) const noexcept;                  ///< block [unknowns of the pulleys], force [N, N·m]
+    void add_gyroscopic(const double* v, double* force) const noexcept;  ///< v [velocities of the pulleys], force [N, N·m]
+    void add_clamping(const double* block, const Inputs& inputs, double* force,
+                      Account* account) const noexcept;                               ///< block [unknowns of the pulleys], force [N, N·m]
+    void add_chain(const SheaveForces& chain, double* force) const noexcept;          ///< force [N, N·m]
+    [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;  ///< t [s], block [unknowns of the pulleys]
 
     Pulley pulley_;
     Drive drive_;
@@ -107,9 +110,9 @@ private:
     HeldInputs held_;
     int size_;
     double half_length_;           ///< ℓ_p/2, distance of a flank plane from the middle [m]
-    std::vector<double> inertia_;  ///< diagonal
+    std::vector<double> inertia_;  ///< diagonal [kg, kg·m²]
     std::vector<Support> supports_;
-    double governor_stiffness_, governor_damping_, reference_speed_;
+    double governor_stiffness_, governor_damping_, reference_speed_;  ///< [N·m/rad, N·m·s/rad, rad/s]
 };
 
 }  // namespace cvtflow::model

@@ -169,7 +169,7 @@ inline void load_end(End end, const TipPush<Real>& minus, const TipPush<Real>& p
     f[at<P>.e(end)] += plus.total.z - minus.total.z;
 }
 
-/// Adds generalized forces of the four tips to those of their link; returns the moment about z on it.
+/// Adds generalized forces of the four tips to those of their link; returns the moment about z on it. f [N, N·m]
 template <int P>
 [[nodiscard]] inline double load_link(const TipPush<TipLanes>& push, double* f) noexcept {
     alignas(64) double number[5][4];

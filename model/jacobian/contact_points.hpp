@@ -23,7 +23,7 @@ struct Force3 {
     T x, y, z;
 };
 
-/// Force of one plate on the front half. d, v: difference of the halves and its rate.
+/// Force of one plate on the front half. d, v: difference of the halves and its rate. free_length [m]
 template <class T>
 [[nodiscard]] inline Force3<T> plate_force(const Coefficients& c, double free_length, std::size_t plate, const Force3<T>& d,
                                            const Force3<T>& v) noexcept {
@@ -73,7 +73,7 @@ struct JointContact {
     }
 };
 
-/// Rolling contact with friction.
+/// Rolling contact with friction. weight [1]
 template <class T>
 inline void add_press(const JointCoefficients& j, double weight, const JointPoint<T>& p, const JointContact<T>& m,
                       JointEffect<T>& out) noexcept {
@@ -92,7 +92,7 @@ inline void add_press(const JointCoefficients& j, double weight, const JointPoin
     out.after += leaning * (p.after_x * m.ny - p.after_y * m.nx) + tangential * m.lever_after;
 }
 
-/// Clearance of the plate opening.
+/// Clearance of the plate opening. weight [1]
 template <class T>
 inline void add_confinement(const JointCoefficients& j, double weight, const JointPoint<T>& p, const JointContact<T>& m,
                             JointEffect<T>& out) noexcept {
@@ -112,6 +112,7 @@ inline void add_confinement(const JointCoefficients& j, double weight, const Joi
     out.after -= force * (j.arm * (p.after_x * bx + p.after_y * by) - 0.5 * along);
 }
 
+/// weight [1]
 template <class T>
 [[nodiscard]] inline JointEffect<T> joint_effect(const JointCoefficients& j, double weight, const JointPoint<T>& point) noexcept {
     const JointContact<T> contact(j, point);

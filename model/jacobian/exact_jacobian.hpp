@@ -22,10 +22,11 @@ public:
     /// @param variator must outlive this
     explicit ExactJacobian(const Variator& variator);
 
-    /// Rows of the links [first, last): blocks, columns, and rows of the pulleys on them. Ranges are independent of each other.
+    /// Rows of the links [first, last): blocks, columns, and rows of the pulleys on them. Ranges are independent of each other. state
+    /// [unknowns]
     void links(const double* state, const Phase* phases, int first, int last, AccelerationJacobian& out) noexcept;
     /// Pulleys and control on themselves, after all links: their own part by differences (supports and gyroscopic moments are polynomials
-    /// of second degree, for which central differences are exact), the tips' part from what links() has left.
+    /// of second degree, for which central differences are exact), the tips' part from what links() has left. t [s], state [unknowns]
     void corner(double t, const double* state, const Phase* phases, AccelerationJacobian& out) noexcept;
 
     /// Where a sheave's motion comes from and its loads go to; number 2 shaft + side.
@@ -40,10 +41,11 @@ public:
     [[nodiscard]] const SheaveMap& sheave(int number) const noexcept { return sheaves_[static_cast<std::size_t>(number)]; }
 
 private:
+    /// state [unknowns]
     using LinkFunction = void (*)(const ExactJacobian&, const Variator&, const double* state, const Phase* phases, int link,
                                   AccelerationJacobian&, SheaveStiffness*, const SheaveMotion*) noexcept;
     void find_maps();
-    void own_corner(double t, const double* state, AccelerationJacobian& out) noexcept;
+    void own_corner(double t, const double* state, AccelerationJacobian& out) noexcept;  ///< t [s], state [unknowns]
 
     const Variator& variator_;
     LinkFunction link_;

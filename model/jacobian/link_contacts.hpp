@@ -8,8 +8,8 @@ namespace {
 
 /// The two links of a joint and their places among the columns: `before` and `before` + 1.
 struct JointLinks {
-    const double* state_before;
-    const double* state_after;
+    const double* state_before;  ///< [unknowns of a link]
+    const double* state_after;   ///< [unknowns of a link]
     const DualFrame& frame_before;
     const DualFrame& frame_after;
     int before;
@@ -95,6 +95,7 @@ class TipRows {
 public:
     using T = Dual<24>;  // E, slopes, direction | rates of E, of slopes, turning | motion of the sheave
 
+    /// state [unknowns]
     TipRows(const Coefficients& c, const double* state, const DualFrame& frame, const SheaveMotion& sheave, End end, int side,
             Phase phase) noexcept
         : frame_(frame), end_(end), side_(side) {
@@ -145,6 +146,7 @@ public:
 private:
     [[nodiscard]] double value_sign() const noexcept { return side_ == 0 ? -1.0 : 1.0; }
 
+    /// state [unknowns], sign [1]
     [[nodiscard]] TipPoint<T> point_of(const Coefficients& c, const double* state, const SheaveMotion& s, double sign) const noexcept {
         const auto sum = [&](const double* x, const double* weights) {
             double total = 0.0;

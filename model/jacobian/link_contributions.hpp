@@ -8,7 +8,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// Elasticity inside the link, in all of its unknowns at once.
+/// Elasticity inside the link, in all of its unknowns at once. state [unknowns of the link]
 template <int P>
 inline void add_inner(const Coefficients& c, const LinkKind& kind, const double* state, LinkRows<P>& rows) noexcept {
     constexpr int n = LinkRows<P>::size;
@@ -27,7 +27,7 @@ inline void add_inner(const Coefficients& c, const LinkKind& kind, const double*
     rows.moment += moment.value;
 }
 
-/// Σ c_m P_m(ξ) with the values of one lane.
+/// Σ c_m P_m(ξ) with the values of one lane. c [coefficients of the axis]
 template <int P, int Most>
 [[nodiscard]] inline double along_axis(const PointLanes<Most>& points, std::size_t lane, const double* c) noexcept {
     double value = c[0];
@@ -61,6 +61,7 @@ struct PointWeights {
     }
 };
 
+/// state [unknowns of the link]
 template <int P>
 inline void add_plates(const Coefficients& c, const LinkKind& kind, const double* state, LinkRows<P>& rows) noexcept {
     constexpr int n = LinkRows<P>::size;

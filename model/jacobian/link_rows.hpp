@@ -65,6 +65,7 @@ private:
         row[column(link, with, x ? at<P>.x(End::front, 0) : at<P>.y(End::front, 0))] += value;
         row[column(link, with, x ? at<P>.x(End::rear, 0) : at<P>.y(End::rear, 0))] -= value;
     }
+    /// sign [1]
     void add_couple(int coordinate, double sign, const Dual<4>& arm) noexcept {
         double* out = rows_[coordinate];
         for (int k = 0; k < width; ++k) out[k] += sign * arm.value * rows_[size][k];

@@ -9,7 +9,7 @@ namespace cvtflow::model {
 /// What a tip depends on.
 template <class T>
 struct TipPoint {
-    double side;                            ///< ±1
+    double side;                            ///< ±1 [1]
     Force3<T> end;                          ///< E, end of the pin's axis [m]
     T slope_x, slope_y;                     ///< of the axis there [1]
     T tx, ty;                               ///< direction of the link

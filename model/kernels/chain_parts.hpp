@@ -26,7 +26,8 @@ inline void with_lanes(int width, const Body& body) noexcept {
 
 [[nodiscard]] inline bool any_touching(const Phase* phases) noexcept { return phase_word(phases) != 0; }
 
-/// Elasticity and plates of a link. Clears and fills its generalized forces f; returns the moment about z on it.
+/// Elasticity and plates of a link. Clears and fills its generalized forces f; returns the moment about z on it. state [unknowns of the
+/// link], f [N, N·m]
 template <int P, bool Observe>
 [[nodiscard]] inline double link_part(const Coefficients& c, int link, const LinkFrame& frame, const double* state, double* f,
                                       Account* account) noexcept {
@@ -38,7 +39,7 @@ template <int P, bool Observe>
     return moment;
 }
 
-/// Joint between two links with their states and frames.
+/// Joint between two links with their states and frames. state_before [states of a link]
 template <int P, bool Observe>
 inline void joint_part(const Coefficients& c, const LinkFrame& before, const LinkFrame& after, const double* state_before,
                        const double* state_after, JointForce<P>& out, Account* account) noexcept {
@@ -53,10 +54,10 @@ inline void joint_part(const Coefficients& c, const LinkFrame& before, const Lin
 template <int P>
 struct TipShare {
     double force[4 * (P + 1) + 4];
-    double moment;
+    double moment;  ///< about z [N·m]
 };
 
-/// Tips of a link that touches somewhere; reactions on its sheaves to `load`.
+/// Tips of a link that touches somewhere; reactions on its sheaves to `load`. state [unknowns of the link]
 template <int P, bool Observe>
 inline void tip_part(const ChainModel& model, const LinkFrame& frame, const double* state, const SheaveMotion* sheaves, const Phase* phases,
                      TipShare<P>& share, LinkLoad& load, Account* account) noexcept {
@@ -66,7 +67,8 @@ inline void tip_part(const ChainModel& model, const LinkFrame& frame, const doub
                                     share.force, load.load, account);
 }
 
-/// Adds joints and tips (none: nullptr) to what link_part left in f. The order of the sums is part of the promise of equal bits.
+/// Adds joints and tips (none: nullptr) to what link_part left in f. The order of the sums is part of the promise of equal bits. moment
+/// [N·m]
 template <int P>
 inline void assemble(const LinkFrame& frame, double moment, const JointForce<P>& rear, const JointForce<P>& front, const TipShare<P>* tips,
                      double* f) noexcept {

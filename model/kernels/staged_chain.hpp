@@ -19,10 +19,10 @@ struct StagedBuffers {
 
 /// What all stages read and write. Links are whole numbers 0 … N-1 here; there is no window.
 struct StagedChain {
-    const double* states;  ///< stage state of the whole chain
+    const double* states;  ///< stage state of the whole chain [unknowns]
     const SheaveMotion* sheaves;
     const Phase* phases;
-    double* slope;    ///< of the whole chain
+    double* slope;    ///< of the whole chain [unknowns, per second]
     LinkLoad* loads;  ///< [links]
     StagedBuffers* buffers;
     Account* accounts;  ///< [links * account_parts], only for observing evaluations, else nullptr

@@ -10,9 +10,9 @@ namespace cvtflow::model {
 
 /// One friction law with its numbers, ready for kernels.
 struct FrictionCurve {
-    double coefficient = 0.0;       ///< μ
+    double coefficient = 0.0;       ///< μ [1]
     double saturation_speed = 1.0;  ///< v0 > 0 [m/s]
-    double smoothing = 0.0;         ///< half-width d of the parabola in units of v0; 0 is the piecewise law
+    double smoothing = 0.0;         ///< half-width d of the parabola in units of v0; 0 is the piecewise law [1]
 
     double proportional_speed = 1.0;        ///< (1-d) v0 > 0, up to which s = v/v0 [m/s]
     double full_speed = 1.0;                ///< (1+d) v0, from which s = 1 [m/s]

@@ -25,7 +25,7 @@ struct Spring {
 /// Numbers that differ between links of different pitch.
 struct LinkKind {
     double free_length;              ///< ℓ_0 = pitch + w [m]
-    double inverse_length;           ///< 1/ℓ_0
+    double inverse_length;           ///< 1/ℓ_0 [1/m]
     Spring bending, shear, torsion;  ///< plate pack
 };
 
@@ -46,22 +46,22 @@ struct BendingLanes {
 };
 
 struct TipCoefficients {
-    double sine, cosine;     ///< of β
-    double radius;           ///< R_p
-    double reach;            ///< R_c + R_p
+    double sine, cosine;     ///< of β [1]
+    double radius;           ///< R_p [m]
+    double reach;            ///< R_c + R_p [m]
     double touching_radius;  ///< r_m + R_p sin β: radius of the sphere's centre when it touches at r_m
     double hertz, damping;   ///< K [N/m^1.5], χ_T [s/m]
     FrictionCurve friction;
 };
 
 struct JointCoefficients {
-    double arm;                 ///< c_a = ρ - w/2
-    double diameter;            ///< 2ρ
-    double square_excess;       ///< 4ρ² - 4c_a² = w (4ρ - w)
+    double arm;                 ///< c_a = ρ - w/2 [m]
+    double diameter;            ///< 2ρ [m]
+    double square_excess;       ///< 4ρ² - 4c_a² = w (4ρ - w) [m²]
     double stiffness, damping;  ///< k_J [N/m], χ_J [s/m]
     bool palmgren;
-    double reference_depth;
-    double clearance, clearance_stiffness, clearance_damping;  ///< c_g, k_g, χ_g
+    double reference_depth;                                    ///< [m]
+    double clearance, clearance_stiffness, clearance_damping;  ///< c_g, k_g, χ_g [m, N/m, s/m]
     FrictionCurve friction;
 };
 
@@ -69,8 +69,8 @@ struct Coefficients {
     explicit Coefficients(const Parameters& parameters);
 
     ChainLayout layout;
-    double half_length;  ///< ℓ_p/2
-    double slope_scale;  ///< 2/ℓ_p
+    double half_length;  ///< ℓ_p/2 [m]
+    double slope_scale;  ///< 2/ℓ_p [1/m]
     Spring extension;
     BendingLanes travel, height;  ///< bending of both halves
     std::vector<LinkKind> kinds;  ///< distinct links
@@ -80,8 +80,8 @@ struct Coefficients {
     PointLanes<most_joint_lanes> joint_points;
     JointCoefficients joint;
     TipCoefficients tip;
-    double middle;           ///< a/2: links with smaller x belong to shaft 0
-    double centre_distance;  ///< a
+    double middle;           ///< a/2: links with smaller x belong to shaft 0 [m]
+    double centre_distance;  ///< a [m]
 
     [[nodiscard]] const LinkKind& kind(int link) const noexcept {
         return kinds[static_cast<std::size_t>(kind_of[static_cast<std::size_t>(link)])];

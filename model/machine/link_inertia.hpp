@@ -20,8 +20,8 @@ struct SmallInverse {
 struct LinkInertia {
     SmallInverse lateral;                                                          ///< of B, for x and for y: [a_0…a_p, b_0…b_p]
     SmallInverse axial;                                                            ///< of C: [a.z, a.e, b.z, b.e]
-    std::array<double, most_lateral_block * most_lateral_block> lateral_matrix{};  ///< B itself, rows of 2(p+1)
-    std::array<double, 16> axial_matrix{};                                         ///< C itself
+    std::array<double, most_lateral_block * most_lateral_block> lateral_matrix{};  ///< B itself, rows of 2(p+1) [kg]
+    std::array<double, 16> axial_matrix{};                                         ///< C itself [kg]
 };
 
 /// Kinetic energy of a link [J]. @param v its velocities as in the state, [2 lateral + 2 lateral + 4] @param lateral 2(p+1), the size of B

@@ -29,7 +29,7 @@ inline void multiply(const SmallInverse& inverse, double* f) noexcept {
     }
 }
 
-/// Accelerations of a link from its generalized forces, in place.
+/// Accelerations of a link from its generalized forces, in place. f [in: N, N·m; out: m/s², rad/s²]
 template <int P>
 inline void accelerate(const LinkInertia& inertia, double* f) noexcept {
     multiply<2 * (P + 1), 2>(inertia.lateral, f);

@@ -20,10 +20,10 @@ struct Observation {
     std::array<double, 2> sheave_position{};  ///< w of the movable sheaves against their shafts [m]
     std::array<double, 4> axial_force{};      ///< of all tips on sheaves 1-, 1+, 2-, 2+ [N]
     bool control_limited = false;             ///< ratio control asks for more than its authority
-    double ratio = 0.0;                       ///< ω_1/ω_2
+    double ratio = 0.0;                       ///< ω_1/ω_2 [1]
     std::array<double, 2> pin_speed{};        ///< mean angular speed about the shaft's axis of the pins that touch [rad/s]
-    double slip = 0.0;                ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together
-    double chain_speed = 0.0;         ///< mean of |velocity| of the rear halves [m/s]
+    double slip = 0.0;         ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together [1]
+    double chain_speed = 0.0;  ///< mean of |velocity| of the rear halves [m/s]
     double tight = 0.0, slack = 0.0;  ///< mean tension of the strand at y > 0, at y < 0 (a ring: mean of all in both) [N]
     int touching = 0;                 ///< tips that are not free
     double deepest = 0.0;             ///< deepest penetration of a tip [m]
@@ -37,19 +37,19 @@ struct Observation {
 class Observer {
 public:
     explicit Observer(const Variator& variator);
-    /// Reads the whole state; the returned object is reused by the next call.
+    /// Reads the whole state; the returned object is reused by the next call. t [s], state [unknowns]
     const Observation& observe(double t, const double* state, const Phase* phases) noexcept;
 
 private:
-    void observe_links(const double* state, const Phase* phases) noexcept;
-    void observe_pulleys(double t, const double* state, const Phase* phases) noexcept;
-    void observe_strands(const double* state, const Phase* phases) noexcept;
-    void observe_radii(const double* state, const Phase* phases) noexcept;
-    [[nodiscard]] double kinetic(const double* state) const noexcept;
+    void observe_links(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
+    void observe_pulleys(double t, const double* state, const Phase* phases) noexcept;  ///< t [s], state [unknowns]
+    void observe_strands(const double* state, const Phase* phases) noexcept;            ///< state [unknowns]
+    void observe_radii(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
+    [[nodiscard]] double kinetic(const double* state) const noexcept;                   ///< state [unknowns]
 
     const Variator& variator_;
     EvaluationScratch scratch_;
-    std::vector<double> slope_;
+    std::vector<double> slope_;  ///< [unknowns, per second]
     Observation observation_;
 };
 

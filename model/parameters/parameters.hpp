@@ -11,14 +11,15 @@ namespace cvtflow::model {
 /// A quantity over time: linear between points, constant outside them. One point is a constant. Times ascend strictly.
 struct TimeTable {
     std::vector<double> time{0.0};   ///< [s]
-    std::vector<double> value{0.0};  ///< unit of the quantity
+    std::vector<double> value{0.0};  ///< unit of the quantity [unit of the quantity]
 
     TimeTable() = default;
+    /// constant [unit of the quantity]
     explicit TimeTable(double constant) : value{constant} {}
     TimeTable(std::vector<double> times, std::vector<double> values) : time(std::move(times)), value(std::move(values)) {}
 
-    [[nodiscard]] double at(double t) const noexcept;
-    /// ∫ from 0 to t. For t < 0: value(0) t (settling runs before zero).
+    [[nodiscard]] double at(double t) const noexcept;  ///< t [s]
+    /// ∫ from 0 to t. For t < 0: value(0) t (settling runs before zero). t [s]
     [[nodiscard]] double integral(double t) const noexcept;
     [[nodiscard]] double largest_magnitude() const noexcept;
     bool operator==(const TimeTable&) const = default;
@@ -38,7 +39,7 @@ struct Detail {
     int joint_points = 3;                    ///< Gauss-Legendre points along the rolling line of a joint, 1…16
     PulleyDetail pulleys = PulleyDetail::elastic;
     FrictionLaw friction = FrictionLaw::piecewise;
-    double smoothing = 0.1;   ///< half-width d of the smoothed law, in units of v0
+    double smoothing = 0.1;   ///< half-width d of the smoothed law, in units of v0 [1]
     bool stick_slip = false;  ///< tips also have phases stick and slip
     bool operator==(const Detail&) const = default;
 };
@@ -52,7 +53,7 @@ struct Friction {
 struct Chain {
     int pins = 84;                       ///< N
     std::vector<double> pitch{8.12e-3};  ///< [m], repeated cyclically over the links
-    double damping_ratio = 0.02;         ///< ζ of every spring of the chain
+    double damping_ratio = 0.02;         ///< ζ of every spring of the chain [1]
     double young_modulus = 2.1e11;       ///< E [Pa]
     bool operator==(const Chain&) const = default;
 };
@@ -119,7 +120,7 @@ struct Pulley {
     double attachment_tilt = 1.4e6;       ///< [N·m/rad]
     double attachment_torsion = 5e5;      ///< [N·m/rad]
     double cylinder_damping = 2e5;        ///< c_cyl [N·s/m]
-    double damping_ratio = 0.1;           ///< ζ_s
+    double damping_ratio = 0.1;           ///< ζ_s [1]
     bool operator==(const Pulley&) const = default;
 };
 
@@ -185,7 +186,7 @@ struct Parameters {
 /// Sum of the pitches of all links [m].
 [[nodiscard]] double chain_length(const Chain& chain) noexcept;
 
-/// Factor on clamping and load while settling: smoothstep from -t_settle over t_ramp, one from t = 0 on.
+/// Factor on clamping and load while settling: smoothstep from -t_settle over t_ramp, one from t = 0 on. t [s]
 [[nodiscard]] double ramp(const Start& start, double t) noexcept;
 
 }  // namespace cvtflow::model

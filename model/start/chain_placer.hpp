@@ -16,7 +16,7 @@ using PathOf = std::function<PitchPath(double)>;  ///< path for a radius of the 
 struct PlacedChain {
     std::vector<Point> front, rear;  ///< L_i, R_i
     std::vector<double> along;       ///< share of the way from the driving to the driven pulley
-    double radius;                   ///< of the driving pulley or ring
+    double radius;                   ///< of the driving pulley or ring [m]
 };
 
 /// Chain closed on its path: pins at chord distances, joints rolling purely (arc centres along the bisector), links at the given lengths.
@@ -31,16 +31,16 @@ public:
     [[nodiscard]] PlacedChain place(double phase, double rise) const;
 
 private:
-    /// Radius for which the chords close, and the pins on that path.
+    /// Radius for which the chords close, and the pins on that path. phase [m]
     [[nodiscard]] std::pair<std::vector<Point>, PlacedChain> close(const std::vector<double>& chord, double phase) const;
     /// Halves from pins; corrects chords and directions; returns the largest error of a link's length or direction [m].
     double relax(const std::vector<Point>& pins, double rise, std::vector<double>& chord, std::vector<Point>& direction,
                  PlacedChain& chain) const;
 
     PathOf path_of_;
-    double guess_;
-    double arm_, diameter_;
-    std::vector<double> length_;
+    double guess_;                ///< [m]
+    double arm_, diameter_;       ///< [m]
+    std::vector<double> length_;  ///< of the links [m]
 };
 
 }  // namespace cvtflow::model

@@ -72,15 +72,15 @@ struct BatchReport {
 
 /// What a sweep will cost.
 struct BatchEstimate {
-    double seconds_per_cost = 0.0;  ///< measured on a few cases
+    double seconds_per_cost = 0.0;  ///< measured on a few cases [s]
     double total = 0.0;             ///< wall time of all cases of the shard on one thread [s]
     long cases = 0, bad = 0;        ///< bad: parameters that contradict each other
     int measured = 0;               ///< cases that were tried
     double stable_step = 0.0;       ///< the shortest of their largest stable steps; 0: all of them have yet to settle [s]
-    double beyond = 0.0;            ///< run.step over that, of the case where it is largest; 0: as above
+    double beyond = 0.0;            ///< run.step over that, of the case where it is largest; 0: as above [1]
     std::string untried{};          ///< why not, of the last case that could not be; empty: all that were looked at could
 };
-[[nodiscard]] BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds);
+[[nodiscard]] BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds);  ///< seconds [s]
 
 struct MergeReport {
     std::string file;

@@ -27,14 +27,14 @@ struct CaseResult {
     CaseStatus status = CaseStatus::ok;
     std::string error;
     std::string_view start;
-    std::vector<double> scalars;  ///< NaN unless ok
+    std::vector<double> scalars;  ///< NaN unless ok [scalars of the sweep]
     Counters counters, settling;
     double wall = 0.0;        ///< settling and resumed parts included [s]
     int threads = 1;          ///< most that worked on it at once
     std::uint64_t hash = 0;   ///< of the final state
-    double efficiency = 0.0;  ///< 1 - losses/input over whole pin periods since sweep.from
-    double residual = 0.0;    ///< of the energy balance over the losses, settling left out
-    double suspicion = 0.0;   ///< of settling and run: above 1 unreliable
+    double efficiency = 0.0;  ///< 1 - losses/input over whole pin periods since sweep.from [1]
+    double residual = 0.0;    ///< of the energy balance over the losses, settling left out [1]
+    double suspicion = 0.0;   ///< of settling and run: above 1 unreliable [1]
     std::string notes;        ///< names of what is odd, blank between them
 };
 
@@ -42,7 +42,7 @@ struct CaseResult {
 class BatchControl {
 public:
     using Notice = std::function<void(const std::string&)>;
-    /// @param notice  told what a user should know of, by one thread at a time; may be empty
+    /// @param grace time [s]   @param notice  told what a user should know of, by one thread at a time; may be empty
     BatchControl(int threads, double grace, const engine::Cancellation& stop, Notice notice = {})
         : threads_(threads), grace_(grace), stop_(stop), notice_(std::move(notice)) {}
 
@@ -57,7 +57,7 @@ public:
 
 private:
     int threads_;
-    double grace_;
+    double grace_;  ///< [s]
     const engine::Cancellation& stop_;
     Notice notice_;
     engine::Cancellation tail_;
@@ -87,7 +87,7 @@ public:
     /// The result of a case that took its process down.
     [[nodiscard]] const CaseResult& book_crash(long number, const std::string& why);
 
-    void output(double time, const Workspace& workspace, const Counters& counters) override;
+    void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
     void transition(const TransitionRecord& record) override;
 
 private:
@@ -101,10 +101,10 @@ private:
     void judge(const Fault& fault);
     void judge_energy();
     void finish_record(const Fault& fault);
-    void reduce(double time, const Workspace& workspace, const Counters& counters);
+    void reduce(double time, const Workspace& workspace, const Counters& counters);  ///< time [s]
     void save();
     void change_threads();
-    [[nodiscard]] Pause wanted(double time, const Counters& counters);
+    [[nodiscard]] Pause wanted(double time, const Counters& counters);  ///< time [s]
     [[nodiscard]] std::string checkpoint_file() const;
     [[nodiscard]] std::string record_file() const;
     [[nodiscard]] double elapsed() const;
@@ -120,7 +120,7 @@ private:
     CaseResult result_;
     std::vector<Reducer> reducers_;
     RunMeans means_;              ///< since sweep.from
-    std::vector<double> values_;  ///< of one channel
+    std::vector<double> values_;  ///< of one channel [width of the channel]
     std::unique_ptr<Simulation> serial_, parallel_;
     std::unique_ptr<model::Observer> serial_eye_, parallel_eye_;
     bool own_start_ = false;
@@ -136,7 +136,7 @@ private:
     double wall_before_ = 0.0;  ///< in former sessions [s]
     std::chrono::steady_clock::time_point started_, last_save_, window_begin_;
     long window_steps_ = 0;
-    double serial_rate_ = 0.0;  ///< steps per second by one thread; 0: not measured
+    double serial_rate_ = 0.0;  ///< steps per second by one thread; 0: not measured [1/s]
     int refused_threads_ = 0;   ///< that were tried and were not worth it
 };
 

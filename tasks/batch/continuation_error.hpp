@@ -26,7 +26,7 @@ public:
 private:
     const Sweep& sweep_;
     int cases_ = 0;
-    std::vector<double> largest_, size_;
+    std::vector<double> largest_, size_;  ///< [scalars of the sweep]
 };
 
 }  // namespace cvtflow::tasks

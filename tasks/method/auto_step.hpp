@@ -14,9 +14,9 @@ namespace cvtflow::tasks {
 
 /// How far a method is stable, by its own test equation.
 struct MethodReach {
-    double oscillation;  ///< largest h ω of an elastic oscillation, whatever the friction beside it
-    double decay;        ///< largest h |λ| of friction and damping
-    double accurate;     ///< largest h ω that it does not damp much more than the chain does itself
+    double oscillation;  ///< largest h ω of an elastic oscillation, whatever the friction beside it [1]
+    double decay;        ///< largest h |λ| of friction and damping [1]
+    double accurate;     ///< largest h ω that it does not damp much more than the chain does itself [1]
 };
 
 /// Of any method of the catalogue; computed once per name. Infinite where linear stability sets no limit, or where the method
@@ -36,7 +36,7 @@ public:
     AutoStep(const model::Variator& variator, std::string_view method);
 
     void restart() noexcept override;
-    /// Looks at the spectrum if the last look is too old.
+    /// Looks at the spectrum if the last look is too old. time [s], state [unknowns]
     [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
 
     /// Largest stable step as last estimated [s]; infinite: no limit.
@@ -46,13 +46,13 @@ public:
     [[nodiscard]] const SpectralBound& bound() const noexcept { return bound_; }
 
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
 
 private:
     MethodReach reach_;
     SpectralBound bound_;
     double looked_ = -1e300, begun_ = -1e300;  ///< when [s]
-    double stable_ = 0.0;
+    double stable_ = 0.0;                      ///< the longest stable step found [s]
     long evaluations_ = 0;
 };
 

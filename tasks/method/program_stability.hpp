@@ -12,36 +12,36 @@ enum class TestEquation {
 
 /// What a step makes of a quantity that decays with h c or -h λ.
 struct StageFigures {
-    double growth = 0.0;  ///< largest value in a stage, for 1 at the start
-    double gain = 0.0;    ///< largest value at the end, for an error of 1 in one stage: what a kink of the law leaves
-    double left = 0.0;    ///< value at the end, for 1 at the start
+    double growth = 0.0;  ///< largest value in a stage, for 1 at the start [1]
+    double gain = 0.0;    ///< largest value at the end, for an error of 1 in one stage: what a kink of the law leaves [1]
+    double left = 0.0;    ///< value at the end, for 1 at the start [1]
 };
 
 /// Largest h ω with which an oscillator is stable whatever its friction, and the friction that allows no more.
 struct FrictionLimit {
-    double oscillation, friction;
+    double oscillation, friction;  ///< h ω and h c, as far as the method is stable [1]
 };
 
 struct ProgramStability {
     TestEquation equation;
-    /// Spectral radius of one step among equal ones, history included; infinite where the method refuses to step.
+    /// Spectral radius of one step among equal ones, history included; infinite where the method refuses to step. x [1], y [1]
     std::function<double(double x, double y)> radius;
-    /// @param decay h c or -h λ, > 0, where the method steps
+    /// @param decay h c or -h λ, > 0, where the method steps; decay [1]
     std::function<StageFigures(double decay)> stages;
-    double longest_decay;  ///< up to which the method steps; infinite if it always does
+    double longest_decay;  ///< up to which the method steps; infinite if it always does [1]
     /// Limit of an oscillator with any friction up to `stiffest` beside another with just that much, which decides how many stages a step
-    /// takes. Empty where the friction of others makes no difference.
+    /// takes. Empty where the friction of others makes no difference. stiffest [1]
     std::function<FrictionLimit(double stiffest)> beside = {};
 
-    /// Up to rounding: growth by less than 1e-6 a step.
+    /// Up to rounding: growth by less than 1e-6 a step. x [1], y [1]
     [[nodiscard]] bool stable(double x, double y) const { return radius(x, y) <= 1.0 + 1e-6; }
 };
 
-/// Reaches beyond this count as infinite.
+/// Reaches beyond this count as infinite [1].
 inline constexpr double far_away = 1e6;
 
 /// Largest r ≤ far_away such that the step is stable from (x, y) to (x, y) + r (along_x, along_y): scan in steps of 0.01, then of 1 %, and
-/// bisection.
+/// bisection. x [1], y [1], along_x [1], along_y [1]
 [[nodiscard]] double reach(const ProgramStability& method, double x, double y, double along_x, double along_y);
 
 /// Of a method for the oscillator.

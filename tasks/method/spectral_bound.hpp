@@ -19,7 +19,7 @@ public:
     /// @return evaluations of the right-hand side that it took
     int estimate(double t, const double* state, const model::Phase* phases) noexcept;
     /// The same with real() of the state brought to rest: no contact slides, so each is as stiff as its load lets it be. Which of them
-    /// slide changes from one microsecond to the next; at rest they are a bound for as long as loads stay.
+    /// slide changes from one microsecond to the next; at rest they are a bound for as long as loads stay. t [s], state [unknowns]
     int estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept;
 
     /// Largest |λ| of the accelerations by velocities: all friction and damping [1/s]. From below, as power iterations are, by some per
@@ -35,25 +35,26 @@ public:
     }
     /// Where the iterations have come to, for checkpoints. load() returns what follows in memory.
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
 
 private:
     /// Direction and growth of one power iteration.
     struct Iteration {
         std::vector<double> direction;  ///< [layout.size()], only in velocities or only in coordinates
-        double value = 0.0;
-        double size = 0.0;  ///< of the perturbation, largest entry
+        double value = 0.0;             ///< [1/s]
+        double size = 0.0;              ///< of the perturbation, largest entry
     };
 
     void begin() noexcept;
-    int iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases) noexcept;
+    int iterate(Iteration& iteration, bool of_velocities, double t, const double* state,
+                const model::Phase* phases) noexcept;  ///< t [s], state [unknowns]
     template <class Action>
     void for_each_unknown(Action action) const noexcept;
 
     const model::Variator& variator_;
     Iteration velocity_, coordinate_;
-    std::vector<double> base_, moved_, slope_, rest_;
-    std::vector<model::Phase> rest_phases_;  ///< none of them slips
+    std::vector<double> base_, moved_, slope_, rest_;  ///< [unknowns]
+    std::vector<model::Phase> rest_phases_;            ///< none of them slips
     model::EvaluationScratch scratch_;
     bool cold_ = true;
 };

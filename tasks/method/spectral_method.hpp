@@ -14,22 +14,22 @@ namespace cvtflow::tasks {
 class SpectralMethod : public StageMethod {
 public:
     /// Extents of the spectrum are taken so many times as large, for what estimates from below and changes within a tenth of a millisecond.
-    static constexpr double real_margin = 1.2, imaginary_margin = 1.15;
+    static constexpr double real_margin = 1.2, imaginary_margin = 1.15;  ///< [1]
 
     [[nodiscard]] int begin() final;
     void restart() noexcept override;
     void rejected() noexcept override;
-    [[nodiscard]] double longest_step(double wanted) final;
+    [[nodiscard]] double longest_step(double wanted) final;  ///< wanted [s]
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;
+    void load(std::span<const double> memory) override;                         ///< memory [what save() wrote]
     [[nodiscard]] long observation_stride() const noexcept final { return 8; }  // of a dozen evaluations and more each
 
 protected:
     SpectralMethod(Workspace& workspace, int error_power) : StageMethod(workspace, error_power), bound_(workspace.variator) {}
 
-    /// use() a plan that is stable for a step of this length.
+    /// use() a plan that is stable for a step of this length. h [s]
     virtual void choose(double h) = 0;
-    /// As longest_step(), with the estimate up to date.
+    /// As longest_step(), with the estimate up to date. wanted [s]
     [[nodiscard]] virtual double longest(double wanted) = 0;
 
     [[nodiscard]] double real() const noexcept { return real_margin * bound_.real(); }
@@ -46,7 +46,7 @@ private:
 /// A plan of a ladder and how far it is stable.
 struct Rung {
     engine::CompiledPlan plan;
-    double real;       ///< along the negative real axis
+    double real;       ///< along the negative real axis [1]
     double imaginary;  ///< along the ray of damping ratio 1 %
 };
 
@@ -55,12 +55,12 @@ using Ladder = std::vector<Rung>;
 [[nodiscard]] Ladder dumka3_ladder();
 [[nodiscard]] Ladder rkc_ladder();
 [[nodiscard]] Ladder rock2_ladder();
-/// The lowest rung that reaches so far along the real axis, or the last one.
+/// The lowest rung that reaches so far along the real axis, or the last one. real [1]
 [[nodiscard]] std::size_t rung_for(const Ladder& ladder, double real) noexcept;
 
-/// The polynomial of most_stages stages at most that is stable for steps of this extent; nothing if there is none.
+/// The polynomial of most_stages stages at most that is stable for steps of this extent; nothing if there is none. real [1], imaginary [1]
 [[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
-/// By which a first fit asks for more than the step needs, to last.
+/// By which a first fit asks for more than the step needs, to last [1].
 inline constexpr double fit_headroom = 1.1;
 
 /// The lowest rung that is stable on the real axis; where steps are free, also the rule of DUMKA3: one rung lower with a shorter step if
@@ -71,8 +71,8 @@ public:
     LadderMethod(Workspace& workspace, int error_power, Ladder rungs) : SpectralMethod(workspace, error_power), rungs_(std::move(rungs)) {}
 
 protected:
-    void choose(double h) override;
-    [[nodiscard]] double longest(double wanted) override;
+    void choose(double h) override;                        ///< h [s]
+    [[nodiscard]] double longest(double wanted) override;  ///< wanted [s]
 
 private:
     Ladder rungs_;
@@ -89,19 +89,20 @@ public:
     [[nodiscard]] int fits() const noexcept { return fits_; }
     void restart() noexcept override;
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
 
 protected:
+    /// h [s]
     /// @throws std::runtime_error if no polynomial of most_stages stages is stable for such a step
     void choose(double h) override;
-    [[nodiscard]] double longest(double wanted) override;
+    [[nodiscard]] double longest(double wanted) override;  ///< wanted [s]
 
 private:
-    void refit(double real, double imaginary);
+    void refit(double real, double imaginary);  ///< real [1], imaginary [1]
 
-    std::vector<engine::CompiledPlan> plan_;  ///< one, or none yet
-    double fitted_real_ = 0.0, fitted_imaginary_ = 0.0;
-    double wanted_lately_ = 0.0;  ///< largest real extent asked for since the last review
+    std::vector<engine::CompiledPlan> plan_;             ///< one, or none yet
+    double fitted_real_ = 0.0, fitted_imaginary_ = 0.0;  ///< [1]
+    double wanted_lately_ = 0.0;                         ///< largest real extent asked for since the last review [1]
     int steps_since_review_ = 0;
     int fits_ = 0;
 };

@@ -23,7 +23,7 @@ struct Channel {
     std::string_view description;
     std::string_view axis;  ///< label of the second dimension, empty for a plain channel
     int (*width)(const model::ChainLayout&);
-    void (*read)(const Instant&, double* values);
+    void (*read)(const Instant&, double* values);  ///< values [unit of the channel]
     bool needs_pulleys = true;
 };
 

@@ -33,7 +33,7 @@ struct Checkpoint {
     std::string slope_hash;   ///< of the right-hand side at the state: another model, or the same one rounded differently, gives another
     IntegrationState integration;
     RunHistory history;
-    std::vector<double> recorder;  ///< RunRecorder::position()
+    std::vector<double> recorder;  ///< RunRecorder::position() [what save() wrote]
 };
 
 /// The guards for a simulation of this scene that stands where `state` says.

@@ -34,7 +34,7 @@ struct RunOptions {
 struct RunReport {
     Fault fault;
     EnergyBalance energy;            ///< of the run, without settling
-    double suspicion = 0.0;          ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable
+    double suspicion = 0.0;          ///< of run and settling (EnergyLedger::suspicion); above 1 the results are unreliable [1]
     double settling_residual = 0.0;  ///< relative residual of the energy balance of settling
     SpanMeans whole, last_fifth;     ///< over the outputs of the run
     std::vector<Note> notes;         ///< what is odd about results that are right
@@ -53,22 +53,22 @@ struct RunReport {
     Counters counters;            ///< after settling
     Counters settling;
     StepControl step_control = StepControl::fixed;
-    double tolerance = 0.0;
+    double tolerance = 0.0;                  ///< [1]
     LocalErrorStatistics local_errors;       ///< after settling
     double wall = 0.0, settling_wall = 0.0;  ///< [s]
     std::uint64_t hash = 0;
     long outputs = 0;
 
-    double tight = 0.0, slack = 0.0;       ///< mean tensions [N]
-    std::array<double, 2> speed{};         ///< mean [rad/s]
-    std::array<double, 2> torque{};        ///< mean, of drive and load [N·m]
-    std::array<double, 2> chain_torque{};  ///< mean, of the chain on the shafts [N·m]
-    std::array<double, 2> clamping{};      ///< mean [N]
-    std::array<double, 2> radius{};        ///< mean [m]
-    std::array<double, 4> axial_force{};   ///< mean, on sheaves 1-, 1+, 2-, 2+ [N]
-    double slip = 0.0;
-    double ratio_begin = 0.0, ratio_end = 0.0;  ///< means over the first and the last fifth
-    double ratio = 0.0;
+    double tight = 0.0, slack = 0.0;            ///< mean tensions [N]
+    std::array<double, 2> speed{};              ///< mean [rad/s]
+    std::array<double, 2> torque{};             ///< mean, of drive and load [N·m]
+    std::array<double, 2> chain_torque{};       ///< mean, of the chain on the shafts [N·m]
+    std::array<double, 2> clamping{};           ///< mean [N]
+    std::array<double, 2> radius{};             ///< mean [m]
+    std::array<double, 4> axial_force{};        ///< mean, on sheaves 1-, 1+, 2-, 2+ [N]
+    double slip = 0.0;                          ///< [1]
+    double ratio_begin = 0.0, ratio_end = 0.0;  ///< means over the first and the last fifth [1]
+    double ratio = 0.0;                         ///< [1]
     bool has_pulleys = true;
 
     [[nodiscard]] bool reliable() const noexcept { return suspicion <= 1.0; }

@@ -20,8 +20,8 @@ struct SpanMeans {
     double tight = 0.0, slack = 0.0;  ///< [N]
     double limited = 0.0;             ///< share of outputs at which ratio control had reached its authority
     double loose = 0.0;               ///< share of outputs at which the slack strand carried no tension
-    double efficiency = 0.0;          ///< 1 - losses/input; not a number without input
-    double periods = 0.0;             ///< whole pin periods that efficiency is over; 0: less than one
+    double efficiency = 0.0;          ///< 1 - losses/input; not a number without input [1]
+    double periods = 0.0;             ///< whole pin periods that efficiency is over; 0: less than one [1]
 };
 
 /// Something about results that a reader must know. They are right by themselves.
@@ -46,13 +46,14 @@ public:
 
     /// For checkpoints: goes on bit for bit. load() returns what follows in memory. @throws std::invalid_argument for a memory that is none
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
 
 private:
     /// Sums over some outputs, and where the energies stood at the last of them. Numbers only.
     struct Bin {
-        double outputs = 0.0, time = 0.0;
-        double ratio = 0.0, slip = 0.0, tight = 0.0, slack = 0.0, limited = 0.0, loose = 0.0;
+        double outputs = 0.0, time = 0.0;  ///< how many [1]; their span [s]
+        double ratio = 0.0, slip = 0.0, tight = 0.0, slack = 0.0, limited = 0.0,
+               loose = 0.0;  ///< sums of ratio, slip, limited, loose [1] and of tensions [N]
         EnergySums energy;
 
         /// The sums of another one too; time and energies stay.
@@ -62,12 +63,12 @@ private:
 
     /// Which of note_kinds() there are.
     [[nodiscard]] std::array<bool, 5> odd() const;
-    [[nodiscard]] SpanMeans span(double from, double to) const;
-    [[nodiscard]] EnergySums energy_at(double time) const;
+    [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from [s], to [s]
+    [[nodiscard]] EnergySums energy_at(double time) const;       ///< time [s]
     void halve();
 
     std::vector<Bin> bins_;
-    double per_bin_ = 1.0;     ///< outputs
+    double per_bin_ = 1.0;     ///< outputs [1]
     double pin_period_ = 0.0;  ///< at the last output [s]
 };
 

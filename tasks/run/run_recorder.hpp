@@ -16,7 +16,7 @@ class RunRecorder final : public RunObserver {
 public:
     RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options);
 
-    void output(double time, const Workspace& workspace, const Counters& counters) override;
+    void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
     void transition(const TransitionRecord& record) override;
     /// Where the record and the means stand, for a checkpoint; all of it is on disk then.
     [[nodiscard]] std::vector<double> position();
@@ -24,25 +24,25 @@ public:
     void restore(const std::vector<double>& position);
     /// Ends the record with what happened, completes the means.
     void finish(RunReport& report);
-    /// Time span of the present part of the run, for progress.
+    /// Time span of the present part of the run, for progress. begin [s], until [s]
     void begin_part(double begin, double until) noexcept;
 
 private:
     void gather(const model::Observation& now, const Workspace& workspace);
-    void write(double time, const Workspace& workspace, const Instant& instant);
+    void write(double time, const Workspace& workspace, const Instant& instant);  ///< time [s]
 
     const RunOptions& options_;
-    double state_interval_;
+    double state_interval_;  ///< [s]
     int followed_pin_;
     model::Observer observer_;
     std::vector<const Channel*> channels_;
-    std::vector<double> row_;
-    std::string former_;  ///< file with the rows before the checkpoint
+    std::vector<double> row_;  ///< one number per column of the channels [columns]
+    std::string former_;       ///< file with the rows before the checkpoint
     engine::RunContents contents_;
     std::unique_ptr<engine::RunFile> file_;
     engine::RecordPosition written_{{}, {}, {{}}};
-    double next_state_ = 0.0;
-    double begin_ = 0.0, until_ = 0.0;
+    double next_state_ = 0.0;           ///< [s]
+    double begin_ = 0.0, until_ = 0.0;  ///< [s]
     std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 
     long outputs_ = 0;

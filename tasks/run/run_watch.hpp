@@ -16,7 +16,7 @@ inline constexpr double enough_pin_periods = 16.0;
 
 struct RunVerdict {
     double residual = 0.0;    ///< of the energy balance over the losses [1]
-    double suspicion = 0.0;   ///< EnergyLedger::suspicion(), of what came before the run as well; above 1 the results are wrong
+    double suspicion = 0.0;   ///< EnergyLedger::suspicion(), of what came before the run as well; above 1 the results are wrong [1]
     double loss = 0.0;        ///< dissipated up to the last output [J]
     double pin_period = 0.0;  ///< at the end; 0: nothing passes a pulley [s]
     double duration = 0.0;    ///< between the first and the last output [s]
@@ -35,13 +35,13 @@ class RunWatch {
 public:
     /// An output, the first one included.
     void add(const model::Observation& now, const Workspace& workspace);
-    /// @param ledger of the run   @param before suspicion of what it began with
+    /// @param ledger of the run   @param before suspicion of what it began with; before [1]
     [[nodiscard]] RunVerdict verdict(const EnergyLedger& ledger, double before = 0.0) const;
     [[nodiscard]] const RunMeans& means() const noexcept { return means_; }
 
 private:
     RunMeans means_;
-    double begin_ = 0.0, end_ = 0.0, pin_period_ = 0.0;
+    double begin_ = 0.0, end_ = 0.0, pin_period_ = 0.0;  ///< [s]
     bool begun_ = false;
 };
 

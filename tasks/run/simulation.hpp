@@ -55,10 +55,12 @@ public:
 
     /// Goes on where settle(), run() or proceed() ended, or where restore() put it, with the same output times: bit by bit as if it had not
     /// stopped. While the start settles, only to its end at t = 0, whatever `until`.
+    /// until [s]
     /// @throws SimulationError if nothing has begun
     [[nodiscard]] Fault proceed(double until, RunObserver& observer, const engine::Cancellation& cancel);
     /// Goes on from where it stands (or begins) to `until` or for so many steps (0: as many as it takes), whatever comes first; settling
     /// ends at t = 0 in any case. Where calls end does not change a bit of what follows. Ends with a Fault of kind max_steps after `steps`.
+    /// until [s]
     [[nodiscard]] Fault advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel);
     /// Puts values in place of the tables of inputs, between runs.
     void hold(const model::HeldInputs& held) noexcept { workspace_->variator.hold(held); }
@@ -131,8 +133,8 @@ private:
     Workspace* workspace_;              ///< the integrator's
     std::unique_ptr<AutoStep> choice_;  ///< of automatic steps
     bool needs_settling_ = false;
-    double time_ = 0.0;
-    double step_ = 0.0;
+    double time_ = 0.0;  ///< [s]
+    double step_ = 0.0;  ///< [s]
     Counters counters_;
     LocalErrorStatistics local_errors_;
     std::vector<std::string> start_differences_;

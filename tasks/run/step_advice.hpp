@@ -26,7 +26,7 @@ inline constexpr double beyond_stability = 1.25;
 [[nodiscard]] double largest_stable_step(std::string_view method, const std::vector<std::complex<double>>& eigenvalues);
 
 /// Both in one; programs by their own test equation (StepLimitBound). tasks/method/stability/predicted_step.hpp knows it better, and takes
-/// longer.
+/// longer. t [s], state [unknowns]
 [[nodiscard]] double largest_stable_step(const model::Variator& variator, std::string_view method, double t, const double* state,
                                          const std::vector<model::Phase>& phases);
 

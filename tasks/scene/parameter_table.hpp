@@ -26,8 +26,8 @@ inline constexpr double latest_time = 1e6;
 struct Parameter {
     std::string_view key;                   ///< "section.name"
     std::string_view unit;                  ///< SI unit of a number, "1" for a plain number; empty where there is no number
-    double min = 0.0;                       ///< smallest value allowed, in `unit`
-    double max = 0.0;                       ///< largest value allowed
+    double min = 0.0;                       ///< smallest value allowed, in `unit` [unit]
+    double max = 0.0;                       ///< largest value allowed [unit]
     std::vector<std::string_view> choices;  ///< of a choice, in the order of the enumerators
     std::string_view meaning;
     std::string_view source;  ///< where the default comes from

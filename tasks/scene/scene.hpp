@@ -22,12 +22,14 @@ namespace cvtflow::tasks {
 
 /// A positive number, or "auto": the program chooses it.
 struct AutoNumber {
-    double value = 0.0;  ///< 0: automatic
+    double value = 0.0;  ///< 0: automatic [unit of the key]
 
     constexpr AutoNumber() = default;
+    /// number [unit of the key]
     constexpr AutoNumber(double number) noexcept : value(number) {}
     constexpr operator double() const noexcept { return value; }
     [[nodiscard]] constexpr bool automatic() const noexcept { return value == 0.0; }
+    /// other [the same]
     [[nodiscard]] constexpr double value_or(double other) const noexcept { return automatic() ? other : value; }
     bool operator==(const AutoNumber&) const = default;
 };
@@ -37,7 +39,7 @@ struct RunSettings {
     std::string method = "leapfrog-chebyshev";  ///< name in the catalogue of methods
     AutoNumber step;  ///< fixed or longest [s]; automatic: as long as the method is stable and good at the state at hand
     StepControl step_control = StepControl::fixed;
-    double tolerance = 1.0;         ///< of local errors, in units of ErrorScale
+    double tolerance = 1.0;         ///< of local errors, in units of ErrorScale [1]
     double until = 5e-3;            ///< [s]
     double output_interval = 1e-5;  ///< channels [s]
     double state_interval = 1e-4;   ///< full states [s]

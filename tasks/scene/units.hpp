@@ -20,8 +20,8 @@ struct Dimension {
 
 /// A number with its unit, read from text.
 struct Quantity {
-    double value = 0.0;   ///< in SI
-    double number = 0.0;  ///< as written, before the unit
+    double value = 0.0;   ///< in SI [SI unit of its dimension]
+    double number = 0.0;  ///< as written, before the unit [unit as written]
     Dimension dimension;
     bool has_unit = false;
 };
@@ -42,7 +42,7 @@ struct Quantity {
 /// Units that people use for a quantity whose SI unit is `unit`, most usual first, without the SI unit itself. "m" -> mm, um, cm.
 [[nodiscard]] std::vector<std::string_view> usual_units(std::string_view unit);
 
-/// Shortest decimal text that reads back as the same double: 84, 0.2, 8.12e-3, 2e5. Also valid TOML.
+/// Shortest decimal text that reads back as the same double: 84, 0.2, 8.12e-3, 2e5. Also valid TOML. number [any unit]
 [[nodiscard]] std::string number_text(double number);
 
 }  // namespace cvtflow::tasks

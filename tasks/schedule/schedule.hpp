@@ -52,8 +52,8 @@ struct Schedule {
 
 /// Cost of a link relative to a free one, from the cost of a touching link: used by the balanced partition.
 struct LinkCosts {
-    double free = 1.0;
-    double touching = 1.35;  ///< measured at full detail: tips are a third of what else a link costs (bench rhs)
+    double free = 1.0;       ///< cost of a link that touches nothing [1]
+    double touching = 1.35;  ///< measured at full detail: tips are a third of what else a link costs (bench rhs) [1]
     int grain = 1;           ///< links that are evaluated side by side: segments begin at multiples of it, as long as there are enough
 };
 

@@ -19,12 +19,12 @@ struct ChooserOptions {
     double turn = 0.004;           ///< of a candidate on trial [s]
     int rounds = 5;                ///< turns of each candidate in a check
     double regret = 0.01;          ///< share of all time that trials may cost
-    double gain = 1.05;            ///< what another candidate must bring to replace the first
-    double edge = 1.02;            ///< what it must bring to replace any other, and what that must keep over the first
+    double gain = 1.05;            ///< what another candidate must bring to replace the first [1]
+    double edge = 1.02;            ///< what it must bring to replace any other, and what that must keep over the first [1]
     double hopeless = 1.5;         ///< a turn so much slower than work ends a candidate's part in a check
-    double drift = 1.12;           ///< change of pace, two windows in a row, that calls for a check
+    double drift = 1.12;           ///< change of pace, two windows in a row, that calls for a check [1]
     double changed_links = 0.1;    ///< change in the number of touching links that does, as a share of it
-    double first_period = 1.0;     ///< a check is due after so long at the latest …
+    double first_period = 1.0;     ///< a check is due after so long at the latest … [s]
     double longest_period = 30.0;  ///< … doubled up to here as long as the choice stays [s]
 };
 
@@ -57,9 +57,9 @@ public:
 
 private:
     struct Candidate {
-        std::vector<double> turns;  ///< of the check at hand; room for all rounds
-        double median = 0.0;
-        bool out = false;  ///< of the check at hand
+        std::vector<double> turns;  ///< of the check at hand; room for all rounds [s]
+        double median = 0.0;        ///< [s]
+        bool out = false;           ///< of the check at hand
     };
 
     void worked(const Pace& pace) noexcept;
@@ -78,10 +78,10 @@ private:
     bool checking_ = false;     ///< a check has begun and not ended
     int next_ = 0, round_ = 0;  ///< whose turn in the check
     double work_ = 0.0;         ///< time per cycle of the last window of work [s]
-    double reference_ = 0.0;    ///< time per cycle of the first window after the choice; 0: not known
+    double reference_ = 0.0;    ///< time per cycle of the first window after the choice; 0: not known [s]
     int touching_ = -1;         ///< links that touched at the last check
     int drifting_ = 0;          ///< windows in a row whose pace differs
-    double elapsed_ = 0.0, since_check_ = 0.0, lost_ = 0.0, period_;
+    double elapsed_ = 0.0, since_check_ = 0.0, lost_ = 0.0, period_;  ///< [s]
     long checks_ = 0, changes_ = 0;
 };
 

@@ -48,7 +48,7 @@ private:
     void take_up();
     void cut_at(const std::vector<int>& cuts);
     [[nodiscard]] double window() const noexcept override { return chooser_.window(); }
-    [[nodiscard]] bool rest(double seconds, double per_cycle) noexcept override;
+    [[nodiscard]] bool rest(double seconds, double per_cycle) noexcept override;  ///< seconds [s], per_cycle [s]
     [[nodiscard]] bool wants_other_borders() noexcept;
 
     Workspace& w_;

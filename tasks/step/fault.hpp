@@ -24,7 +24,7 @@ struct Fault {
     double time = 0.0;   ///< [s]
     int pin = -1;        ///< pin whose link shows it, -1: none in particular
     double value = 0.0;  ///< depth or radius [m], limit of the budget
-    double limit = 0.0;  ///< what it exceeded
+    double limit = 0.0;  ///< what it exceeded [unit of what is limited]
 
     [[nodiscard]] explicit operator bool() const noexcept { return kind != FaultKind::none; }
     /// One line for a user: what happened, when, where.

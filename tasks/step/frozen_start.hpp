@@ -12,7 +12,7 @@ struct FrozenStart {
     double time = 0.0;                 ///< [s]
     std::vector<double> state;         ///< [layout.size()]
     std::vector<model::Phase> phases;  ///< [4 links]
-    double suspicion = 0.0;            ///< of the integration that led here (Simulation::suspicion); above 1 the state is wrong
+    double suspicion = 0.0;            ///< of the integration that led here (Simulation::suspicion); above 1 the state is wrong [1]
 };
 
 }  // namespace cvtflow::tasks

@@ -28,11 +28,11 @@ struct IntegrationState {
     std::vector<model::Phase> phases;         ///< [4 links]
     std::vector<double> changed;              ///< [4 links] time of the last change of phase [s]
     std::vector<model::TipIndicator> before;  ///< [4 links] depth and slip of the tips now
-    double settling_suspicion = 0.0;          ///< EnergyLedger::suspicion() at the end of settling
+    double settling_suspicion = 0.0;          ///< EnergyLedger::suspicion() at the end of settling [1]
     double settling_residual = 0.0;           ///< relative residual of the energy balance then
-    std::vector<double> energy;               ///< works, losses and balance so far (EnergyLedger)
-    std::vector<double> step_choice;          ///< what the choice of the step remembers; empty for steps given by hand
-    std::vector<double> method;               ///< what else a method remembers from step to step; empty for one-step methods
+    std::vector<double> energy;               ///< works, losses and balance so far (EnergyLedger) [what EnergyLedger::save() wrote]
+    std::vector<double> step_choice;          ///< what the choice of the step remembers; empty for steps given by hand [what save() wrote]
+    std::vector<double> method;  ///< what else a method remembers from step to step; empty for one-step methods [what save() wrote]
 
     bool operator==(const IntegrationState&) const = default;
     /// Why no integration can stand here, whatever the scene: counts and lengths that are none, unknown phases. nullptr if one may.

@@ -21,7 +21,7 @@ public:
     void transition() noexcept override { slope_at_ = SlopeAt::nowhere; }
     void rejected() noexcept override { slope_at_ = SlopeAt::start; }
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
     [[nodiscard]] std::optional<engine::PlanStep> error_row() const noexcept override;
     [[nodiscard]] int error_power() const noexcept override { return error_power_; }
     [[nodiscard]] long observation_stride() const noexcept override { return std::max(1L, 100L / w_.plan.stages()); }

@@ -53,6 +53,7 @@ public:
     /// What it remembers from step to step beside the workspace's state, phases and times of their changes, for checkpoints: load() after
     /// restart() goes on bit for bit where save() was called. Nothing for methods without memory.
     virtual void save(std::vector<double>& memory) const { memory.clear(); }
+    /// memory [what save() wrote]
     virtual void load(std::span<const double> memory) { (void)memory; }
     /// Steps between two observations of losses and energies, so that these cost about a hundredth of the steps. The default is that of a
     /// leapfrog, whose step costs as much as five evaluations.
@@ -69,7 +70,8 @@ protected:
 };
 
 /// Ends an evaluation of the right-hand side whose links are done: slope of everything behind the links, and counts it.
-/// @param tail state behind the links   @param slope whole slope vector
+/// @param tail state behind the links   @param slope whole slope vector; time [s], tail [unknowns behind the links], slope [unknowns, per
+/// second]
 void close_evaluation(Workspace& workspace, double time, const double* tail, const model::SheaveForces& chain, double* slope) noexcept;
 
 }  // namespace cvtflow::tasks

@@ -107,7 +107,7 @@ public:
     std::vector<double*> slopes;  ///< slope slots; 0 = its slope
     double* end_state;            ///< y at the step's end
     double* end_slope;            ///< its slope with the step's phases, only if a transition has to be located
-    double* cut_state;            ///< y at theta
+    double* cut_state;            ///< y at theta [unknowns]
 
     LinkFields links;
     TipPhases tips;

@@ -38,9 +38,9 @@ struct Compared {
     RunVerdict watch;   ///< whether its figures can be right
     Counters counters;
     double seconds = 0.0;        ///< median over the rounds of what the run took, without outputs [s]
-    double error_axial = 0.0;    ///< ‖axial force of all tips - reference‖/‖reference‖, over all outputs
-    double error_tension = 0.0;  ///< the same of the tensions of all links
-    double error_pin = 0.0;      ///< the same of the pin that enters
+    double error_axial = 0.0;    ///< ‖axial force of all tips - reference‖/‖reference‖, over all outputs [1]
+    double error_tension = 0.0;  ///< the same of the tensions of all links [1]
+    double error_pin = 0.0;      ///< the same of the pin that enters [1]
     Course course;
 };
 

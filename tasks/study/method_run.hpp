@@ -39,7 +39,7 @@ public:
 private:
     Integrator integrator_;
     Counters counters_;
-    double step_ = 0.0;
+    double step_ = 0.0;                 ///< [s]
     std::unique_ptr<AutoStep> choice_;  ///< once an automatic step has been asked for
 };
 

@@ -24,6 +24,7 @@ struct TrialEnd {
 };
 
 /// Serial run of `method` from `start` over `duration` with the given step.
+/// step [s]
 /// @throws std::invalid_argument for an unknown method
 [[nodiscard]] TrialEnd try_method(const model::Parameters& parameters, const FrozenStart& start, const std::string& method, double step,
                                   double duration);

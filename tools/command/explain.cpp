@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
@@ -54,6 +55,10 @@ ExitStatus explain(const ExplainArguments& arguments) {
     if (!arguments.scene.scene.empty()) loaded = load_scene(arguments.scene);
     std::string text;
     for (const std::string& word : arguments.words) {
+        if (tasks::names_sweep(word)) {
+            text += (text.empty() ? "" : "\n") + tasks::explain_sweep(word);
+            continue;
+        }
         for (const std::string& key : keys_of(word)) {
             text += (text.empty() ? "" : "\n") + tasks::explain(key);
             if (loaded) text += scene_lines(key, loaded->scene);
@@ -67,7 +72,10 @@ ExitStatus explain(const ExplainArguments& arguments) {
 
 Action declare_explain(CLI::App& app) {
     const auto arguments = std::make_shared<ExplainArguments>();
-    app.add_option("KEY", arguments->words, "Key such as tip.radius, or a section such as tip for all its keys")->required()->type_name("");
+    app.add_option("KEY", arguments->words,
+                   "Key such as tip.radius, or a section such as tip for all its keys; of sweep files sweep.axes.key, sweep.axes, sweep")
+        ->required()
+        ->type_name("");
     app.add_option("--scene", arguments->scene.scene, "What the key is in this scene; with run.step, how far its method is stable there")
         ->type_name("SCENE");
     declare_changes(app, arguments->scene);

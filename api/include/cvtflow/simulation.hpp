@@ -109,7 +109,7 @@ public:
     [[nodiscard]] double step_length() const noexcept;
 
     /// Takes whole steps until time() ≥ t. Where the calls end does not change the result: one call or a thousand give the same bits.
-    /// @throws Error (a fault, cancelled, busy, forked); the simulation then stands at the last accepted step
+    /// @param t [s]   @throws Error (a fault, cancelled, busy, forked); the simulation then stands at the last accepted step
     void advance_to(double t);
     /// One step, perhaps cut short by a transition. @throws as advance_to
     void step();
@@ -122,7 +122,7 @@ public:
     /// Hash of unknowns and phases: bitwise equality in short.
     [[nodiscard]] std::uint64_t hash() const;
 
-    /// @throws Error (argument) for a value out of range or an input that the scene does not have; busy
+    /// @param value [unit of the input]   @throws Error (argument) for a value out of range or an input that the scene does not have; busy
     void set_input(Input input, double value);
     /// Present value, set or of the scene's table. @throws Error (argument) as above
     [[nodiscard]] double input(Input input) const;

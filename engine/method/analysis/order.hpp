@@ -13,7 +13,7 @@ inline constexpr int highest_order = 8;
 /// A rooted tree as the multiset of its subtrees, given by their place in the list that contains it.
 struct RootedTree {
     int nodes;
-    double density;             ///< γ = nodes Π γ(children)
+    double density;             ///< γ = nodes Π γ(children) [1]
     std::vector<int> children;  ///< ascending
 };
 
@@ -21,12 +21,12 @@ struct RootedTree {
 [[nodiscard]] std::vector<RootedTree> rooted_trees(int nodes);
 
 /// Highest p ≤ highest_order such that all conditions up to p hold within the tolerance; 0 for an inconsistent method.
-/// The stage times must be consistent too, or the order would hold for autonomous problems only: then 0.
+/// The stage times must be consistent too, or the order would hold for autonomous problems only: then 0. tolerance [1]
 [[nodiscard]] int order_of(const Tableau& tableau, const std::vector<double>& weights, double tolerance = 1e-10);
 
-/// Order of the result.
+/// Order of the result. tolerance [1]
 [[nodiscard]] int order_of(const StagePlan& plan, double tolerance = 1e-10);
-/// Order of the embedded solution (result minus error estimate); 0 without an error estimate.
+/// Order of the embedded solution (result minus error estimate); 0 without an error estimate. tolerance [1]
 [[nodiscard]] int embedded_order_of(const StagePlan& plan, double tolerance = 1e-10);
 
 }  // namespace cvtflow::engine

@@ -23,9 +23,9 @@ namespace cvtflow::engine {
 [[nodiscard]] double stability_reach(const StagePlan& plan, std::complex<double> direction, double tolerance,
                                      double enough = std::numeric_limits<double>::infinity());
 
-/// Reach along the negative real axis. The tolerance forgives ripple that just touches 1.
+/// Reach along the negative real axis. The tolerance forgives ripple that just touches 1. tolerance [1]
 [[nodiscard]] double real_stability(const StagePlan& plan, double tolerance = 1e-6);
-/// Reach along the imaginary axis. A method that grows slowly there (|R| - 1 ~ y⁴, say) has a tiny positive reach.
+/// Reach along the imaginary axis. A method that grows slowly there (|R| - 1 ~ y⁴, say) has a tiny positive reach. tolerance [1]
 [[nodiscard]] double imaginary_stability(const StagePlan& plan, double tolerance = 1e-9);
 
 /// Largest stage value |Y| / |y| for h λ in [-length, 0]: what a saturating law sees of a stiff component within a step.

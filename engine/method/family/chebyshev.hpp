@@ -10,12 +10,13 @@ namespace cvtflow::engine {
 /// Order 1, R(z) = T_s(w0 + w1 z)/T_s(w0): |R| ≤ 1/cosh(sqrt(2 ε)), about, inside the interval, so that with ε = 3 five sixths of what is
 /// stiff are gone after one step.
 /// @param damping ε ≥ 0
+/// damping [1]
 /// @throws std::invalid_argument for fewer than 2 stages or a negative damping
 [[nodiscard]] StagePlan chebyshev(int stages, double damping);
 
-/// Length of the real interval of chebyshev(stages, damping) and of rkc(stages, damping).
+/// Length of the real interval of chebyshev(stages, damping) and of rkc(stages, damping). damping [1]
 [[nodiscard]] double chebyshev_reach(int stages, double damping);
-[[nodiscard]] double rkc_reach(int stages, double damping);
+[[nodiscard]] double rkc_reach(int stages, double damping);  ///< damping [1]
 
 /// The plan without a last stage that only evaluates the result, for uses that need neither that slope nor an error estimate.
 [[nodiscard]] StagePlan without_last_evaluation(const StagePlan& plan);

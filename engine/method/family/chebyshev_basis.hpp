@@ -29,8 +29,8 @@ private:
     [[nodiscard]] Stage row(int j) const;
 
     int stages_;
-    double w0_, w1_;
-    std::vector<double> t_[4];  ///< T_j and three derivatives at w0
+    double w0_, w1_;            ///< damping point and its share in the argument [1]
+    std::vector<double> t_[4];  ///< T_j and three derivatives at w0 [1]
 };
 
 }  // namespace cvtflow::engine

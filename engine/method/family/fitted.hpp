@@ -24,7 +24,7 @@ struct FitRequest {
     double imaginary = 2.0;       ///< W: |z| up to W with at least the damping ratio below
     int order = 3;                ///< 2 or 3
     double ripple = 0.2;          ///< |R| allowed on [-L, -4]
-    double damping_ratio = 0.01;  ///< of oscillations, the smallest
+    double damping_ratio = 0.01;  ///< of oscillations, the smallest [1]
 
     bool operator==(const FitRequest&) const = default;
 };
@@ -32,14 +32,14 @@ struct FitRequest {
 struct FittedMethod {
     StagePlan plan;
     int iterations = 0;    ///< of Lawson's method
-    double largest = 0.0;  ///< max |R(z_i)|/bound_i at its end: ≤ 1
+    double largest = 0.0;  ///< max |R(z_i)|/bound_i at its end: ≤ 1 [1]
 };
 
 inline constexpr int fewest_fitted_stages = 4;
 inline constexpr int most_fitted_stages = 150;
-inline constexpr double least_fitted_real = 5.0;
-inline constexpr double most_fitted_real = 8000.0;
-inline constexpr double most_fitted_imaginary = 50.0;
+inline constexpr double least_fitted_real = 5.0;       ///< [1]
+inline constexpr double most_fitted_real = 8000.0;     ///< [1]
+inline constexpr double most_fitted_imaginary = 50.0;  ///< [1]
 
 /// The fitted method of so many stages; nothing if none meets the request.
 /// @throws std::invalid_argument if the request or the stages are outside the limits

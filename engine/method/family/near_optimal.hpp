@@ -13,7 +13,7 @@ namespace cvtflow::engine {
 
 /// Zeros of a real polynomial, in x: real ± i imaginary.
 struct ZeroPair {
-    long double real, imaginary;
+    long double real, imaginary;  ///< real [1]
 };
 
 /// One row of a recurrence of stage values: g_j = (1 - older) g_{j-1} + older g_{j-2} + h slope f(g_{j-1}).
@@ -32,7 +32,7 @@ struct NearOptimalPolynomial {
 
     /// |R| ≤ 1 on [-real_length(), 0]; beyond the first bump, |R| < 0.97 from degree 10 on.
     [[nodiscard]] double real_length() const noexcept { return static_cast<double>(scale * (1.0L + origin)); }
-    /// R(z)
+    /// R(z); z [1]
     [[nodiscard]] long double value(long double z) const noexcept;
     /// P as stages: g_j = P_j(x)/P_j(a) for y' = z y.
     [[nodiscard]] std::vector<RecurrenceRow> recurrence() const;

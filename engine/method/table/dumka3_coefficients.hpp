@@ -15,10 +15,10 @@ inline constexpr int dumka3_polynomials = 14;
 
 /// The last three stages: g2 = y + h a21 f(y), g3 = y + h (a31 f(y) + a32 f(g2)), result g3 + h a43 f(g3).
 struct Dumka3Finish {
-    double a21;
-    double a31;
-    double a32;
-    double a43;
+    double a21;  ///< [1]
+    double a31;  ///< [1]
+    double a32;  ///< [1]
+    double a43;  ///< [1]
 };
 
 struct Dumka3Coefficients {

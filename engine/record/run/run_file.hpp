@@ -60,7 +60,7 @@ public:
     void append(double time, std::span<const double> values);
     /// @param time [s] @param state state_size values @param phases phase_count values
     void append_state(double time, std::span<const double> state, std::span<const std::uint8_t> phases);
-    /// One row of a table. Integer columns take whole numbers of magnitude below 2^53.
+    /// One row of a table. Integer columns take whole numbers of magnitude below 2^53. values [columns]
     void append_row(std::string_view table, std::span<const double> values);
 
     /// Adds or replaces an attribute of the whole file. It reaches the file when this object closes it (SWMR allows no sooner).

@@ -13,8 +13,8 @@
 namespace cvtflow::engine {
 
 struct RecordedState {
-    double time = 0.0;  ///< [s]
-    std::vector<double> state;
+    double time = 0.0;          ///< [s]
+    std::vector<double> state;  ///< [unknowns]
     std::vector<std::uint8_t> phases;
     bool operator==(const RecordedState&) const = default;
 };

@@ -24,8 +24,8 @@ struct RunFile::Impl {
     std::vector<hdf5::RowBlock> tables;
     std::vector<std::uint64_t> table_row;  ///< scratch: one row of the widest table
     std::size_t values_per_row = 0;
-    double last_time = 0.0;   ///< of the last row taken
-    double saved_time = 0.0;  ///< of the last row written
+    double last_time = 0.0;   ///< of the last row taken [s]
+    double saved_time = 0.0;  ///< of the last row written [s]
     std::chrono::steady_clock::time_point last_flush = std::chrono::steady_clock::now();
     std::vector<Attribute> late_attributes;
     std::string status;

@@ -19,13 +19,13 @@ namespace cvtflow::engine {
 /// Further numbers of a state under a name.
 struct NamedArray {
     std::string name;
-    std::vector<double> values{};
+    std::vector<double> values{};  ///< [numbers of the field]
     bool operator==(const NamedArray&) const = default;
 };
 
 struct SavedState {
-    double time = 0.0;  ///< [s]
-    std::vector<double> state{};
+    double time = 0.0;            ///< [s]
+    std::vector<double> state{};  ///< [unknowns]
     std::vector<std::uint8_t> phases{};
     std::string fingerprint{};  ///< hash of all that gives the numbers their meaning (parameters, layout); whoever resumes compares it
     std::vector<Attribute> attributes{};

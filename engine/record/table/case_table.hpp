@@ -47,7 +47,7 @@ public:
     [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
     [[nodiscard]] std::size_t offset(std::size_t column) const noexcept { return offsets_[column]; }
 
-    void put(std::span<std::byte> row, std::size_t column, double value) const noexcept;
+    void put(std::span<std::byte> row, std::size_t column, double value) const noexcept;  ///< value [unit of the column]
     void put(std::span<std::byte> row, std::size_t column, std::int64_t value) const noexcept;
     /// A text that is too long is cut.
     void put(std::span<std::byte> row, std::size_t column, std::string_view text) const noexcept;

@@ -18,6 +18,7 @@ public:
     using F = FloatLanes;
     using Base::Base;
 
+    /// g [s]
     void couple(double g) noexcept {
         this->g_.step = g;
         list();

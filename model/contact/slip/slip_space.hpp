@@ -169,7 +169,7 @@ struct SlipGroup {
     FloatRows root;                        ///< R [contact][4]
     FloatRows factor, panel;  ///< elimination inside a link: L with D⁻¹ on its diagonal; L⁻¹ [Rᵀ g W R of joints | right-hand side]
     FloatRows element;        ///< SlipElement, without right-hand sides of the joints themselves
-    double widening = 1.0;    ///< saturation speeds are taken so many times as high
+    double widening = 1.0;    ///< saturation speeds are taken so many times as high [1]
     double slope_before = 0.0, slope_after = 0.0;  ///< of the energy along the Newton step, at its start and where it was looked at
     double residual = 0.0;                         ///< largest change of slip that a contact's force is off [m/s]
 };
@@ -179,13 +179,13 @@ class SlipSpace;
 /// Functions of one order, number of points and instruction set.
 struct SlipKernels {
     using OnGroup = void (*)(const SlipSpace&, SlipGroup&) noexcept;
-    void (*gather)(const SlipSpace&, const ContactField&, const Phase*, double g, SlipGroup&) noexcept;
-    void (*slips)(const SlipSpace&, double time, SlipGroup&, LaneRows&) noexcept;
+    void (*gather)(const SlipSpace&, const ContactField&, const Phase*, double g, SlipGroup&) noexcept;  ///< g [s]
+    void (*slips)(const SlipSpace&, double time, SlipGroup&, LaneRows&) noexcept;                        ///< time [1]
     OnGroup forces, accelerate, linearise, eliminate;
     void (*respond)(const SlipSpace&, const LaneRows& force, SlipGroup&, LaneRows&) noexcept;
     void (*join)(const SlipSpace&, std::span<const SlipGroup>, SlipChain&) noexcept;
     void (*substitute)(const SlipSpace&, const float* unknowns, SlipGroup&) noexcept;
-    void (*look)(const SlipSpace&, double share, SlipGroup&) noexcept;
+    void (*look)(const SlipSpace&, double share, SlipGroup&) noexcept;  ///< share [1]
 };
 
 /// Constants of slips and forces for one chain, and the kernels that work on groups. @param chain must outlive this

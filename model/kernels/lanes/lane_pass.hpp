@@ -25,6 +25,7 @@ public:
     static constexpr int size = at<P>.link_size();
     static constexpr int block = at<P>.link_block();
 
+    /// slope [unknowns, per second]
     LanePass(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads) noexcept
         : model_(model),
           c_(model.coefficients()),
@@ -219,7 +220,7 @@ private:
     const Coefficients& c_;
     const ChainRange& range_;
     int links_;
-    double* slope_;
+    double* slope_;  ///< [unknowns, per second]
     LinkLoad* loads_;
     Contacts contacts_;
 };

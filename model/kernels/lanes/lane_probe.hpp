@@ -20,7 +20,7 @@ public:
     LaneProbe(const Coefficients& c, const SheaveMotion* sheaves, bool with_slip) noexcept
         : c_(c), sheaves_(sheaves), with_slip_(with_slip) {}
 
-    /// @param states blocks of `links` neighbouring links
+    /// @param states blocks of `links` neighbouring links; states [unknowns]
     void run(const double* states, int links, TipProbe* probes) const noexcept {
         for (int own = 0; own < links; own += W) group(states + own * at<P>.link_block(), std::min(W, links - own), probes + own);
     }
@@ -30,6 +30,7 @@ private:
     static constexpr int depth_row = 0, slip_row = tips_per_link, radius_row = 2 * tips_per_link;
     static_assert(numbers == radius_row + 1);
 
+    /// states [unknowns]
     void group(const double* states, int count, TipProbe* probes) const noexcept {
         std::array<const double*, W> from;
         for (int lane = 0; lane < W; ++lane) from[static_cast<std::size_t>(lane)] = states + std::min(lane, count - 1) * at<P>.link_block();

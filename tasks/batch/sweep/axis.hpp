@@ -36,7 +36,8 @@ void apply(const Parameter& parameter, const AxisValue& value, Scene& scene);
 /// Whether a key has numbers in between, for ranges and samples.
 [[nodiscard]] bool continuous(const Parameter& parameter);
 
-/// `count` numbers from `from` to `to`, both included; evenly spaced, or evenly in their logarithms. Integers are rounded by apply().
+/// `count` numbers from `from` to `to`, both included; evenly spaced, or evenly in their logarithms. Integers are rounded by apply(). from
+/// [unit of the key], to [the same]
 [[nodiscard]] std::vector<double> spaced(double from, double to, std::size_t count, bool logarithmic);
 
 /// Where in [0, 1) `count` samples of `dimensions` numbers lie, row by row; the same on every machine.

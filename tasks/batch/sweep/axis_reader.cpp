@@ -7,6 +7,7 @@
 #include "engine/base/spelling.hpp"
 #include "model/basis/portable_math.hpp"
 #include "tasks/batch/results/table_view.hpp"
+#include "tasks/batch/sweep/sweep_keys.hpp"
 
 namespace cvtflow::tasks {
 
@@ -22,8 +23,7 @@ public:
 
     Axis read(const Node::Table& table) {
         const std::size_t before = problems_.size();
-        const TableView view("axes", table, position_,
-                             {"key", "values", "from", "to", "count", "scale", "zip", "sample", "seed", "keys", "csv"}, problems_);
+        const TableView view("axes", table, position_, names_in_sweep("axes"), problems_);
         Axis axis;
         if (view.has("csv"))
             axis = csv(view);
@@ -80,7 +80,7 @@ private:
         Interval result{&parameter};
         if (!continuous(parameter))
             view.problem(view.position(), fmt::format("from: {} has no values in between; list them", parameter.key));
-        result.logarithmic = view.choice("scale", {"linear", "log"}).value_or(0) == 1;
+        result.logarithmic = view.choice("scale", sweep_choices("axes", "scale")).value_or(0) == 1;
         for (const auto& [name, end] : {std::pair{"from", &result.from}, std::pair{"to", &result.to}}) {
             if (!view.require(name)) continue;
             const auto value = axis_value(parameter, *view.find(name), problems_);
@@ -113,7 +113,7 @@ private:
         for (const Node& part : parts != nullptr ? *parts : Node::Array{}) {
             const auto* table = std::get_if<Node::Table>(&part.value);
             if (table == nullptr) return view.problem(part.position, "zip: not a table {key = …, values = …}"), axis;
-            const TableView column("axes.zip", *table, part.position, {"key", "values", "from", "to", "count", "scale"}, problems_);
+            const TableView column("axes.zip", *table, part.position, names_in_sweep("axes.zip"), problems_);
             columns.push_back(one_key(column));
             if (columns.back().rows() != columns.front().rows()) {
                 view.problem(part.position, fmt::format("zip: {} values beside {} of {}", columns.back().rows(), columns.front().rows(),
@@ -129,7 +129,7 @@ private:
     }
 
     Axis sample(const TableView& view) {
-        const int kind = view.choice("sample", {"random", "latin-hypercube"}).value_or(0);
+        const int kind = view.choice("sample", sweep_choices("axes", "sample")).value_or(0);
         Axis axis{kind == 1 ? "latin-hypercube" : "random", {}, {}};
         const auto count = view.require("count") ? view.integer("count", 1, most_rows) : std::nullopt;
         const auto seed = view.require("seed") ? view.integer("seed", 0, std::int64_t{1} << 53) : std::nullopt;
@@ -152,7 +152,7 @@ private:
         for (const Node& part : parts != nullptr ? *parts : Node::Array{}) {
             const auto* table = std::get_if<Node::Table>(&part.value);
             if (table == nullptr) return view.problem(part.position, "keys: not a table {key = …, from = …, to = …}"), box;
-            const TableView column("axes.keys", *table, part.position, {"key", "from", "to", "scale"}, problems_);
+            const TableView column("axes.keys", *table, part.position, names_in_sweep("axes.keys"), problems_);
             if (const Parameter* parameter = key_of(column)) box.push_back(interval(column, *parameter));
         }
         return box;

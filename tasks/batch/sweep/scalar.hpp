@@ -40,10 +40,10 @@ struct Scalar {
 /// A term in the making. Sums run in the order of outputs and elements.
 struct TermSum {
     long count = 0;
-    double value = 0.0;       ///< sum, extreme or value found
-    std::vector<double> all;  ///< of a median
+    double value = 0.0;       ///< sum, extreme or value found [unit of the channel]
+    std::vector<double> all;  ///< of a median [outputs]
 
-    void add(const ScalarTerm& term, double time, double number);
+    void add(const ScalarTerm& term, double time, double number);  ///< time [s], number [unit of the channel]
     /// Not a number if no output counted.
     [[nodiscard]] double result(const ScalarTerm& term) const;
 };
@@ -60,7 +60,7 @@ struct Reducer {
 
     /// For checkpoints: load() returns what follows in memory. @throws std::invalid_argument for a memory that is none
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
 };
 
 }  // namespace cvtflow::tasks

@@ -1,33 +1,6 @@
 #pragma once
 /// A sweep: a scene and a question over many variants of it, read from a TOML file as strictly as a scene is.
-///
-///     [sweep]
-///     scene = "tiny"                     # ready scene, or file relative to this one
-///     [set]                              # keys of the scene that all cases share
-///     run.until = "0.2 ms"
-///     [[axes]]                           # every axis multiplies the number of cases; the last one varies fastest
-///     key = "load.torque"
-///     values = ["6 N*m", "12 N*m"]       # or: from, to, count, scale = "linear" | "log"
-///     [[axes]]                           # keys that vary together
-///     zip = [{key = "clamping.driving", values = […]}, {key = "clamping.driven", values = […]}]
-///     [[axes]]                           # a sample of a box
-///     sample = "latin-hypercube"         # or "random"
-///     count = 100
-///     seed = 1
-///     keys = [{key = "tip.friction_coefficient", from = 0.05, to = 0.12}, …]
-///     [[axes]]
-///     csv = "rows.csv"                   # first line: keys, with a unit in brackets if the cells have none: load.torque [N*m]
-///     [outputs]
-///     scalars = ["slip mean", "efficiency mean", "ratio at 0.1 ms", "links/tension[0] max"]
-///     from = "0.1 ms"                    # outputs before it do not count
-///     records = false                    # one record per case in DIR/records
-///     [budget]                           # of one case
-///     steps = 100000
-///     wall = "10 min"
-///     [start]
-///     mode = "scene"                     # the scene's own start | "settle": every case settles | "shared": settled once for all cases of
-///     one machine continuation = "clamping.driven"   # key of the last axis: a case starts where its neighbour ended check = 2 # so many
-///     continued cases also run from their own start; the summary tells the difference. Default 1
+/// Its keys: sweep_keys.hpp; all of them in an example: docs/sweeps.md.
 
 #include <filesystem>
 #include <functional>

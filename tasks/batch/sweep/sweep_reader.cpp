@@ -6,6 +6,7 @@
 #include "tasks/batch/results/table_view.hpp"
 #include "tasks/batch/sweep/axis_reader.hpp"
 #include "tasks/batch/sweep/sweep.hpp"
+#include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/value_reader.hpp"
@@ -40,7 +41,7 @@ public:
 
 private:
     void document(const Node::Table& sections) {
-        const std::vector<std::string> known{"sweep", "set", "axes", "outputs", "budget", "start"};
+        const std::vector<std::string> known = sweep_sections();
         for (const Entry& section : sections) {
             if (std::find(known.begin(), known.end(), section.key) != known.end()) continue;
             problems_.push_back({section.position, fmt::format("{}: unknown section{}", section.key,
@@ -70,7 +71,7 @@ private:
         if (section == sections.end()) return problems_.push_back({{}, "sweep: this section is missing; [sweep] names the scene"});
         const Node::Table* rows = table(*section);
         if (rows == nullptr) return;
-        const TableView view("sweep", *rows, section->position, {"name", "description", "scene", "detail"}, problems_);
+        const TableView view("sweep", *rows, section->position, names_in_sweep("sweep"), problems_);
         sweep_.name = view.text("name").value_or(sweep_.name);
         sweep_.description = view.text("description").value_or("");
         if (!view.require("scene")) return;
@@ -124,7 +125,7 @@ private:
     void outputs(const Entry& section) {
         const Node::Table* rows = table(section);
         if (rows == nullptr) return;
-        const TableView view("outputs", *rows, section.position, {"scalars", "from", "records"}, problems_);
+        const TableView view("outputs", *rows, section.position, names_in_sweep("outputs"), problems_);
         const Node::Array* list = view.list("scalars");
         for (const Node& node : list != nullptr ? *list : Node::Array{}) {
             const auto* text = std::get_if<std::string>(&node.value);
@@ -141,7 +142,7 @@ private:
     void budget(const Entry& section) {
         const Node::Table* rows = table(section);
         if (rows == nullptr) return;
-        const TableView view("budget", *rows, section.position, {"steps", "wall"}, problems_);
+        const TableView view("budget", *rows, section.position, names_in_sweep("budget"), problems_);
         if (const auto steps = view.integer("steps", 1, std::int64_t{1} << 53)) sweep_.scene.run.max_steps = static_cast<long>(*steps);
         if (const auto wall = view.time("wall")) sweep_.scene.run.max_wall = *wall;
     }
@@ -149,8 +150,8 @@ private:
     void start(const Entry& section) {
         const Node::Table* rows = table(section);
         if (rows == nullptr) return;
-        const TableView view("start", *rows, section.position, {"mode", "continuation", "check"}, problems_);
-        sweep_.start = static_cast<StartMode>(view.choice("mode", {"scene", "settle", "shared"}).value_or(0));
+        const TableView view("start", *rows, section.position, names_in_sweep("start"), problems_);
+        sweep_.start = static_cast<StartMode>(view.choice("mode", sweep_choices("start", "mode")).value_or(0));
         if (const auto checked = view.integer("check", 0, 1'000'000)) sweep_.checked = static_cast<int>(*checked);
         const auto key = view.text("continuation");
         if (!key) return;

@@ -10,11 +10,11 @@ namespace cvtflow::tasks {
 struct AdditiveTable {
     std::string name, source;
     int order;
-    double gamma;
+    double gamma;                                                   ///< [1]
     std::vector<double> times;                                      ///< c [stages]
     std::vector<std::vector<double>> explicit_part, implicit_part;  ///< a_ij, j < i [stages]; the latter without its diagonal
     std::vector<double> weights;                                    ///< b [stages]
-    std::vector<double> embedded;                                   ///< b̂, empty without an error estimate
+    std::vector<double> embedded;                                   ///< b̂, empty without an error estimate [1]
 
     [[nodiscard]] int stages() const noexcept { return static_cast<int>(times.size()); }
 };

@@ -22,7 +22,7 @@ public:
     /// Slots of the workspace that the method uses.
     static constexpr int state_slots = LeapfrogFrame::state_slots, slope_slots = LeapfrogFrame::slope_slots;
     /// By which the spectral radius of friction may have grown since it was looked at.
-    static constexpr double margin = 1.1;
+    static constexpr double margin = 1.1;  ///< [1]
 
     FrictionLeapfrog(Workspace& workspace, Kick kick);
 
@@ -34,7 +34,7 @@ public:
     void restart() noexcept override;
     void transition() noexcept override {}  // history stays good: nothing jumps
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
     [[nodiscard]] Fault fault() const noexcept override { return fault_; }
 
     // Bodies of tasks.
@@ -56,7 +56,7 @@ private:
     State state_ = State::evaluating;
     int stage_ = 0;
     KickRow row_{};
-    double lean_ = 0.0;  ///< G at the stage at hand, in units of the difference between the last two
+    double lean_ = 0.0;  ///< G at the stage at hand, in units of the difference between the last two [1]
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
     Fault fault_;

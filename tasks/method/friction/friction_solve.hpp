@@ -38,9 +38,9 @@ public:
     /// A contact's force may be off by what changes its slip by this much in one step of `usual_step` or more [m/s]. Errors of all methods
     /// at 2 µs are the same with a hundredth of it.
     static constexpr double usual_tolerance = 1e-5, least_tolerance = 1e-9;
-    static constexpr double usual_step = 2e-6;
+    static constexpr double usual_step = 2e-6;  ///< [s]
     static constexpr int most_iterations = 2000;
-    /// In shorter steps by less: the error of a method falls with its step.
+    /// In shorter steps by less: the error of a method falls with its step. step [s]
     [[nodiscard]] static double tolerance(double step) noexcept;
 
     explicit FrictionSolve(const Workspace& workspace);
@@ -80,21 +80,21 @@ private:
     std::vector<model::SlipGroup> groups_;
     model::SlipChain joints_;
     SolveStatistics statistics_;
-    double tolerance_ = least_tolerance;
+    double tolerance_ = least_tolerance;  ///< [m/s]
     int iterations_ = 0, searches_ = 0;
     int tries_ = 0;                         ///< iterations with the saturation speeds at hand
-    double widening_ = 1.0;                 ///< of the saturation speeds
-    double widened_before_ = 1.0;           ///< that slips belong to
-    double solved_ = 0.0;                   ///< lowest widening that has been solved with, 0: none yet
-    double stride_ = 1.0;                   ///< from there to the next
+    double widening_ = 1.0;                 ///< of the saturation speeds [1]
+    double widened_before_ = 1.0;           ///< that slips belong to [1]
+    double solved_ = 0.0;                   ///< lowest widening that has been solved with, 0: none yet [1]
+    double stride_ = 1.0;                   ///< from there to the next [1]
     int patience_ = 0;                      ///< iterations after which saturation speeds are changed
     bool keeps_ = false, returns_ = false;  ///< the iteration that begins follows a solution, or goes back to it
     bool searching_ = false;
     bool steps_ = false;                                                  ///< a Newton step has not been settled yet
-    double share_ = 1.0;                                                  ///< of the Newton step that is looked at
-    double settled_ = 1.0;                                                ///< of the last one, that was taken
+    double share_ = 1.0;                                                  ///< of the Newton step that is looked at [1]
+    double settled_ = 1.0;                                                ///< of the last one, that was taken [1]
     double low_ = 0.0, high_ = 1.0, slope_low_ = 0.0, slope_high_ = 0.0;  ///< bracket of the search
-    double residual_ = 0.0;
+    double residual_ = 0.0;                                               ///< [m/s]
 };
 
 /// Cycles of methods that solve for friction.

@@ -32,7 +32,7 @@ public:
     /// One row of a chained table: evaluates at the velocities of its slot, with lean times the difference between base and that of the
     /// step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
     void stage(const Workspace& workspace, const KickRow& row, double h, double lean, int segment) noexcept;
-    /// Begins an integration from the velocities in a state: takes them into slot 0 and forgets the impulses.
+    /// Begins an integration from the velocities in a state: takes them into slot 0 and forgets the impulses. state [unknowns]
     void begin_from(const Workspace& workspace, const double* state, int segment) noexcept;
     /// Loads of a segment's links: of the normal forces, and the mean reaction of the tips' friction since begin_from().
     void react(Workspace& workspace, int segment) const noexcept;
@@ -42,12 +42,13 @@ public:
 
     /// What outlasts a step: forces of the last one, and where power iterations have come to.
     void save(std::vector<double>& memory) const;
-    void load(std::span<const double> memory);
+    void load(std::span<const double> memory);  ///< memory [what save() wrote]
 
     /// Velocities after the last row.
     [[nodiscard]] const model::Columns& result() const noexcept { return result_; }
 
 private:
+    /// time [s]
     [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::Columns& velocity,
                                                 int segment) noexcept;
     void repeat(const Workspace& workspace, model::Columns& field, int segment) noexcept;

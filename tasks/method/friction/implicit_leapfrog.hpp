@@ -15,7 +15,7 @@ namespace cvtflow::tasks {
 /// A diagonally implicit method whose last stage is its result.
 struct DirkTable {
     int order;
-    double gamma;
+    double gamma;                              ///< [1]
     std::vector<double> times;                 ///< c [h]
     std::vector<std::vector<double>> weights;  ///< a_sj, j < s
 
@@ -23,7 +23,7 @@ struct DirkTable {
     [[nodiscard]] double centre() const noexcept;
     /// b.
     [[nodiscard]] double weight(int stage) const noexcept;
-    /// As KickTable::lean().
+    /// As KickTable::lean(). rise [1]
     [[nodiscard]] double lean(int stage, double rise) const noexcept;
 };
 /// Backward Euler: order 1, what friction holds is at rest after one step.
@@ -42,7 +42,7 @@ public:
     [[nodiscard]] int next() override;
     void restart() noexcept override { frame_.restart(); }
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
 
     void record(int segment) noexcept override;
     void gather(int group) noexcept override;
@@ -62,7 +62,7 @@ private:
     };
 
     int after_solve(int cycle);
-    void guess(int group, double share) noexcept;
+    void guess(int group, double share) noexcept;  ///< share [1]
     void predict(int group) noexcept;
     void end_stage(int group) noexcept;
     void react(int group) noexcept;

@@ -16,16 +16,16 @@ enum class Kick {
 /// One stage with the row that follows it: a stage, or the result.
 struct KickRow {
     engine::PlanStep here, next;
-    double weight = 0.0;  ///< of the stage in the result
+    double weight = 0.0;  ///< of the stage in the result [1]
     bool keeps_slope = false;
 };
 
 /// One table with what a kick needs to know of it.
 struct KickTable {
     engine::CompiledPlan plan;
-    std::vector<double> weights;  ///< of its stages in the result
+    std::vector<double> weights;  ///< of its stages in the result [1]
     double centre;                ///< Σ weight × time of the stages: where a slope that is linear in time has its mean
-    double reach;                 ///< |h λ| on the real axis up to which it is stable
+    double reach;                 ///< |h λ| on the real axis up to which it is stable [1]
     bool keeps_first_slope;       ///< whether rows after the second use the slope of stage 0
 
     /// A slope at a stage's time, in units of the difference between its last two values: without an impulse, and half a rise at the end of
@@ -42,7 +42,7 @@ class KickTables {
 public:
     explicit KickTables(Kick kind);
 
-    /// The cheapest table that reaches z = h |λ|; nullptr if none does.
+    /// The cheapest table that reaches z = h |λ|; nullptr if none does. z [1]
     [[nodiscard]] const KickTable* reaching(double z) const noexcept;
     [[nodiscard]] double longest_reach() const noexcept { return tables_.back().reach; }
 

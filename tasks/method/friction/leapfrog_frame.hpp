@@ -36,6 +36,7 @@ public:
     [[nodiscard]] double rise() const noexcept { return rise_; }
 
     void save(std::vector<double>& memory) const;
+    /// memory [what save() wrote]
     /// @returns what of the memory is not its own
     [[nodiscard]] std::span<const double> load(std::span<const double> memory);
 
@@ -47,7 +48,7 @@ private:
     double begun_ = -1e300;       ///< where the step at hand began [s]
     double length_ = 0.0;         ///< of the step at hand [s]
     double length_before_ = 0.0;  ///< of the one before, 0: none [s]
-    double rise_ = 0.0;
+    double rise_ = 0.0;           ///< [1]
     model::ContactDrift drift_;
     model::SheaveMotion sheaves_before_[4]{};
 };

@@ -95,7 +95,7 @@ std::span<const NewtonVariant> newton_variants() noexcept { return variants; }
 std::vector<MethodProgram> implicit_programs() {
     std::vector<MethodProgram> all;
     add_trapezoidal(all, std::make_index_sequence<variants.size()>{});
-    add_linear(all, std::make_index_sequence<5>{});
+    add_linear(all, std::make_index_sequence<linear_plan_count>{});
     return all;
 }
 

@@ -18,7 +18,7 @@ namespace cvtflow::tasks {
 struct BasePoint {
     double time = 0.0;                         ///< [s]
     const double* state = nullptr;             ///< [layout.size()]
-    const double* slope = nullptr;             ///< its slope
+    const double* slope = nullptr;             ///< its slope [unknowns]
     const model::Phase* phases = nullptr;      ///< [4 links]
     const model::LinkLoad* loads = nullptr;    ///< [links]
     const model::Account* accounts = nullptr;  ///< [links * account_parts], only with a ledger
@@ -45,7 +45,7 @@ private:
     struct Scratch {
         explicit Scratch(const model::ChainLayout& layout);
         model::EvaluationScratch evaluation;
-        std::vector<double> slope, tail;
+        std::vector<double> slope, tail;     ///< [unknowns, per second]
         std::vector<double> zero, reaction;  ///< pulleys at rest; what reactions of a link do to them
     };
 
@@ -53,7 +53,9 @@ private:
     [[nodiscard]] int colour(int link) const noexcept;
     void chain_group(int group, const BasePoint& base, Scratch& own, model::AccelerationJacobian& out) const noexcept;
     void pulley_group(int column, const BasePoint& base, Scratch& own, model::AccelerationJacobian& out) const noexcept;
-    void move_colour(int colour, int offset, double step, const BasePoint& base, Scratch& own) const noexcept;
+    void move_colour(int colour, int offset, double step, const BasePoint& base,
+                     Scratch& own) const noexcept;  ///< step [disturbance: m or m/s]
+    /// step [disturbance: m or m/s]
     void reaction_column(int link, int column, model::With with, double step, const BasePoint& base, Scratch& own,
                          model::AccelerationJacobian& out) const noexcept;
 

@@ -33,19 +33,22 @@ public:
 
     /// Enters G for the links of a chunk and eliminates its inner ones. @param theta θ [s]   @param shafts [links] ContactMap::shaft()
     void eliminate(int chunk, double theta, const model::AccelerationJacobian& jacobian, const int* shafts) noexcept;
-    /// After all chunks: pulleys and separators.
+    /// After all chunks: pulleys and separators. theta [s]
     void join(double theta, const model::AccelerationJacobian& jacobian) noexcept;
     /// Whether the last factorisation met no vanishing pivot.
     [[nodiscard]] bool sound() const noexcept;
 
+    /// f [velocities]
     void forward(int chunk, const double* f) noexcept { system_.forward(chunk, f); }
+    /// f [velocities]
     void join_solution(const double* f) noexcept { system_.join_solution(f); }
+    /// x [velocities]
     void backward(int chunk, double* x) const noexcept { system_.backward(chunk, x); }
 
 private:
     void find_seen(const model::Variator& variator);
     [[nodiscard]] int list_border(int chunk, const int* shafts, int* list) const noexcept;
-    void enter(int link, double theta, const model::AccelerationJacobian& jacobian, bool touching) noexcept;
+    void enter(int link, double theta, const model::AccelerationJacobian& jacobian, bool touching) noexcept;  ///< theta [s]
 
     int links_, size_, border_;
     engine::CyclicBorder system_;

@@ -51,9 +51,9 @@ protected:
     [[nodiscard]] int evaluate(std::span<const engine::Term> states, double c, int slope, int keep = -1) noexcept;
     /// Ends that cycle.
     void close_evaluate() noexcept;
-    /// Jacobian cycle at a state that has just been evaluated.
+    /// Jacobian cycle at a state that has just been evaluated. c [1]
     [[nodiscard]] int take_jacobian(double c, int state_slot, int slope_slot) noexcept;
-    /// Factor cycle for I - θ D - θ² K.
+    /// Factor cycle for I - θ D - θ² K. theta [s]
     [[nodiscard]] int factorise(double theta) noexcept;
     /// Jacobian, θ and contacts of the last factorisation: appended to `memory`.
     void save_factors(std::vector<double>& memory) const;

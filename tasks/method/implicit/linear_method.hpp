@@ -34,7 +34,7 @@ private:
     int begin_factor() noexcept;
     int begin_solve() noexcept;
     int finish_stage() noexcept;
-    void coordinates_right(int begin, int size, double* out) const noexcept;
+    void coordinates_right(int begin, int size, double* out) const noexcept;  ///< out [coordinates]
     void prepare_link(int link) noexcept;
     void prepare_tail() noexcept;
     [[nodiscard]] double theta() const noexcept;
@@ -46,8 +46,8 @@ private:
     At at_ = At::evaluate;
     std::size_t stage_ = 0;
     bool has_jacobian_ = false;
-    double time_of_jacobian_ = 0.0;
-    std::vector<double> right_q_;    ///< r_q, link by link, then pulleys
+    double time_of_jacobian_ = 0.0;  ///< [s]
+    std::vector<double> right_q_;    ///< r_q, link by link, then pulleys [coordinates]
     std::vector<double> reactions_;  ///< [links][border]: K r_q of the pulleys' rows
 };
 

@@ -6,6 +6,8 @@
 /// with a J of its own choosing: a W-method keeps its order for any J. The time of a stage is derived as for a J that knows no time.
 /// Slots of the table are numbers of stages.
 
+#include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -14,7 +16,7 @@
 namespace cvtflow::tasks {
 
 struct LinearStage {
-    double gamma;                      ///< θ/h of its matrix
+    double gamma;                      ///< θ/h of its matrix [1]
     std::vector<engine::Term> states;  ///< a: increments in the stage's state
     std::vector<engine::Term> right;   ///< c: increments on the right-hand side
 };
@@ -28,8 +30,8 @@ struct LinearPlan {
 
 /// Times of the stages [h], derived; and Σ m τ, which is 1 for a consistent method.
 struct LinearTimes {
-    std::vector<double> stage;
-    double result;
+    std::vector<double> stage;  ///< [1]
+    double result;              ///< [1]
 };
 [[nodiscard]] LinearTimes times_of(const LinearPlan& plan);
 
@@ -40,7 +42,9 @@ struct LinearTimes {
 /// Linearly implicit Euler steps, 1 … order of them over the step, extrapolated. @param order 1 … 4
 [[nodiscard]] LinearPlan extrapolated_w(int order);
 
-/// All of them.
-[[nodiscard]] const std::vector<LinearPlan>& linear_plans();
+/// Number of the plans below; the compiler says if it is not.
+inline constexpr std::size_t linear_plan_count = 5;
+/// All of them; each has a row in the implementation.
+[[nodiscard]] const std::array<LinearPlan, linear_plan_count>& linear_plans();
 
 }  // namespace cvtflow::tasks

@@ -26,7 +26,7 @@ public:
     void transition() noexcept override { start_slope_ = end_slope_ = false; }  // a kept Jacobian may still serve
     /// Slope at the end of the last step; with a matrix that is kept over steps, its Jacobian and updates.
     void save(std::vector<double>& memory) const override;
-    void load(std::span<const double> memory) override;
+    void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
 
     void prepare(int first, int last) noexcept override;
     void finish(int first, int last) noexcept override;
@@ -41,9 +41,9 @@ private:
     [[nodiscard]] double theta() const noexcept { return 0.5 * w_.step.h; }
     [[nodiscard]] bool keeps_over_steps() const noexcept { return options_.matrix >= NewtonMatrix::frozen; }
     int predict() noexcept;
-    int evaluate_trial(double lambda) noexcept;
+    int evaluate_trial(double lambda) noexcept;  ///< lambda [1]
     int judge() noexcept;
-    int accept_trial(double norm) noexcept;
+    int accept_trial(double norm) noexcept;  ///< norm [m/s]
     int iterate() noexcept;
     int begin_jacobian() noexcept;
     int begin_factor() noexcept;
@@ -58,33 +58,34 @@ private:
     void start_tail() noexcept;
     [[nodiscard]] double residual_of_tail() noexcept;
     void broyden_direction() noexcept;
-    [[nodiscard]] double border_factor(int row, double seen) noexcept;
+    [[nodiscard]] double border_factor(int row, double seen) noexcept;  ///< seen [m/s]
     void update_border_rows(int link, int shaft) noexcept;
     void update_corner() noexcept;
 
     const NewtonOptions options_;
-    const double link_mass_;
+    const double link_mass_;  ///< [kg]
     NewtonStatistics statistics_;
     Broyden broyden_;
     At at_ = At::predict;
     int iterate_ = 1, trial_ = 3;  ///< state slots; slot 2 holds the increment
     engine::Term terms_[2]{};
-    double time_of_start_ = 0.0;
-    bool start_slope_ = false;  ///< slope slot 2 is that of the last step's start …
-    bool end_slope_ = false;    ///< … and slope slot 1 that of its end
+    double time_of_start_ = 0.0;  ///< [s]
+    bool start_slope_ = false;    ///< slope slot 2 is that of the last step's start …
+    bool end_slope_ = false;      ///< … and slope slot 1 that of its end
     bool has_jacobian_ = false;
     bool renew_ = false;      ///< the iterate is evaluated once more for a new Jacobian
     bool first_ = true;       ///< the trial is the start of the iteration
     bool direction_ = false;  ///< step_ belongs to the matrix at hand
     bool refreshed_ = false;  ///< a Jacobian beyond the rule in this step
     int iterations_ = 0, since_jacobian_ = 0;
-    double norm_ = 0.0, lambda_ = 1.0, contraction_ = 0.0;
+    double norm_ = 0.0, lambda_ = 1.0,
+           contraction_ = 0.0;             ///< of the residual [m/s]; share of the Newton step taken and rate of convergence [1]
     std::vector<double> energies_;         ///< [links] of the residual
     std::vector<double> residual_;         ///< of the trial, [unknowns]
-    std::vector<double> residual_before_;  ///< of the iterate before
-    std::vector<double> step_;             ///< Newton direction
-    std::vector<double> change_;           ///< step taken
-    double squares_[3]{};                  ///< of the change: links on shaft 0, on shaft 1, border
+    std::vector<double> residual_before_;  ///< of the iterate before [velocities] [m/s]
+    std::vector<double> step_;             ///< Newton direction [velocities] [m/s]
+    std::vector<double> change_;           ///< step taken [velocities] [m/s]
+    double squares_[3]{};                  ///< of the change: links on shaft 0, on shaft 1, border [m²/s²]
 };
 
 }  // namespace cvtflow::tasks

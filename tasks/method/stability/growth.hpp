@@ -11,7 +11,7 @@ namespace cvtflow::tasks {
 using LinearMap = std::function<bool(const double* from, double* to)>;
 
 struct Growth {
-    double factor = 0.0;                  ///< spectral radius; infinite where the map cannot be applied or is not finite
+    double factor = 0.0;                  ///< spectral radius; infinite where the map cannot be applied or is not finite [1]
     std::complex<double> multiplier;      ///< the eigenvalue that has it, of positive imaginary part or real
     std::vector<double> real, imaginary;  ///< its eigenvector [size]
     int applications = 0;
@@ -19,7 +19,7 @@ struct Growth {
 
 struct GrowthSettings {
     /// Multipliers nearer to 1 do not count: what a step resolves so well grows by itself if it grows, whatever the method.
-    double from_one = 0.1;
+    double from_one = 0.1;  ///< [1]
     int most = 160;         ///< dimension of the Krylov space
     double settled = 1e-4;  ///< change of the factor over the last ten directions
 };

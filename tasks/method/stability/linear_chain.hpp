@@ -18,7 +18,7 @@ namespace cvtflow::tasks {
 class LinearSolver {
 public:
     virtual ~LinearSolver() = default;
-    virtual void solve(const double* right, double* x) const = 0;
+    virtual void solve(const double* right, double* x) const = 0;  ///< right [unknowns], x [unknowns]
 
 protected:
     LinearSolver() = default;
@@ -38,17 +38,17 @@ public:
     [[nodiscard]] int link_velocities() const noexcept { return link_velocities_; }
 
     // out += factor × part × x. q: [coordinates()], v and out: [velocities()].
-    void add_elastic(double factor, const double* q, double* out) const;
-    void add_damping(double factor, const double* v, double* out) const;
-    void add_friction(double factor, const double* v, double* out) const;
+    void add_elastic(double factor, const double* q, double* out) const;   ///< factor [1], q [coordinates], out [accelerations]
+    void add_damping(double factor, const double* v, double* out) const;   ///< factor [1], v [velocities], out [accelerations]
+    void add_friction(double factor, const double* v, double* out) const;  ///< factor [1], v [velocities], out [accelerations]
     /// Friction of the links by links' velocities alone: [link_velocities()].
     void add_link_friction(double factor, const double* v, double* out) const;
-    /// The part of K that friction has, because its normal forces change.
+    /// The part of K that friction has, because its normal forces change. factor [1], q [coordinates], out [accelerations]
     void add_sliding(double factor, const double* q, double* out) const;
 
-    /// For the whole: (1 - shift (C + F) - shift² K).
+    /// For the whole: (1 - shift (C + F) - shift² K). shift [s]
     [[nodiscard]] std::unique_ptr<LinearSolver> whole_solver(double shift) const;
-    /// For friction of the links: (1 - shift F).
+    /// For friction of the links: (1 - shift F). shift [s]
     [[nodiscard]] std::unique_ptr<LinearSolver> friction_solver(double shift) const;
 
     /// Largest eigenvalue of links' friction if all contacts stuck [1/s].
@@ -63,7 +63,7 @@ private:
     const FrozenStart start_;
     int coordinates_, velocities_, link_velocities_;
     std::unique_ptr<Parts> parts_;
-    double stiffest_friction_ = 0.0;
+    double stiffest_friction_ = 0.0;  ///< [1/s]
 };
 
 }  // namespace cvtflow::tasks

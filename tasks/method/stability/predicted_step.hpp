@@ -17,7 +17,7 @@ namespace cvtflow::tasks {
                                              const FrozenStart& start);
 
 /// Largest multiplier of a step of that length, 1 for what neither grows nor dies out; infinite if the method refuses it. A tenth of the
-/// work of a limit.
+/// work of a limit. h [s]
 [[nodiscard]] double predicted_growth(const LinearChain& chain, std::string_view method, double h);
 
 }  // namespace cvtflow::tasks

@@ -51,7 +51,7 @@ public:
 
     /// Directions and limit, for checkpoints. load() returns what follows in memory.
     void save(std::vector<double>& memory) const;
-    [[nodiscard]] std::span<const double> load(std::span<const double> memory);
+    [[nodiscard]] std::span<const double> load(std::span<const double> memory);  ///< memory [what save() wrote]
 
 private:
     [[nodiscard]] StepLimit judged() const;
@@ -60,9 +60,9 @@ private:
     SpectralBound bound_;
     ProgramStability program_;  ///< of a method that takes friction apart
     bool takes_friction_apart_ = false;
-    double real_reach_ = 0.0;       ///< |h λ| of a decay; 0: no limit
-    double imaginary_reach_ = 0.0;  ///< |h λ| of an oscillation damped by 1 %; 0: no limit
-    double calibration_ = 1.0;
+    double real_reach_ = 0.0;       ///< |h λ| of a decay; 0: no limit [1]
+    double imaginary_reach_ = 0.0;  ///< |h λ| of an oscillation damped by 1 %; 0: no limit [1]
+    double calibration_ = 1.0;      ///< [1]
     StepLimit limit_;
 };
 

@@ -17,11 +17,11 @@ namespace cvtflow::tasks {
 class StepMap {
 public:
     virtual ~StepMap() = default;
-    /// The next steps have this length. false: the method refuses it.
+    /// The next steps have this length. false: the method refuses it. h [s]
     [[nodiscard]] virtual bool prepare(double h) = 0;
     /// Numbers of a disturbance; the first ones are q, then h v.
     [[nodiscard]] virtual int size() const noexcept = 0;
-    virtual void step(const double* from, double* to) = 0;
+    virtual void step(const double* from, double* to) = 0;  ///< from [unknowns], to [unknowns]
 
 protected:
     StepMap() = default;

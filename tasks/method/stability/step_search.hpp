@@ -6,7 +6,7 @@
 
 namespace cvtflow::tasks {
 
-/// Growth in a step that still counts as none.
+/// Growth in a step that still counts as none. tolerated_growth [1]
 inline constexpr double tolerated_growth = 1e-3;
 /// A method that its test equation sets no limit, and that is stable with this, is said to be stable with any step: beyond, what grows by
 /// itself grows so much in a step that it looks like the method's doing [s].
@@ -17,7 +17,7 @@ inline constexpr double without_expectation = 1e-6;
 
 /// Two steps, stable and not; the second one infinite if none was unstable.
 struct Bracket {
-    double stable = 0.0, unstable = std::numeric_limits<double>::infinity();
+    double stable = 0.0, unstable = std::numeric_limits<double>::infinity();  ///< stable [s]
 };
 
 /// @param expected where to begin to look [s]; infinite or 0: at lengths up to longest_tried

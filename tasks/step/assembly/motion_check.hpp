@@ -9,11 +9,13 @@
 
 namespace cvtflow::tasks {
 
+/// time [s], value [unit of what is limited], limit [the same unit]
 inline void report(Verdict& verdict, FaultKind kind, double time, int pin, double value, double limit) noexcept {
     if (!verdict.fault) verdict.fault = {kind, time, pin, value, limit};
 }
 
 /// Whether all numbers are within ±limit; false for NaN. Without a chain of dependent sums: every link is looked at after every step.
+/// numbers [unit of the limit], limit [the same unit]
 [[nodiscard]] inline bool within(const double* numbers, int size, double limit) noexcept {
     int beyond = 0;
     for (int k = 0; k < size; ++k) beyond |= static_cast<int>(!(std::abs(numbers[k]) <= limit));

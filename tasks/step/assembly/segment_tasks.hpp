@@ -5,7 +5,7 @@
 
 namespace cvtflow::tasks {
 
-/// Stage state of links first - 1 … last of a segment, as workspace.step.row combines it. @param window room for them
+/// Stage state of links first - 1 … last of a segment, as workspace.step.row combines it. @param window room for them; window [unknowns]
 void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
 
 /// The same of a state vector, as it is: at the step's end, say.

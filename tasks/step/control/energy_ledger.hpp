@@ -28,7 +28,7 @@ struct EnergyBalance {
     double through = 0.0;    ///< what the inputs have brought, each interval's positive ones [J]
     double stored = 0.0;     ///< largest energy that the chain held [J]
     double deviation = 0.0;  ///< standard error of `loss` from sampling [J]
-    double samples = 0.0;    ///< of the losses
+    double samples = 0.0;    ///< of the losses [1]
 
     [[nodiscard]] double residual() const noexcept { return change - work + loss; }
     /// |residual| over the losses; the threshold stands beside it as tolerance() over the losses.
@@ -48,7 +48,7 @@ struct EnergySums {
     model::WorkRates work{};                       ///< by input [J]
 
     [[nodiscard]] double lost() const noexcept;
-    /// Linear between two sums, at a time between theirs.
+    /// Linear between two sums, at a time between theirs. time [s]
     [[nodiscard]] static EnergySums between(const EnergySums& from, const EnergySums& to, double time) noexcept;
     /// 1 - losses/input from `before` to here, input: the works of those inputs that brought energy; not a number without input.
     [[nodiscard]] double efficiency_since(const EnergySums& before) const noexcept;
@@ -63,11 +63,12 @@ public:
     void restart(long stride) noexcept;
     /// false: nothing is kept from the next restart on, to measure what keeping costs.
     void keep(bool on) noexcept { on_ = on; }
-    /// Inputs have been changed from outside: losses are sampled densely for a while, unless that has just been so.
+    /// Inputs have been changed from outside: losses are sampled densely for a while, unless that has just been so. time [s]
     void inputs_changed(double time) noexcept;
-    /// A step has been taken. @param from, to states behind the links at its ends, which begin at pulley_begin()
+    /// A step has been taken. @param from, to states behind the links at its ends, which begin at pulley_begin(); begin [s], from
+    /// [unknowns], end [s], to [unknowns]
     void step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept;
-    /// Whether losses should be sampled before the next step.
+    /// Whether losses should be sampled before the next step. time [s]
     [[nodiscard]] bool due(double time) const noexcept;
     /// What an observe cycle has found. @param links, pulleys their losses and energies, kinetic energy included
     /// @param pin_period time that a pin takes to the place of the next one; 0: none [s]
@@ -75,7 +76,7 @@ public:
     /// An output is due: closes the interval since the last one. @param momentum of the shafts [N·m·s]
     void output(double time, const std::array<double, 2>& momentum) noexcept;
 
-    /// At `time` ≥ the last sample; losses go on as they were there.
+    /// At `time` ≥ the last sample; losses go on as they were there. time [s]
     [[nodiscard]] EnergySums sums(double time) const noexcept;
     /// From the beginning to the last sample.
     [[nodiscard]] EnergyBalance balance() const noexcept;
@@ -92,6 +93,7 @@ public:
 
     /// For checkpoints: goes on bit for bit.
     void save(std::vector<double>& memory) const;
+    /// memory [what save() wrote]
     /// @throws std::invalid_argument for a memory that is none
     void load(std::span<const double> memory, long stride);
 
@@ -100,7 +102,7 @@ private:
 
     /// One judged span of time: from its first sample to the last one.
     struct Span {
-        double begin, loss, work, stored, through, noise, samples;
+        double begin, loss, work, stored, through, noise, samples;  ///< [s], [J], samples [1]
     };
     [[nodiscard]] EnergyBalance balance_since(const Span& span) const noexcept;
     [[nodiscard]] Span here() const noexcept;
@@ -109,28 +111,28 @@ private:
 
     /// Numbers only: saved and loaded as they lie.
     struct Memory {
-        double samples, sampled, steps;  ///< how many; when the last one was [s]; steps since
-        double jumped;                   ///< when inputs or the state jumped last, the beginning included [s]
-        std::array<double, model::loss_kinds> power, loss;
-        std::array<double, 4> powers;  ///< of the last samples, the last one first, for the noise of sampling [W]
-        double stored, most_stored, noise, through, pin_period;
+        double samples, sampled, steps;                          ///< how many; when the last one was [s]; steps since
+        double jumped;                                           ///< when inputs or the state jumped last, the beginning included [s]
+        std::array<double, model::loss_kinds> power, loss;       ///< [W], [J]
+        std::array<double, 4> powers;                            ///< of the last samples, the last one first, for the noise of sampling [W]
+        double stored, most_stored, noise, through, pin_period;  ///< [J]; pin_period [s]
         model::WorkRates work, work_sampled;
-        std::array<double, 2> impulse, impulse_output, momentum_output;
-        std::array<double, 2> chain_torque;
-        double outputs, output_time;
-        EnergySums last, before_last;  ///< ends of the pin period that efficiency() is about
+        std::array<double, 2> impulse, impulse_output, momentum_output;  ///< [N·m·s]
+        std::array<double, 2> chain_torque;                              ///< [N·m]
+        double outputs, output_time;                                     ///< [1, s]
+        EnergySums last, before_last;                                    ///< ends of the pin period that efficiency() is about
         Span all, part;
-        double worst, doubt;  ///< doubt: 1 while samples lie close
+        double worst, doubt;  ///< doubt: 1 while samples lie close [1]
         double judged_from;   ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
         std::array<EnergySums, past_size> past;  ///< at outputs, round and round
-        double past_begin, past_count;
+        double past_begin, past_count;           ///< index and number of what is kept [1]
     };
 
     Memory m_{};
     model::Inputs inputs_;  ///< at the end of the last step
     bool known_ = false;
     bool on_ = true;
-    double stride_ = 24.0;  ///< steps between samples
+    double stride_ = 24.0;  ///< steps between samples [1]
 };
 
 }  // namespace cvtflow::tasks

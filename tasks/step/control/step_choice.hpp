@@ -23,7 +23,7 @@ public:
     virtual void restart() noexcept = 0;
     /// For checkpoints: goes on bit for bit.
     virtual void save(std::vector<double>& memory) const = 0;
-    virtual void load(std::span<const double> memory) = 0;
+    virtual void load(std::span<const double> memory) = 0;  ///< memory [what save() wrote]
 
 protected:
     StepChoice() = default;

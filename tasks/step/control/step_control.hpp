@@ -33,11 +33,13 @@ public:
     /// How long the next step should be [s].
     [[nodiscard]] double proposal() const noexcept { return proposal_; }
     /// Whether a step of length `step` with this error, in units of the tolerance, is good enough. An error that is no number never is.
+    /// error [1], step [s]
     [[nodiscard]] bool judge(double error, double step) noexcept;
 
     /// What it remembers, for checkpoints.
     static constexpr std::size_t memory_size = 3;
     [[nodiscard]] std::array<double, memory_size> save() const noexcept { return {proposal_, previous_, rejected_ ? 1.0 : 0.0}; }
+    /// memory [what save() wrote]
     void load(std::span<const double> memory) noexcept {
         proposal_ = memory[0];
         previous_ = memory[1];
@@ -45,10 +47,10 @@ public:
     }
 
 private:
-    double longest_ = 0.0;
+    double longest_ = 0.0;  ///< [s]
     int power_ = 1;
-    double proposal_ = 0.0;
-    double previous_ = 1.0;  ///< error of the last accepted step
+    double proposal_ = 0.0;  ///< [s]
+    double previous_ = 1.0;  ///< error of the last accepted step [1]
     bool rejected_ = false;  ///< the last step was
 };
 

@@ -71,7 +71,7 @@ struct StepSettings {
     long max_steps = 0;             ///< 0: no budget
     double max_wall = 0.0;          ///< [s], 0: no budget
     StepControl control = StepControl::fixed;
-    double tolerance = 1.0;        ///< of local errors, in units of ErrorScale
+    double tolerance = 1.0;        ///< of local errors, in units of ErrorScale [1]
     StepChoice* choice = nullptr;  ///< what chooses automatic steps; outlives the controller
     const bool* pause = nullptr;   ///< if it becomes true (an observer's wish), the run ends before the next step as if cancelled
 
@@ -81,8 +81,8 @@ struct StepSettings {
 /// Local errors of accepted steps, in units of ErrorScale; only with StepControl::report and error.
 struct LocalErrorStatistics {
     long steps = 0;
-    double largest = 0.0;
-    double sum = 0.0;
+    double largest = 0.0;  ///< [1]
+    double sum = 0.0;      ///< [1]
 
     [[nodiscard]] double mean() const noexcept { return steps > 0 ? sum / static_cast<double>(steps) : 0.0; }
 };
@@ -121,7 +121,7 @@ private:
                    RunObserver& observer, const engine::Cancellation& cancel);
 
     /// Longest time a freshly changed tip keeps its phase, in steps: one whole step, whatever rounding says.
-    static constexpr double dwell_steps = 1.5;
+    static constexpr double dwell_steps = 1.5;  ///< [1]
 
     enum class State { begin_step, observe, method, detect, end_slope, locate, truncate };
 

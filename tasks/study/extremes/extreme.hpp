@@ -38,7 +38,7 @@ struct Extreme {
     double step = 0.0;  ///< [s]; 0: 50 ns, or a tenth of what is stable if that is less: the stiffest mode may hold all the energy
     long steps = 200;
     bool geometric = false;  ///< begins with the geometric start even where the settled state of `tiny` would fit
-    /// Changes the start. Called with a simulation that stands at it.
+    /// Changes the start. Called with a simulation that stands at it. step [s]
     void (*prepare)(const Simulation& simulation, double step, IntegrationState& start) = nullptr;
     long least_transitions = 0;  ///< that must happen for the row to mean what it says
     bool nightly = false;

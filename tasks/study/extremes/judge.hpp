@@ -16,8 +16,8 @@ struct ExtremeCase {
     Ending ending = Ending::wrong;
     Fault fault;
     std::string message;       ///< of the refusal or fault, or what is wrong
-    double balance = 0.0;      ///< energy in less energy out less change, over the energy that passed
-    double refinement = 0.0;   ///< change of the state against half the step, over the change of the state
+    double balance = 0.0;      ///< energy in less energy out less change, over the energy that passed [1]
+    double refinement = 0.0;   ///< change of the state against half the step, over the change of the state [1]
     double step = 0.0;         ///< [s]
     double stable_step = 0.0;  ///< [s]
     long steps = 0;            ///< taken

@@ -14,8 +14,8 @@ namespace cvtflow::tasks {
 struct LotteryRules {
     double settling_time = 20e-3;  ///< [s]
     double duration = 20e-3;       ///< [s]
-    double refinement = 4.0;       ///< what it is compared with takes steps so many times shorter
-    double tolerance = 0.01;       ///< of slip and losses
+    double refinement = 4.0;       ///< what it is compared with takes steps so many times shorter [1]
+    double tolerance = 0.01;       ///< of slip and losses [1]
     double least_slip =
         5e-4;  ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
 };
@@ -34,10 +34,10 @@ struct LotteryTicket {
     std::string notes;                            ///< names of what is odd
     double slip = 0.0, exact_slip = 0.0;          ///< mean over the run; with shorter steps from the same settled start [1]
     double loss = 0.0, exact_loss = 0.0;          ///< dissipated [J]
-    double residual = 0.0, exact_residual = 0.0;  ///< of the energy balance over the losses
-    double suspicion = 0.0;
-    double wall = 0.0;    ///< without the comparison [s]
-    std::string message;  ///< of a fault or refusal
+    double residual = 0.0, exact_residual = 0.0;  ///< of the energy balance over the losses [1]
+    double suspicion = 0.0;                       ///< EnergyLedger::suspicion [1]
+    double wall = 0.0;                            ///< without the comparison [s]
+    std::string message;                          ///< of a fault or refusal
 
     /// Relative differences.
     [[nodiscard]] double slip_error(const LotteryRules& rules) const noexcept;

@@ -17,7 +17,7 @@ namespace cvtflow::tasks {
 
 struct MeasureOptions {
     int rounds = 5;                        ///< besides one that warms up
-    double round_seconds = 0.06;           ///< steps of a round are chosen to take about that long
+    double round_seconds = 0.06;           ///< steps of a round are chosen to take about that long [s]
     long steps = 0;                        ///< steps of a round; 0: chosen
     double patience = 2.0;                 ///< a schedule with a longer round is dropped [s]
     std::vector<int> neighbours{0, 1, 2};  ///< busy threads beside; ascending, 0 first
@@ -28,8 +28,8 @@ struct LoadResult {
     int neighbours = 0;
     Spread step;                ///< [s]
     double evaluation = 0.0;    ///< median time per evaluation of the right-hand side, detection and control included [s]
-    double cpu_per_wall = 0.0;  ///< processors kept busy by this process, neighbours not counted
-    double speed_up = 0.0;      ///< median of serial over median of this, under the same load
+    double cpu_per_wall = 0.0;  ///< processors kept busy by this process, neighbours not counted [1]
+    double speed_up = 0.0;      ///< median of serial over median of this, under the same load [1]
     int rounds = 0;             ///< that count; 0: not measured
     std::string dropped;        ///< why there are not more, empty: there are all
     double cpu = 0.0;           ///< median processor time of this process per step, neighbours not counted [s]
@@ -54,7 +54,7 @@ struct ScheduleResult {
     Recording recording;
     CycleCost cycle;         ///< synchronisation of the executor by itself: median over rounds
     double bare = 0.0;       ///< a bare barrier of as many threads, measured in turn with it [s per cycle]
-    double predicted = 0.0;  ///< speed-up without neighbours by the critical path; 0: no prediction
+    double predicted = 0.0;  ///< speed-up without neighbours by the critical path; 0: no prediction [1]
     std::uint64_t hash = 0;  ///< after `hash_steps` steps
     long hash_steps = 0;
 };
@@ -70,7 +70,7 @@ struct Lane {
     std::unique_ptr<Trial> trial;
     ScheduleResult result;
     std::vector<CycleCost> cycles;  ///< one per round without neighbours
-    std::vector<double> bare;
+    std::vector<double> bare;       ///< [s]
     bool dropped = false;
 };
 

@@ -29,7 +29,7 @@ struct PathCosts {
     double controller = 0.0;       ///< per cycle
     double synchronisation = 0.0;  ///< per cycle, linear law: fixed part …
     double per_thread = 0.0;       ///< … and what each thread adds
-    double evaluations = 4.0;      ///< runs of the evaluation cycle per step
+    double evaluations = 4.0;      ///< runs of the evaluation cycle per step [1]
     double synchronisation_tree = 0.0;  ///< per cycle, logarithmic law: fixed part …
     double per_doubling = 0.0;          ///< … and what each doubling adds
     double stretch =
@@ -62,7 +62,7 @@ struct PathCosts {
 struct SegmentCost {
     int free = 0;
     int touching = 0;
-    double seconds = 0.0;
+    double seconds = 0.0;  ///< [s]
 };
 
 /// What a segment costs, in lanes. @param touching of each link of the chain
@@ -74,7 +74,7 @@ void fit_links(std::span<const SegmentCost> samples, PathCosts& costs);
 /// Cost of a synchronisation, measured with a number of threads.
 struct ThreadCost {
     int threads = 1;
-    double seconds = 0.0;
+    double seconds = 0.0;  ///< [s]
 };
 
 /// Least squares for both laws, no coefficient below zero. A single sample: constant.
@@ -83,19 +83,20 @@ void fit_synchronisation(std::span<const ThreadCost> samples, PathCosts& costs);
 /// One row of the curves.
 struct SpeedUpRow {
     int threads = 1;
-    double ideal = 1.0;  ///< M
-    double even = 1.0;   ///< N / N_max(M)
-    double amdahl = 1.0;
-    double predicted = 1.0;  ///< critical path, linear law
-    double low = 1.0;        ///< if, beyond the measured number, a thread adds `far` times as much
-    double high = 1.0;       ///< if the law is logarithmic and no task is ever late
+    double ideal = 1.0;      ///< M [1]
+    double even = 1.0;       ///< N / N_max(M)
+    double amdahl = 1.0;     ///< [1]
+    double predicted = 1.0;  ///< critical path, linear law [1]
+    double low = 1.0;        ///< if, beyond the measured number, a thread adds `far` times as much [1]
+    double high = 1.0;       ///< if the law is logarithmic and no task is ever late [1]
 };
 
 /// A cache line from another chiplet or socket takes about so many times as long as one from a neighbouring core (typical of present
-/// machines; an assumption).
+/// machines; an assumption). far [1]
 inline constexpr double far = 3.0;
 
-/// For M = 1 … most, up to one link per segment. @param measured number of threads up to which the synchronisation was measured
+/// For M = 1 … most, up to one link per segment. @param measured number of threads up to which the synchronisation was measured;
+/// serial_share [1]
 [[nodiscard]] std::vector<SpeedUpRow> speed_up_curves(const PathCosts& costs, double serial_share, const std::vector<bool>& touching,
                                                       int measured = 2, int most = 64);
 

@@ -11,12 +11,12 @@ inline constexpr double assumed_synchronisation = 0.1e-6;
 
 struct ProfileModel {
     PathCosts costs;
-    double serial_share = 0.0;                ///< of the serial fused run
+    double serial_share = 0.0;                ///< of the serial fused run [1]
     std::vector<bool> touching;               ///< [links]
     std::vector<ThreadCost> synchronisation;  ///< cycles of the `flow` executor on which all threads came
     bool assumed = false;                     ///< no such cycle with more than one thread: the synchronisation is `assumed_synchronisation`
     bool stretched = false;                   ///< whether the stretch was measured: some fused schedule got all its threads
-    double fit_error = 0.0;                   ///< rms of what the fit of links leaves, over the mean time of a sample
+    double fit_error = 0.0;                   ///< rms of what the fit of links leaves, over the mean time of a sample [1]
     double serial_step = 0.0;                 ///< of one segment on one thread, by the model [s]
     std::vector<SpeedUpRow> curves;
 };

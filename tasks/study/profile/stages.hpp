@@ -36,7 +36,7 @@ private:
 
 /// Time of one thread [s], a number per row of the table that it was summed up with.
 struct ThreadTimes {
-    std::vector<double> seconds;
+    std::vector<double> seconds;  ///< [s]
     [[nodiscard]] double at(std::size_t row) const noexcept { return row < seconds.size() ? seconds[row] : 0.0; }
     [[nodiscard]] double controller() const noexcept { return from_end(3); }
     [[nodiscard]] double wait() const noexcept { return from_end(2); }
@@ -54,10 +54,10 @@ using Spans = std::vector<std::vector<engine::Span>>;  // [thread]
 /// One recorded run of an executor.
 struct RecordedPass {
     std::vector<ThreadTimes> threads;
-    double wall = 0.0;    ///< from the first thread's entering to the last one's leaving [s]
-    double cycles = 0.0;  ///< runs of a sub-graph; fractional only if stamps were lost
-    double levels = 0.0;  ///< levels within these: each ends with a synchronisation
-    double task_count = 0.0;
+    double wall = 0.0;        ///< from the first thread's entering to the last one's leaving [s]
+    double cycles = 0.0;      ///< runs of a sub-graph; fractional only if stamps were lost
+    double levels = 0.0;      ///< levels within these: each ends with a synchronisation [1]
+    double task_count = 0.0;  ///< [1]
 
     [[nodiscard]] int active() const noexcept;  ///< threads that ran any task
     [[nodiscard]] double sum(std::size_t row) const noexcept;

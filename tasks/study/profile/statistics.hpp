@@ -6,9 +6,9 @@
 namespace cvtflow::tasks {
 
 struct Spread {
-    double lower_quartile = 0.0;
-    double median = 0.0;
-    double upper_quartile = 0.0;
+    double lower_quartile = 0.0;  ///< [unit of the samples]
+    double median = 0.0;          ///< [unit of the samples]
+    double upper_quartile = 0.0;  ///< [unit of the samples]
 };
 
 /// Median of an odd number of values: the middle one; of an even number: the mean of the middle two. Zero of none.

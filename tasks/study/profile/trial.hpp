@@ -32,7 +32,7 @@ private:
     Simulation simulation_;
 };
 
-/// Steps that fit into `seconds` at `per_step`; 1 to 100 000.
+/// Steps that fit into `seconds` at `per_step`; 1 to 100 000. seconds [s], per_step [s]
 [[nodiscard]] long steps_within(double seconds, double per_step) noexcept;
 
 }  // namespace cvtflow::tasks

@@ -16,20 +16,20 @@ public:
     /// `variator` and `phases` must outlive the stepper.
     FrozenStepper(const model::Variator& variator, const engine::StagePlan& plan, std::span<const model::Phase> phases);
     /// From now on the state stands still unless it is disturbed: its drift is subtracted from every slope and time is held at t. What is
-    /// left, u' = f(t, y + u) - f(t, y), shows whether small disturbances die out. Nothing is linearised.
+    /// left, u' = f(t, y + u) - f(t, y), shows whether small disturbances die out. Nothing is linearised. t [s]
     void hold(double t, const std::vector<double>& state);
     /// Takes `steps` steps of length h from time t. @param state [layout.size()], replaced
     void advance(double t, double h, int steps, std::vector<double>& state);
 
 private:
-    void step(double t, double h);
+    void step(double t, double h);  ///< t [s], h [s]
 
     const model::Variator& variator_;
     const engine::CompiledPlan plan_;
     std::span<const model::Phase> phases_;
     std::vector<std::vector<double>> states_, slopes_;  ///< [slot][layout.size()]
     std::vector<double*> state_slots_, slope_slots_;
-    std::vector<double> stage_;
+    std::vector<double> stage_;  ///< [unknowns]
     std::vector<double> drift_;  ///< [layout.size()] while a state is held, else empty
     double held_time_ = 0.0;     ///< [s]
     model::EvaluationScratch scratch_;
@@ -38,13 +38,13 @@ private:
 /// Error of one step, ‖y - reference‖/‖reference‖ (Euclidean) of four parts of the solution.
 struct LocalError {
     double step = 0.0;         ///< [s]
-    double positions = 0.0;    ///< coordinates of all links
-    double velocities = 0.0;   ///< their derivatives
-    double axial_force = 0.0;  ///< of all tips; 0 if none carries a force
-    double tension = 0.0;      ///< of all links
+    double positions = 0.0;    ///< coordinates of all links [1]
+    double velocities = 0.0;   ///< their derivatives [1]
+    double axial_force = 0.0;  ///< of all tips; 0 if none carries a force [1]
+    double tension = 0.0;      ///< of all links [1]
 };
 
-/// How far `state` is from `reference`, both reached from `start` after time h.
+/// How far `state` is from `reference`, both reached from `start` after time h. h [s]
 [[nodiscard]] LocalError error_of(const model::Variator& variator, const FrozenStart& start, double h, const std::vector<double>& state,
                                   const std::vector<double>& reference);
 

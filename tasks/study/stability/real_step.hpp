@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 class TakenStep {
 public:
     virtual ~TakenStep() = default;
-    /// The next steps have this length. false: the method refuses or fails.
+    /// The next steps have this length. false: the method refuses or fails. h [s]
     [[nodiscard]] virtual bool prepare(double h) = 0;
     /// To what else may show that disturbances die out: another state, one step further along. false: nothing.
     [[nodiscard]] virtual bool move_on() = 0;
@@ -22,7 +22,8 @@ public:
     [[nodiscard]] virtual int size() const noexcept = 0;
     /// A disturbance of the state alone: what a method remembers is not all of it linear. [size()]
     [[nodiscard]] virtual std::vector<double> mixed_start() const = 0;
-    /// The step from the state plus `from`, less the step from the state, over the size of `from`. false: the method failed.
+    /// The step from the state plus `from`, less the step from the state, over the size of `from`. false: the method failed. from
+    /// [unknowns], to [unknowns]
     [[nodiscard]] virtual bool step(const double* from, double* to) = 0;
 
 protected:
@@ -37,21 +38,21 @@ public:
     /// @throws SimulationError as Simulation
     RealStep(const Scene& scene, std::string_view method, const FrozenStart& start);
 
-    /// Takes two steps, so that the method has a past.
+    /// Takes two steps, so that the method has a past. h [s]
     bool prepare(double h) override;
     bool move_on() override;
     int size() const noexcept override { return static_cast<int>(scale_.size()); }
     std::vector<double> mixed_start() const override;
-    bool step(const double* from, double* to) override;
+    bool step(const double* from, double* to) override;  ///< from [unknowns], to [unknowns]
 
 private:
     [[nodiscard]] bool take(IntegrationState& state);
 
     Simulation simulation_;
     const FrozenStart start_;
-    double h_ = 0.0;
+    double h_ = 0.0;  ///< [s]
     IntegrationState base_, image_, moved_;
-    std::vector<double> scale_;  ///< what counts as one
+    std::vector<double> scale_;  ///< what counts as one [unknowns]
 };
 
 /// The step of a table with the state's drift subtracted: stages that grow a great deal would carry the drift over the kinks of friction.
@@ -59,12 +60,12 @@ class HeldStep final : public TakenStep {
 public:
     HeldStep(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start);
 
-    bool prepare(double h) override;
+    bool prepare(double h) override;  ///< h [s]
     /// The same state with another size of disturbances: small enough for the kinks, large enough for rounding.
     bool move_on() override { return ++trial_ < trials; }
     int size() const noexcept override { return static_cast<int>(scale_.size()); }
     std::vector<double> mixed_start() const override;
-    bool step(const double* from, double* to) override;
+    bool step(const double* from, double* to) override;  ///< from [unknowns], to [unknowns]
 
 private:
     const model::ChainLayout layout_;
@@ -72,8 +73,8 @@ private:
     FrozenStepper stepper_;
     static constexpr int trials = 5;
     int trial_ = 0;
-    double h_ = 0.0;
-    std::vector<double> scale_, moved_;
+    double h_ = 0.0;                     ///< [s]
+    std::vector<double> scale_, moved_;  ///< [unknowns]
 };
 
 }  // namespace cvtflow::tasks

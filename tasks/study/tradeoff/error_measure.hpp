@@ -35,10 +35,10 @@ struct Trajectory {
 
 /// Relative errors: ‖x - reference‖/‖reference‖, Euclidean.
 struct TrajectoryErrors {
-    double axial_force = 0.0;
-    double tension = 0.0;
-    double slip = 0.0;
-    double losses = 0.0;
+    double axial_force = 0.0;  ///< [1]
+    double tension = 0.0;      ///< [1]
+    double slip = 0.0;         ///< [1]
+    double losses = 0.0;       ///< [1]
 
     [[nodiscard]] double largest() const noexcept;
 };

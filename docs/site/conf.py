@@ -1,0 +1,21 @@
+"""Sphinx' settings for the pages of this project; run by tools/docs, which names the folder with what Doxygen has read."""
+
+import os
+
+project = "cvtflow"
+author = "The cvtflow authors"
+extensions = ["myst_parser", "breathe"]
+root_doc = "docs/site/contents"
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+include_patterns = ["*.md", "docs/**.md", "docs/site/*.rst", "model/*.md", "tools/slurm/*.md"]
+exclude_patterns = ["build*", ".*"]
+myst_heading_anchors = 3
+myst_enable_extensions = ["dollarmath"]
+suppress_warnings = ["myst.header", "toc.not_included"]
+breathe_projects = {"cvtflow": os.environ["CVTFLOW_DOXYGEN"]}
+breathe_default_project = "cvtflow"
+html_theme = "furo"
+html_title = "cvtflow"
+html_show_sphinx = False
+html_copy_source = False
+html_show_copyright = False

@@ -1,0 +1,115 @@
+/// Links between pages lead to files and headings that are there; decisions and their numbers agree.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <string>
+
+#include "tests/docs/page_fixture.hpp"
+
+namespace cvtflow::docs {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Links, LeadToFilesAndHeadings) {
+    std::size_t followed = 0;
+    for (const Page& each : pages()) {
+        for (const std::string& link : each.links()) {
+            if (link.find("://") != std::string::npos || link.starts_with("mailto:")) continue;
+            const std::size_t hash = std::min(link.find('#'), link.size());
+            const fs::path target =
+                hash == 0 ? fs::path(each.path) : (fs::path(each.path).parent_path() / link.substr(0, hash)).lexically_normal();
+            EXPECT_TRUE(fs::exists(fs::path(CVTFLOW_SOURCE_DIR) / target)) << each.path << ": " << link;
+            if (hash < link.size()) {
+                EXPECT_THAT(page(target.generic_string()).anchors(), testing::Contains(link.substr(hash + 1))) << each.path << ": " << link;
+            }
+            ++followed;
+        }
+    }
+    EXPECT_GT(followed, 50u);
+}
+
+TEST(Links, HeadingsAreReachedAsOnTheWeb) {
+    const Page sample{"sample.md", "# Was it `auto`? Yes, 5 %\n```sh\n# no heading\n```\n## 59. What detail decides\n"};
+    EXPECT_THAT(sample.anchors(), testing::ElementsAre("was-it-auto-yes-5-", "59-what-detail-decides"));
+}
+
+TEST(Pages, TheReadmeHasAHundredLinesAtMost) {
+    const std::string text = page("README.md").text;
+    EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 100);
+}
+
+TEST(Pages, EveryPageIsReachedFromTheIndex) {
+    std::string index = page("docs/index.md").text + page("docs/decisions/README.md").text;
+    for (const Page& each : pages()) {
+        if (!each.path.starts_with("docs/") || each.path == "docs/index.md") continue;
+        EXPECT_THAT(index, testing::HasSubstr(
+                               "(" +
+                               fs::path(each.path)
+                                   .lexically_relative(each.path.starts_with("docs/decisions/") && each.path != "docs/decisions/README.md"
+                                                           ? "docs/decisions"
+                                                           : "docs")
+                                   .generic_string() +
+                               ")"))
+            << each.path;
+    }
+}
+
+/// Number of every decision and the file in which it stands.
+std::map<int, std::string> decisions() {
+    static const std::regex heading("## ([0-9]+)\\. .*");
+    std::map<int, std::string> found;
+    for (const Page& each : pages()) {
+        if (!each.path.starts_with("docs/decisions/")) continue;
+        std::istringstream lines(each.text);
+        for (std::string line; std::getline(lines, line);) {
+            std::smatch match;
+            if (!std::regex_match(line, match, heading)) continue;
+            EXPECT_TRUE(found.emplace(std::stoi(match[1]), fs::path(each.path).filename().string()).second) << line << " stands twice";
+            std::string status;
+            std::getline(lines, status);
+            std::getline(lines, status);
+            EXPECT_TRUE(status.starts_with("Status: ")) << each.path << ": " << line;
+        }
+    }
+    return found;
+}
+
+TEST(Decisions, StandOnceAndInTheIndex) {
+    const auto all = decisions();
+    const std::string index = page("docs/decisions/README.md").text;
+    int next = 1;
+    for (const auto& [number, file] : all) {
+        EXPECT_EQ(number, next++) << "a number is missing";
+        EXPECT_TRUE(std::regex_search(index, std::regex("\\| " + std::to_string(number) + " \\| [^\n]*\\]\\(" + file + "\\)"))) << number;
+    }
+    EXPECT_GE(all.size(), 77u);
+}
+
+TEST(Decisions, ThatCodeAndPagesNameExist) {
+    static const std::regex reference("DECISIONS ([0-9]+)");
+    const auto all = decisions();
+    std::size_t found = 0;
+    for (const char* folder : {"api", "bench", "docs", "engine", "model", "tasks", "tools"}) {
+        for (const auto& entry : fs::recursive_directory_iterator(fs::path(CVTFLOW_SOURCE_DIR) / folder)) {
+            const std::string kind = entry.path().extension();
+            if (kind != ".hpp" && kind != ".cpp" && kind != ".md") continue;
+            std::ifstream file(entry.path());
+            const std::string text{std::istreambuf_iterator<char>(file), {}};
+            for (std::sregex_iterator each(text.begin(), text.end(), reference), end; each != end; ++each, ++found)
+                EXPECT_TRUE(all.contains(std::stoi((*each)[1]))) << entry.path() << ": " << each->str();
+        }
+    }
+    EXPECT_GT(found, 3u);
+}
+
+}  // namespace
+}  // namespace cvtflow::docs

@@ -1,0 +1,39 @@
+#pragma once
+/// Pages of the documents as tests see them: Markdown with fenced blocks, and comments above blocks that say what is done with them.
+
+#include <string>
+#include <vector>
+
+namespace cvtflow::docs {
+
+/// A fenced block of a page.
+struct Block {
+    int line = 0;          ///< of its opening fence, from 1
+    std::string language;  ///< "sh", "toml", "text" …
+    std::string text;      ///< between the fences, with the last line's end
+    std::string file;      ///< name of the file that it is written to; empty: none
+    std::string nightly;   ///< how long it takes, if longer than seconds; empty: it is quick
+    std::string not_run;   ///< why it cannot run; empty: it can
+
+    /// Whether it is run as commands.
+    [[nodiscard]] bool runs() const { return language == "sh" && not_run.empty(); }
+};
+
+struct Page {
+    std::string path;  ///< relative to the top level, with slashes
+    std::string text;
+
+    [[nodiscard]] std::vector<Block> blocks() const;
+    /// Targets of links and pictures, as written, without blocks and code.
+    [[nodiscard]] std::vector<std::string> links() const;
+    /// Names under which headings can be reached: lower case, punctuation left out, spaces as hyphens.
+    [[nodiscard]] std::vector<std::string> anchors() const;
+};
+
+/// Every page that documents the project: *.md at the top level, in docs, model and tools; ascending by path.
+[[nodiscard]] std::vector<Page> pages();
+
+/// The page of that path. @throws std::invalid_argument if there is none
+[[nodiscard]] Page page(const std::string& path);
+
+}  // namespace cvtflow::docs

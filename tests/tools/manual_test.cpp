@@ -1,0 +1,80 @@
+/// The manual page and the completions, made by tools/manual of the program's own help.
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Manual : public Program {
+protected:
+    /// Output of a shell command in the test's folder, which must succeed.
+    std::string output_of(const std::string& command) const {
+        std::FILE* pipe = popen(("cd '" + folder_.string() + "' && " + command).c_str(), "r");
+        std::string output;
+        std::array<char, 4096> buffer;
+        while (const std::size_t size = std::fread(buffer.data(), 1, buffer.size(), pipe)) output.append(buffer.data(), size);
+        EXPECT_EQ(pclose(pipe), 0) << command;
+        return output;
+    }
+    std::string made(const std::string& kind) const {
+        return output_of("'" CVTFLOW_SOURCE_DIR "/tools/manual' " + kind + " '" CVTFLOW_PROGRAM "'");
+    }
+    /// Names of all commands, as the help lists them.
+    std::vector<std::string> names() const {
+        const std::string help = run({"--help"}).out;
+        std::vector<std::string> found;
+        for (std::size_t at = help.find("Subcommands:\n") + 13; help.compare(at, 2, "  ") == 0; at = help.find('\n', at) + 1)
+            found.push_back(help.substr(at + 2, help.find(' ', at + 2) - at - 2));
+        return found;
+    }
+};
+
+TEST_F(Manual, EveryKindKnowsEveryCommand) {
+    const std::vector<std::string> all = names();
+    ASSERT_GT(all.size(), 20u);
+    const std::string page = made("man"), bash = made("bash"), zsh = made("zsh"), fish = made("fish");
+    for (const std::string& name : all) {
+        std::string escaped = name;  // a hyphen of a manual page
+        for (std::size_t at = escaped.find('-'); at != std::string::npos; at = escaped.find('-', at + 2)) escaped.insert(at, "\\");
+        EXPECT_THAT(page, HasSubstr("Usage: cvtflow " + escaped)) << name;
+        EXPECT_THAT(bash, HasSubstr("        " + name + ") words='")) << name;
+        EXPECT_THAT(zsh, HasSubstr("\n    " + name + ") _arguments")) << name;
+        EXPECT_THAT(fish, HasSubstr("-a '" + name + "' -d ")) << name;
+    }
+}
+
+TEST_F(Manual, CompletionsKnowOptionsOfTheirCommand) {
+    EXPECT_THAT(made("bash"), testing::ContainsRegex("        run\\) words='[^']*--checkpoint-every [^']*--until "));
+    EXPECT_THAT(made("fish"), AllOf(HasSubstr("__fish_seen_subcommand_from run' -l 'until' "),
+                                    HasSubstr("__fish_seen_subcommand_from batch' -l 'dry-run' ")));
+}
+
+TEST_F(Manual, BashCompletesCommandsOptionsAndNamesOfTheCatalogues) {
+    write("completions", made("bash"));
+    const std::string path = std::string(CVTFLOW_PROGRAM).substr(0, std::string(CVTFLOW_PROGRAM).rfind('/'));
+    const auto complete = [&](const std::string& words, int at) {
+        return output_of("PATH='" + path + "':$PATH bash -c '. ./completions; COMP_WORDS=(" + words +
+                         "); COMP_CWORD=" + std::to_string(at) + "; _cvtflow; echo \"${COMPREPLY[@]}\"'");
+    };
+    EXPECT_EQ(complete("cvtflow che", 1), "check\n");
+    EXPECT_EQ(complete("cvtflow run --unt", 2), "--until\n");
+    EXPECT_THAT(complete("cvtflow run bas", 2), HasSubstr("baseline"));
+    EXPECT_THAT(complete("cvtflow run tiny --method leapfrog-ch", 4), HasSubstr("leapfrog-chebyshev"));
+    EXPECT_EQ(complete("cvtflow explain tip.rad", 2), "tip.radius\n");
+}
+
+TEST_F(Manual, AnUnknownKindIsAnErrorOfUsage) {
+    EXPECT_EQ(output_of("{ '" CVTFLOW_SOURCE_DIR "/tools/manual' html x 2>/dev/null; echo $?; }"), "2\n");
+}
+
+}  // namespace
+}  // namespace cvtflow::tools
