@@ -36,6 +36,12 @@ struct HeldInputs {
     bool operator==(const HeldInputs&) const = default;
 };
 
+/// What the bearings of a shaft carry: force and moment of the shaft on the housing.
+struct BearingLoad {
+    std::array<double, 3> force{};   ///< x, y, axial [N]
+    std::array<double, 2> moment{};  ///< about x, y, at the middle of the shaft [N·m]
+};
+
 /// Powers of the inputs [W].
 using WorkRates = std::array<double, work_kinds>;
 
@@ -59,6 +65,8 @@ public:
     /// Slope [v | acceleration] of the pulleys' block. Losses and energies are added to the account if there is one.
     void slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept;
     [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;
+    /// Elastic pulleys: springs and dampers of the bearings. Rigid ones: what holds shaft and sheaves against chain and cylinder.
+    [[nodiscard]] std::array<BearingLoad, 2> bearings(const double* block, const Inputs& inputs, const SheaveForces& chain) const noexcept;
     /// Work of constant inputs while the pulleys move from one position to another [J]. @param from, to blocks [q | v]
     [[nodiscard]] WorkRates work(const double* from, const double* to, const Inputs& inputs) const noexcept;
     /// Angular momentum of shaft 0 or 1 and its sheaves about the shaft's axis [N·m·s].
@@ -97,6 +105,8 @@ private:
     void add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept;
     void add_chain(const SheaveForces& chain, double* force) const noexcept;
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;
+    [[nodiscard]] BearingLoad sprung_bearing(const double* block, int shaft) const noexcept;
+    [[nodiscard]] BearingLoad held_bearing(const double* block, int shaft, const Inputs& inputs, const SheaveForces& chain) const noexcept;
 
     Pulley pulley_;
     Drive drive_;

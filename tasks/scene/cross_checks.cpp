@@ -10,6 +10,7 @@
 #include "engine/executor/catalogue.hpp"
 #include "model/start/belt.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tasks/run/channels.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -144,6 +145,15 @@ Violation method_exists(const Scene& scene) {
     return "run.method: " + no_method(scene.run.method);
 }
 
+Violation channels_exist(const Scene& scene) {
+    const std::vector<std::string> unknown = unknown_channels(scene.run.channels);
+    if (unknown.empty()) return {};
+    std::vector<std::string> names;
+    for (const Channel& channel : channels()) names.emplace_back(channel.name);
+    return fmt::format("record.channels: there is no channel '{}'{} (cvtflow list channels)", unknown.front(),
+                       engine::did_you_mean(engine::closest(unknown.front(), names)));
+}
+
 Violation executor_exists(const Scene& scene) {
     const std::string& name = scene.run.schedule;
     if (name == "auto" || engine::find_executor(name) != nullptr) return {};
@@ -175,6 +185,7 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
+        {{"record.channels"}, channels_exist},
         {{"run.schedule"}, executor_exists},
     };
     return checks;

@@ -43,6 +43,10 @@ Json value_schema(const Parameter& parameter) {
         case Kind::choice: return {{"enum", parameter.choices}};
         case Kind::boolean: return {{"type", "boolean"}};
         case Kind::text: return {{"type", "string"}};
+        case Kind::text_list: {
+            const Json text{{"type", "string"}};
+            return {{"anyOf", {text, {{"type", "array"}, {"items", text}, {"maxItems", most_points}}}}};
+        }
         case Kind::number_list: return or_list(number, number);
         case Kind::time_table: return or_list(number, point_schema(parameter.min, parameter.max));
     }

@@ -328,6 +328,9 @@ const std::vector<Parameter>& rows() {
     {"record.ledger", "", 0, 0, {},
      "Losses and works by kind are integrated along with the state.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.ledger; }},
+    {"record.channels", "", 0, 0, {},
+     "Channels recorded beside the usual ones, or groups of them such as tips/*; cvtflow list channels has all.",
+     "model choice", [](Scene& s) -> Slot { return &s.run.channels; }},
         // clang-format on
     };
     return table;
@@ -336,9 +339,10 @@ const std::vector<Parameter>& rows() {
 }  // namespace
 
 Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number,      Kind::integer,    Kind::integer, Kind::integer, Kind::boolean, Kind::text,
-                                      Kind::number_list, Kind::time_table, Kind::choice,  Kind::choice,  Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::choice,     Kind::choice,  Kind::choice,  Kind::choice,  Kind::auto_number};
+    static constexpr std::array kinds{Kind::number, Kind::integer,     Kind::integer,     Kind::integer,  Kind::boolean,
+                                      Kind::text,   Kind::number_list, Kind::time_table,  Kind::choice,   Kind::choice,
+                                      Kind::choice, Kind::choice,      Kind::choice,      Kind::choice,   Kind::choice,
+                                      Kind::choice, Kind::choice,      Kind::auto_number, Kind::text_list};
     static_assert(kinds.size() == std::variant_size_v<Slot>);
     Scene scene;
     return kinds[member(scene).index()];

@@ -128,7 +128,7 @@ Scene Reading::finish(const std::function<std::string(Position)>& place) {
 std::variant<Node, Problem> parse_setting(const Parameter& parameter, const std::string& text) {
     const Kind kind = parameter.kind();
     const bool in_toml = text.starts_with('"') || text.starts_with('\'') || text.starts_with('[');
-    if (!in_toml && (kind == Kind::text || kind == Kind::choice)) return Node{text, {}};
+    if (!in_toml && (kind == Kind::text || kind == Kind::choice || kind == Kind::text_list)) return Node{text, {}};
     auto parsed = parse_toml("value = " + text);
     if (auto* document = std::get_if<Node>(&parsed)) {
         const auto& entries = std::get<Node::Table>(document->value);
