@@ -31,7 +31,9 @@ std::string form_text(const Parameter& parameter) {
         case Kind::text: return "a text";
         case Kind::text_list: return "a text, or a list of texts";
         case Kind::number_list: return number + ", or a list of them";
-        case Kind::time_table: return number + ", or a list of points [time, value], linear between them";
+        case Kind::time_table:
+            return number +
+                   ", a list of points [time, value], linear between them, or {csv = \"FILE\", time = \"COLUMN\", value = \"COLUMN\"}";
     }
     return {};
 }
