@@ -19,8 +19,8 @@ struct Inputs {
     double drive_torque = 0.0;         ///< on shaft 1 [N·m]
     double load_torque = 0.0;          ///< on shaft 2, negative brakes [N·m]
     std::array<double, 2> clamping{};  ///< S_1, S_2 [N]
-    double control_rate = 0.0;         ///< I' of ratio control, zero without control
-    bool control_limited = false;      ///< ratio control asks for more than its authority
+    double control_rate = 0.0;         ///< I' of the control, zero without one
+    bool control_limited = false;      ///< the control asks for more than its authority
 };
 
 /// Inputs that somebody has set by hand: a value in place of the scene's table, from then on.
@@ -54,6 +54,8 @@ public:
     [[nodiscard]] int size() const noexcept { return size_; }
     /// Positions and velocities of the four sheaves from the pulleys' block [q | v].
     void motions(const double* block, SheaveMotion* sheaves) const noexcept;
+    /// Running radius by the position of the movable sheave, as a transmission measures it: straight flanks, stiff sheaves [m].
+    [[nodiscard]] double running_radius(const double* block, int shaft) const noexcept;
     /// Inputs at time t; `control` is the control integral I (ignored without control).
     [[nodiscard]] Inputs inputs(double t, const double* block, double control) const noexcept;
     /// Puts values in place of tables; between steps only.
@@ -105,6 +107,8 @@ private:
     void add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept;
     void add_chain(const SheaveForces& chain, double* force) const noexcept;
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;
+    [[nodiscard]] double driven_clamping(double table, double load, const double* block) const noexcept;
+    [[nodiscard]] double control_error(double now, const double* block) const noexcept;
     [[nodiscard]] BearingLoad sprung_bearing(const double* block, int shaft) const noexcept;
     [[nodiscard]] BearingLoad held_bearing(const double* block, int shaft, const Inputs& inputs, const SheaveForces& chain) const noexcept;
 
@@ -117,6 +121,8 @@ private:
     HeldInputs held_;
     int size_;
     double half_length_;           ///< ℓ_p/2, distance of a flank plane from the middle [m]
+    double gripping_;              ///< 2μ/cos β, tangential force that a pulley can carry per clamping force
+    double narrowing_;             ///< 1/(2 tan β), loss of running radius per opening of the groove
     std::vector<double> inertia_;  ///< diagonal
     std::vector<Support> supports_;
     double governor_stiffness_, governor_damping_, reference_speed_;

@@ -111,7 +111,9 @@ Violation control_has_pulleys(const Scene& scene) {
 
 Violation control_has_speed(const Scene& scene) {
     const auto& drive = scene.parameters.drive;
-    if (!scene.parameters.control.enabled || drive.mode != DriveMode::speed || drive.speed.largest_magnitude() > 0.0) return {};
+    const auto& control = scene.parameters.control;
+    if (!control.enabled || control.quantity != model::ControlledQuantity::ratio) return {};
+    if (drive.mode != DriveMode::speed || drive.speed.largest_magnitude() > 0.0) return {};
     return "control.enabled: the error of control is relative to drive.speed, which is 0 throughout";
 }
 
@@ -179,7 +181,7 @@ std::span<const CrossCheck> cross_checks() {
         {{"start.layout", "detail.pulleys"}, layout_has_pulleys},
         {{"start.ramp_time", "start.settling_time", "start.layout"}, ramp_within_settling},
         {{"control.enabled", "detail.pulleys"}, control_has_pulleys},
-        {{"control.enabled", "drive.speed", "drive.mode"}, control_has_speed},
+        {{"control.enabled", "control.quantity", "drive.speed", "drive.mode"}, control_has_speed},
         {{"run.output_interval", "run.step"}, outputs_take_steps},
         {{"run.state_interval", "run.output_interval"}, states_take_outputs},
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
