@@ -81,7 +81,7 @@ ChannelInfo Simulation::channel_info(std::size_t index) const {
     return entered(ErrorCode::internal, [&] {
         const tasks::Channel& row = impl_->channel_row(index);
         return ChannelInfo{row.name, row.unit, row.description,
-                           static_cast<std::size_t>(row.width(impl_->simulation().variator().layout()))};
+                           static_cast<std::size_t>(row.width(impl_->simulation().variator().chain()))};
     });
 }
 std::size_t Simulation::find_channel(const std::string& name) const {

@@ -59,7 +59,7 @@ Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments)
     for (const tasks::Channel& row : tasks::channels()) {
         if (row.needs_pulleys && !has_pulleys(data())) continue;
         channels_.push_back(&row);
-        values_.emplace_back(static_cast<std::size_t>(row.width(simulation_.variator().layout())));
+        values_.emplace_back(static_cast<std::size_t>(row.width(simulation_.variator().chain())));
     }
 }
 
@@ -199,7 +199,8 @@ std::span<const double> Simulation::Impl::channel(std::size_t index) {
     const Scope scope(*this, Scope::As::visitor);
     const tasks::Channel& row = channel_row(index);
     if (observation_ == nullptr) observation_ = &observer_.observe(simulation_.time(), simulation_.state(), simulation_.phases().data());
-    const tasks::Instant now{*observation_, simulation_.workspace(), simulation_.integration_state().counters, data().run.followed_pin};
+    const tasks::Instant now{*observation_, simulation_.workspace(), simulation_.integration_state().counters, data().run.followed_pin,
+                             observer_};
     row.read(now, values_[index].data());
     return values_[index];
 }

@@ -35,7 +35,7 @@ using P = model::Parameters;
 [[nodiscard]] bool always(const P&) { return true; }
 [[nodiscard]] bool by_torque(const P& p) { return p.drive.mode == model::DriveMode::torque; }
 [[nodiscard]] bool by_speed(const P& p) { return p.drive.mode == model::DriveMode::speed; }
-[[nodiscard]] bool controlled(const P& p) { return p.control.enabled; }
+[[nodiscard]] bool controlled(const P& p) { return p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio; }
 
 constexpr InputRow input_rows[] = {
     {"clamping.driving", &model::HeldInputs::driving, [](const P& p) -> const model::TimeTable& { return p.clamping.driving; }, always, ""},
@@ -46,7 +46,7 @@ constexpr InputRow input_rows[] = {
     {"drive.speed", &model::HeldInputs::drive_speed, [](const P& p) -> const model::TimeTable& { return p.drive.speed; }, by_speed,
      "drive.mode = \"speed\""},
     {"control.ratio", &model::HeldInputs::ratio, [](const P& p) -> const model::TimeTable& { return p.control.ratio; }, controlled,
-     "control.enabled = true"},
+     "control.enabled = true and control.quantity = \"ratio\""},
 };
 
 [[nodiscard]] const InputRow& input_row(Input input, const tasks::Scene& scene) {

@@ -110,16 +110,33 @@ template <int W>
 template <int P, int W>
 using JointTerms = std::array<Lanes<W>, JointForce<P>::rows>;
 
-/// Rolling contact: normal force and friction.
-template <int P, int W, bool Observe, class Real, class Points>
-[[nodiscard]] inline JointTerms<P, W> press(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                            const Lanes<W>& weight, const JointMotion<W>& m, Account* account) noexcept {
+/// Pressing and friction of the rolling contact.
+template <int W>
+struct RollingForces {
+    LineContact<W> contact;
+    Lanes<W> closing;  ///< δ' [m/s]
+    Lanes<W> normal;   ///< N [N]
+    Lanes<W> square;   ///< |v_t|² [m²/s²]
+    Lanes<W> grip;     ///< friction per speed of sliding [N·s/m]
+};
+
+template <int W>
+[[nodiscard, gnu::always_inline]] inline RollingForces<W> rolling_forces(const JointCoefficients& j, const Lanes<W>& weight,
+                                                                         const JointMotion<W>& m) noexcept {
     using V = Lanes<W>;
     const V closing = -(m.nx * m.vx + m.ny * m.vy);
     const auto contact = line_contact<W>(j, weight, m.depth);
     const V normal = positive_part<W>(contact.elastic * (1.0 + j.damping * closing));
     const V square = m.slip * m.slip + m.axial * m.axial;
-    const V grip = j.friction.coefficient * normal * slip_factor_of_square<W>(j.friction, square);
+    return {contact, closing, normal, square, j.friction.coefficient * normal * slip_factor_of_square<W>(j.friction, square)};
+}
+
+/// Rolling contact: normal force and friction.
+template <int P, int W, bool Observe, class Real, class Points>
+[[nodiscard]] inline JointTerms<P, W> press(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
+                                            const Lanes<W>& weight, const JointMotion<W>& m, Account* account) noexcept {
+    using V = Lanes<W>;
+    const auto [contact, closing, normal, square, grip] = rolling_forces<W>(j, weight, m);
     const V tangential = -grip * m.slip;
     JointTerms<P, W> terms;
     points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, -grip * m.axial, terms.data());

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "model/basis/portable_math.hpp"
+
 namespace cvtflow::model {
 
 namespace {
@@ -26,6 +28,8 @@ void PulleyModel::adopt(const Parameters& p) {
     held_ = {};
     size_ = layout_of(p).pulley_size;
     half_length_ = 0.5 * p.half.length;
+    gripping_ = 2.0 * p.tip.friction.coefficient / portable_cos(p.tip.angle);
+    narrowing_ = 0.5 * portable_cos(p.tip.angle) / portable_sin(p.tip.angle);
     inertia_.clear();
     supports_.clear();
     const double polar = pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + drive_.inertia;
@@ -112,41 +116,6 @@ void PulleyModel::motions(const double* block, SheaveMotion* sheaves) const noex
             }
         }
     }
-}
-
-double PulleyModel::reference_angle(double t) const noexcept {
-    return held_.drive_speed ? held_.angle + *held_.drive_speed * (t - held_.since) : drive_.speed.integral(t);
-}
-
-double PulleyModel::reference_speed(double t) const noexcept {
-    return held_.drive_speed ? *held_.drive_speed : drive_.speed.at(std::max(t, 0.0));
-}
-
-double PulleyModel::drive_torque(double t, const double* block) const noexcept {
-    if (drive_.mode == DriveMode::torque) return held_.drive_torque ? *held_.drive_torque : drive_.torque.at(std::max(t, 0.0));
-    const double angle = reference_angle(t) - block[rotation(0)];
-    const double speed = reference_speed(t) - shaft_speed(block, 0);
-    return governor_stiffness_ * angle + governor_damping_ * speed;
-}
-
-Inputs PulleyModel::inputs(double t, const double* block, double control) const noexcept {
-    const double now = std::max(t, 0.0);
-    const double factor = ramp(start_, t);
-    Inputs in;
-    in.drive_torque = drive_torque(t, block);
-    in.load_torque = -factor * (held_.load_torque ? *held_.load_torque : load_.torque.at(now));
-    double driving = held_.driving ? *held_.driving : clamping_.driving.at(now);
-    if (control_.enabled) {
-        const double error =
-            (shaft_speed(block, 0) - (held_.ratio ? *held_.ratio : control_.ratio.at(now)) * shaft_speed(block, 1)) / reference_speed_;
-        const double correction = control_.proportional * error + control_.integral * control;
-        in.control_limited = std::abs(correction) > control_.authority;
-        const bool winds_up = in.control_limited && correction * error > 0.0;
-        in.control_rate = winds_up ? 0.0 : error;
-        driving = std::max(0.0, driving + std::clamp(correction, -control_.authority, control_.authority));
-    }
-    in.clamping = {factor * driving, factor * (held_.driven ? *held_.driven : clamping_.driven.at(now))};
-    return in;
 }
 
 WorkRates PulleyModel::works(const double* block, const Inputs& inputs) const noexcept {

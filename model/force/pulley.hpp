@@ -19,8 +19,8 @@ struct Inputs {
     double drive_torque = 0.0;         ///< on shaft 1 [N·m]
     double load_torque = 0.0;          ///< on shaft 2, negative brakes [N·m]
     std::array<double, 2> clamping{};  ///< S_1, S_2 [N]
-    double control_rate = 0.0;         ///< I' of ratio control, zero without control
-    bool control_limited = false;      ///< ratio control asks for more than its authority
+    double control_rate = 0.0;         ///< I' of the control, zero without one
+    bool control_limited = false;      ///< the control asks for more than its authority
 };
 
 /// Inputs that somebody has set by hand: a value in place of the scene's table, from then on.
@@ -36,6 +36,12 @@ struct HeldInputs {
     bool operator==(const HeldInputs&) const = default;
 };
 
+/// What the bearings of a shaft carry: force and moment of the shaft on the housing.
+struct BearingLoad {
+    std::array<double, 3> force{};   ///< x, y, axial [N]
+    std::array<double, 2> moment{};  ///< about x, y, at the middle of the shaft [N·m]
+};
+
 /// Powers of the inputs [W].
 using WorkRates = std::array<double, work_kinds>;
 
@@ -48,6 +54,8 @@ public:
     [[nodiscard]] int size() const noexcept { return size_; }
     /// Positions and velocities of the four sheaves from the pulleys' block [q | v].
     void motions(const double* block, SheaveMotion* sheaves) const noexcept;
+    /// Running radius by the position of the movable sheave, as a transmission measures it: straight flanks, stiff sheaves [m].
+    [[nodiscard]] double running_radius(const double* block, int shaft) const noexcept;
     /// Inputs at time t; `control` is the control integral I (ignored without control). t [s], block [unknowns of the pulleys], control [s]
     [[nodiscard]] Inputs inputs(double t, const double* block, double control) const noexcept;
     /// Puts values in place of tables; between steps only.
@@ -59,6 +67,8 @@ public:
     /// Slope [v | acceleration] of the pulleys' block. Losses and energies are added to the account if there is one.
     void slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept;
     [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;  ///< block [unknowns of the pulleys]
+    /// Elastic pulleys: springs and dampers of the bearings. Rigid ones: what holds shaft and sheaves against chain and cylinder.
+    [[nodiscard]] std::array<BearingLoad, 2> bearings(const double* block, const Inputs& inputs, const SheaveForces& chain) const noexcept;
     /// Work of constant inputs while the pulleys move from one position to another [J]. @param from, to blocks [q | v]
     [[nodiscard]] WorkRates work(const double* from, const double* to, const Inputs& inputs) const noexcept;
     /// Angular momentum of shaft 0 or 1 and its sheaves about the shaft's axis [N·m·s].
@@ -100,6 +110,10 @@ private:
                       Account* account) const noexcept;                               ///< block [unknowns of the pulleys], force [N, N·m]
     void add_chain(const SheaveForces& chain, double* force) const noexcept;          ///< force [N, N·m]
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;  ///< t [s], block [unknowns of the pulleys]
+    [[nodiscard]] double driven_clamping(double table, double load, const double* block) const noexcept;
+    [[nodiscard]] double control_error(double now, const double* block) const noexcept;
+    [[nodiscard]] BearingLoad sprung_bearing(const double* block, int shaft) const noexcept;
+    [[nodiscard]] BearingLoad held_bearing(const double* block, int shaft, const Inputs& inputs, const SheaveForces& chain) const noexcept;
 
     Pulley pulley_;
     Drive drive_;
@@ -110,6 +124,8 @@ private:
     HeldInputs held_;
     int size_;
     double half_length_;           ///< ℓ_p/2, distance of a flank plane from the middle [m]
+    double gripping_;              ///< 2μ/cos β, tangential force that a pulley can carry per clamping force
+    double narrowing_;             ///< 1/(2 tan β), loss of running radius per opening of the groove
     std::vector<double> inertia_;  ///< diagonal [kg, kg·m²]
     std::vector<Support> supports_;
     double governor_stiffness_, governor_damping_, reference_speed_;  ///< [N·m/rad, N·m·s/rad, rad/s]

@@ -19,6 +19,9 @@ const Observation& Observer::observe(double t, const double* state, const Phase*
     Observation& o = observation_;
     o.time = t;
     o.account = {};
+    state_ = state;
+    phases_ = phases;
+    forces_known_ = false;
     std::fill(scratch_.accounts.begin(), scratch_.accounts.end(), Account{});
     if (at.pulley_size != 0) variator_.pulleys().motions(state + at.pulley_begin(), scratch_.sheaves);
     fill_window(variator_, state, scratch_);
@@ -36,6 +39,22 @@ const Observation& Observer::observe(double t, const double* state, const Phase*
     }
     o.account.store(Energy::kinetic, kinetic(state));
     return o;
+}
+
+const ForceObservation& Observer::forces() {
+    if (forces_known_ || state_ == nullptr) return forces_;
+    const ChainLayout& at = variator_.layout();
+    observe_forces(variator_.chain(), state_, scratch_.sheaves, phases_, forces_.chain);
+    if (at.pulley_size != 0) {
+        const PulleyModel& pulleys = variator_.pulleys();
+        const double* block = state_ + at.pulley_begin();
+        const Inputs inputs = pulleys.inputs(observation_.time, block, at.control ? state_[at.control_begin()] : 0.0);
+        forces_.bearing = pulleys.bearings(block, inputs, variator_.sheave_forces(phases_, scratch_.loads.data()));
+        const SheaveMotion* s = scratch_.sheaves;
+        forces_.misalignment = 0.5 * (s[0].z + s[1].z) - 0.5 * (s[2].z + s[3].z);
+    }
+    forces_known_ = true;
+    return forces_;
 }
 
 void Observer::observe_links(const double* state, const Phase* phases) noexcept {

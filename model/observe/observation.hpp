@@ -4,9 +4,17 @@
 #include <array>
 #include <vector>
 
+#include "model/observe/chain_forces.hpp"
 #include "model/variator.hpp"
 
 namespace cvtflow::model {
+
+/// Forces of an instant that are evaluated only where somebody asks for them.
+struct ForceObservation {
+    ChainForces chain;
+    std::array<BearingLoad, 2> bearing{};  ///< of the shafts on the housing
+    double misalignment = 0.0;             ///< of the middles of the two grooves along z: driving minus driven [m]
+};
 
 /// Sum of one kind of account entries.
 struct Observation {
@@ -39,6 +47,8 @@ public:
     explicit Observer(const Variator& variator);
     /// Reads the whole state; the returned object is reused by the next call. t [s], state [unknowns]
     const Observation& observe(double t, const double* state, const Phase* phases) noexcept;
+    /// Forces of the instant that was observed last, whose state must still be there; evaluated when they are first asked for.
+    const ForceObservation& forces();
 
 private:
     void observe_links(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
@@ -51,6 +61,10 @@ private:
     EvaluationScratch scratch_;
     std::vector<double> slope_;  ///< [unknowns, per second]
     Observation observation_;
+    ForceObservation forces_;
+    const double* state_ = nullptr;  ///< observed last
+    const Phase* phases_ = nullptr;  ///< observed last
+    bool forces_known_ = false;      ///< of the instant observed last
 };
 
 }  // namespace cvtflow::model

@@ -30,6 +30,7 @@ enum class PulleyDetail { elastic, rigid, absent };
 enum class FrictionLaw { piecewise, smoothed };
 enum class JointLaw { linear, palmgren };
 enum class DriveMode { speed, torque };
+enum class ControlledQuantity { ratio, slip };
 enum class StartLayout { belt, ring };
 
 /// What is resolved at all. Absent detail is absent from the state vector.
@@ -135,6 +136,8 @@ struct Drive {
 
 struct Load {
     TimeTable torque{150.0};  ///< M, against the travel of shaft 2 [N·m]
+    double linear = 0.0;      ///< b, added per speed of shaft 2 [N·m·s/rad]
+    double quadratic = 0.0;   ///< c, added per its speed squared, with its sign [N·m·s²/rad²]
     double inertia = 0.0;     ///< added to shaft 2 [kg·m²]
     bool operator==(const Load&) const = default;
 };
@@ -142,16 +145,19 @@ struct Load {
 struct Clamping {
     TimeTable driving{27.1e3};  ///< S_1 [N]
     TimeTable driven{20e3};     ///< S_2 [N]
+    double safety = 0.0;        ///< ν: S_2 is at least what carries ν times the load's torque; 0: as the table has it
     bool operator==(const Clamping&) const = default;
 };
 
-/// PI control of the speed ratio by S_1; present in the state only if enabled.
+/// PI control of the speed ratio by S_1, or of slip by S_2; present in the state only if enabled.
 struct Control {
     bool enabled = false;
+    ControlledQuantity quantity = ControlledQuantity::ratio;
+    TimeTable slip{0.01};                         ///< λ_ref, wanted slip against the sheaves' positions [1]
     TimeTable ratio{1.0};                         ///< i_ref = ω_1/ω_2 [1]
     double proportional = 1e6;                    ///< K_P [N]
     double integral = 5e7;                        ///< K_I [N/s]
-    double authority = 1e4;                       ///< A, largest correction of S_1 either way [N]
+    double authority = 1e4;                       ///< A, largest correction of S_1 (of S_2) either way [N]
     double reference_speed = 209.43951023931953;  ///< ω_n in drive mode torque [rad/s]
     bool operator==(const Control&) const = default;
 };

@@ -215,14 +215,14 @@ void CaseEngine::transition(const TransitionRecord& record) {
 }
 
 void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
-    const Instant instant{eye_->observe(time, workspace.states[0], workspace.tips.phases.data()), workspace, counters,
-                          scene_.run.followed_pin};
+    const Instant instant{eye_->observe(time, workspace.states[0], workspace.tips.phases.data()), workspace, counters, scene_.run.followed_pin,
+                          *eye_};
     means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period());
     for (std::size_t i = 0; i < reducers_.size(); ++i) {
         const Scalar& scalar = sweep_.scalars[i];
         for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
             const Channel& channel = *scalar.terms[term].channel;
-            const int width = channel.width(workspace.layout());
+            const int width = channel.width(workspace.variator.chain());
             if (values_.size() < static_cast<std::size_t>(width)) values_.resize(static_cast<std::size_t>(width));
             if (scalar.terms[term].element >= width)
                 throw SimulationError(fmt::format("{}: there are only {} numbers", scalar.text, width));

@@ -8,6 +8,7 @@ namespace cvtflow::tasks {
 namespace {
 
 using model::ChainLayout;
+using model::ChainModel;
 using model::Observation;
 
 constexpr std::string_view losses[] = {"inner",       "plate_damping", "plate_friction", "joint_damping", "joint_friction",
@@ -15,9 +16,9 @@ constexpr std::string_view losses[] = {"inner",       "plate_damping", "plate_fr
 constexpr std::string_view works[] = {"drive", "load", "clamping"};
 constexpr std::string_view energies[] = {"kinetic", "inner", "pack", "plates", "joints", "tips", "supports"};
 
-int one(const ChainLayout&) { return 1; }
-int per_link(const ChainLayout& at) { return at.links; }
-int per_tip(const ChainLayout& at) { return model::tips_per_link * at.links; }
+int one(const ChainModel&) { return 1; }
+int per_link(const ChainModel& chain) { return chain.layout().links; }
+int per_tip(const ChainModel& chain) { return model::tips_per_link * chain.layout().links; }
 
 template <auto Member>
 void scalar(const Instant& now, double* out) {
@@ -102,9 +103,9 @@ void followed_position(const Instant& now, double* out) {
     out[2] = block[at.z(model::End::rear)];
 }
 void followed_tension(const Instant& now, double* out) { *out = now.observation.tension[static_cast<std::size_t>(now.followed_pin)]; }
-int two(const ChainLayout&) { return 2; }
-int three(const ChainLayout&) { return 3; }
-int four(const ChainLayout&) { return 4; }
+int two(const ChainModel&) { return 2; }
+int three(const ChainModel&) { return 3; }
+int four(const ChainModel&) { return 4; }
 void touching(const Instant& now, double* out) { *out = now.observation.touching; }
 
 using O = Observation;
@@ -196,6 +197,42 @@ std::string_view loss_name(int kind) noexcept { return losses[kind]; }
 std::string_view work_name(int kind) noexcept { return works[kind]; }
 std::string_view energy_name(int kind) noexcept { return energies[kind]; }
 
-std::span<const Channel> channels() { return table; }
+std::span<const Channel> channels() {
+    static const std::vector<Channel> all = [] {
+        std::vector<Channel> rows(std::begin(table), std::end(table));
+        rows.insert(rows.end(), force_channels().begin(), force_channels().end());
+        return rows;
+    }();
+    return all;
+}
+
+namespace {
+
+/// Whether a name of record.channels means a channel: its own, or "group/*".
+bool means(std::string_view name, const Channel& channel) {
+    const bool group = name.ends_with("/*");
+    return group ? channel.name.starts_with(name.substr(0, name.size() - 1)) : channel.name == name;
+}
+
+}  // namespace
+
+std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout) {
+    std::vector<const Channel*> chosen;
+    for (const Channel& channel : channels()) {
+        const bool wanted =
+            channel.usual || std::any_of(names.begin(), names.end(), [&](const std::string& name) { return means(name, channel); });
+        if (wanted && (!channel.needs_pulleys || layout.pulley_size != 0)) chosen.push_back(&channel);
+    }
+    return chosen;
+}
+
+std::vector<std::string> unknown_channels(std::span<const std::string> names) {
+    std::vector<std::string> unknown;
+    for (const std::string& name : names) {
+        const auto all = channels();
+        if (std::none_of(all.begin(), all.end(), [&](const Channel& channel) { return means(name, channel); })) unknown.push_back(name);
+    }
+    return unknown;
+}
 
 }  // namespace cvtflow::tasks

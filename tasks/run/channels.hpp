@@ -2,7 +2,9 @@
 /// The catalogue of recorded quantities: a row per channel, from which the record, `list channels` and tests are made.
 
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "model/observe/observation.hpp"
 #include "tasks/step/control/step_controller.hpp"
@@ -15,6 +17,7 @@ struct Instant {
     const Workspace& workspace;
     const Counters& counters;
     int followed_pin;
+    model::Observer& observer;  ///< of the observation: evaluates forces where a channel needs them
 };
 
 struct Channel {
@@ -22,12 +25,24 @@ struct Channel {
     std::string_view unit;
     std::string_view description;
     std::string_view axis;  ///< label of the second dimension, empty for a plain channel
-    int (*width)(const model::ChainLayout&);
+    int (*width)(const model::ChainModel&);
     void (*read)(const Instant&, double* values);  ///< values [unit of the channel]
     bool needs_pulleys = true;
+    bool usual = true;  ///< recorded in every run; others where record.channels names them
 };
 
+/// All there are: the usual ones, then those of force_channels.cpp.
 [[nodiscard]] std::span<const Channel> channels();
+
+/// What of the catalogue a record has: the usual ones and those that `names` ask for, where the machine has them.
+/// @param names of channels, or of groups ("tips/…" is "tips/*")
+[[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout);
+
+/// Names that stand for no channel, in their order.
+[[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
+
+/// Forces and figures of merit that a record has on demand.
+[[nodiscard]] std::span<const Channel> force_channels();
 
 /// Short names of loss, work and energy kinds, in the order of their enumerators.
 [[nodiscard]] std::string_view loss_name(int kind) noexcept;

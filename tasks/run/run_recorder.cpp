@@ -13,14 +13,6 @@ namespace cvtflow::tasks {
 
 namespace {
 
-std::vector<const Channel*> channels_of(const model::ChainLayout& at) {
-    std::vector<const Channel*> chosen;
-    for (const Channel& channel : channels()) {
-        if (!channel.needs_pulleys || at.pulley_size != 0) chosen.push_back(&channel);
-    }
-    return chosen;
-}
-
 engine::TableInfo transition_table() {
     return {"transitions",
             "changes of phase of tips: 0 free, 1 touching, 2 stick, 3 slip",
@@ -42,11 +34,12 @@ std::vector<engine::Attribute> attributes_of_run(const Scene& scene) {
     return attributes;
 }
 
-engine::RunContents contents_of(const Scene& scene, const model::ChainLayout& at, const std::vector<const Channel*>& channels) {
+engine::RunContents contents_of(const Scene& scene, const model::ChainModel& chain, const std::vector<const Channel*>& channels) {
+    const model::ChainLayout& at = chain.layout();
     engine::RunContents contents;
     for (const Channel* channel : channels) {
         contents.channels.push_back({std::string(channel->name), std::string(channel->unit), std::string(channel->description),
-                                     channel->width(at), std::string(channel->axis)});
+                                     channel->width(chain), std::string(channel->axis)});
     }
     contents.state_size = static_cast<std::size_t>(at.size());
     contents.phase_count = static_cast<std::size_t>(model::tips_per_link * at.links);
@@ -66,14 +59,14 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
       state_interval_(scene.run.state_interval),
       followed_pin_(scene.run.followed_pin),
       observer_(simulation.variator()),
-      channels_(channels_of(simulation.variator().layout())) {
+      channels_(chosen_channels(scene.run.channels, simulation.variator().layout())) {
     const model::ChainLayout& at = simulation.variator().layout();
     std::size_t width = 0;
-    for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(at));
+    for (const Channel* channel : channels_) width += static_cast<std::size_t>(channel->width(simulation.variator().chain()));
     row_.resize(width);
     sums_.has_pulleys = at.pulley_size != 0;
     if (!options.file.empty()) {
-        contents_ = contents_of(scene, at, channels_);
+        contents_ = contents_of(scene, simulation.variator().chain(), channels_);
         if (options.from != nullptr) former_ = engine::set_aside(options.file);
         file_ = std::make_unique<engine::RunFile>(options.file, contents_);
     }
@@ -92,14 +85,14 @@ void RunRecorder::output(double time, const Workspace& workspace, const Counters
     if (begin_ < 0.0) return;  // settling is not recorded
     const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
     gather(now, workspace);
-    if (file_) write(time, workspace, {now, workspace, counters, followed_pin_});
+    if (file_) write(time, workspace, {now, workspace, counters, followed_pin_, observer_});
 }
 
 void RunRecorder::write(double time, const Workspace& workspace, const Instant& instant) {
     double* next = row_.data();
     for (const Channel* channel : channels_) {
         channel->read(instant, next);
-        next += channel->width(workspace.layout());
+        next += channel->width(workspace.variator.chain());
     }
     file_->append(time, row_);
     written_.channels.add(time, row_);

@@ -10,6 +10,7 @@
 #include "engine/executor/catalogue.hpp"
 #include "model/start/belt.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tasks/run/channels.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -110,7 +111,9 @@ Violation control_has_pulleys(const Scene& scene) {
 
 Violation control_has_speed(const Scene& scene) {
     const auto& drive = scene.parameters.drive;
-    if (!scene.parameters.control.enabled || drive.mode != DriveMode::speed || drive.speed.largest_magnitude() > 0.0) return {};
+    const auto& control = scene.parameters.control;
+    if (!control.enabled || control.quantity != model::ControlledQuantity::ratio) return {};
+    if (drive.mode != DriveMode::speed || drive.speed.largest_magnitude() > 0.0) return {};
     return "control.enabled: the error of control is relative to drive.speed, which is 0 throughout";
 }
 
@@ -150,6 +153,15 @@ Violation method_estimates_error(const Scene& scene) {
                        scene.run.method);
 }
 
+Violation channels_exist(const Scene& scene) {
+    const std::vector<std::string> unknown = unknown_channels(scene.run.channels);
+    if (unknown.empty()) return {};
+    std::vector<std::string> names;
+    for (const Channel& channel : channels()) names.emplace_back(channel.name);
+    return fmt::format("record.channels: there is no channel '{}'{} (cvtflow list channels)", unknown.front(),
+                       engine::did_you_mean(engine::closest(unknown.front(), names)));
+}
+
 Violation executor_exists(const Scene& scene) {
     const std::string& name = scene.run.schedule;
     if (name == "auto" || engine::find_executor(name) != nullptr) return {};
@@ -175,13 +187,14 @@ std::span<const CrossCheck> cross_checks() {
         {{"start.layout", "detail.pulleys"}, layout_has_pulleys},
         {{"start.ramp_time", "start.settling_time", "start.layout"}, ramp_within_settling},
         {{"control.enabled", "detail.pulleys"}, control_has_pulleys},
-        {{"control.enabled", "drive.speed", "drive.mode"}, control_has_speed},
+        {{"control.enabled", "control.quantity", "drive.speed", "drive.mode"}, control_has_speed},
         {{"run.output_interval", "run.step"}, outputs_take_steps},
         {{"run.state_interval", "run.output_interval"}, states_take_outputs},
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
         {{"run.step_control", "run.method"}, method_estimates_error},
+        {{"record.channels"}, channels_exist},
         {{"run.schedule"}, executor_exists},
     };
     return checks;

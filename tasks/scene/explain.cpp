@@ -29,8 +29,11 @@ std::string form_text(const Parameter& parameter) {
         case Kind::choice: return fmt::format("\"{}\"", fmt::join(parameter.choices, "\" or \""));
         case Kind::boolean: return "true or false";
         case Kind::text: return "a text";
+        case Kind::text_list: return "a text, or a list of texts";
         case Kind::number_list: return number + ", or a list of them";
-        case Kind::time_table: return number + ", or a list of points [time, value], linear between them";
+        case Kind::time_table:
+            return number +
+                   ", a list of points [time, value], linear between them, or {csv = \"FILE\", time = \"COLUMN\", value = \"COLUMN\"}";
     }
     return {};
 }

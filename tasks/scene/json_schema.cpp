@@ -31,6 +31,17 @@ Json or_list(Json number, Json item) {
     return number;
 }
 
+/// A number, points, or columns of a CSV file.
+Json time_table_schema(Json number, const Parameter& parameter) {
+    const Json text{{"type", "string"}};
+    Json schema = or_list(std::move(number), point_schema(parameter.min, parameter.max));
+    schema["anyOf"].push_back({{"type", "object"},
+                               {"properties", {{"csv", text}, {"time", text}, {"value", text}}},
+                               {"required", {"csv"}},
+                               {"additionalProperties", false}});
+    return schema;
+}
+
 Json value_schema(const Parameter& parameter) {
     const Json number = number_schema(parameter.min, parameter.max);
     switch (parameter.kind()) {
@@ -43,8 +54,12 @@ Json value_schema(const Parameter& parameter) {
         case Kind::choice: return {{"enum", parameter.choices}};
         case Kind::boolean: return {{"type", "boolean"}};
         case Kind::text: return {{"type", "string"}};
+        case Kind::text_list: {
+            const Json text{{"type", "string"}};
+            return {{"anyOf", {text, {{"type", "array"}, {"items", text}, {"maxItems", most_points}}}}};
+        }
         case Kind::number_list: return or_list(number, number);
-        case Kind::time_table: return or_list(number, point_schema(parameter.min, parameter.max));
+        case Kind::time_table: return time_table_schema(number, parameter);
     }
     return {};
 }

@@ -227,6 +227,12 @@ const std::vector<Parameter>& rows() {
     {"load.torque", "N*m", -1e5, 1e5, {},
      "Torque against the travel of shaft 2 over time.",
      "baseline operating point", [](Scene& s) -> Slot { return &s.parameters.load.torque; }},
+    {"load.linear", "N*m*s/rad", 0, 1e3, {},
+     "Torque against the travel of shaft 2 added per its speed.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.linear; }},
+    {"load.quadratic", "N*m*s^2/rad^2", 0, 1e2, {},
+     "Torque against the travel of shaft 2 added per its speed squared, such as the drag of air.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.load.quadratic; }},
     {"load.inertia", "kg*m^2", 0, 1e3, {},
      "Moment of inertia added to shaft 2.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.load.inertia; }},
@@ -238,20 +244,30 @@ const std::vector<Parameter>& rows() {
      "Clamping force of the movable sheave of shaft 2 over time.",
      "baseline operating point", [](Scene& s) -> Slot { return &s.parameters.clamping.driven; }},
 
+    {"clamping.safety", "1", 0, 100, {},
+     "The clamping force of shaft 2 is at least what carries this many times the load's torque, 2 mu S r/cos(beta); 0: the table alone.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.clamping.safety; }},
+
     {"control.enabled", "", 0, 0, {},
-     "The speed ratio is controlled by the clamping force of shaft 1.",
+     "A PI controller corrects a clamping force (control.quantity).",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.enabled; }},
+    {"control.quantity", "", 0, 0, {"ratio", "slip"},
+     "Controlled are the speed ratio by the clamping force of shaft 1, or slip by that of shaft 2.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.quantity; }},
+    {"control.slip", "1", 0, 0.5, {},
+     "Wanted slip over time: loss of speed against the ratio of the radii by the sheaves' positions, whose elastic deformation counts.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.slip; }},
     {"control.ratio", "1", 0.05, 20, {},
      "Wanted speed ratio (shaft 1 over shaft 2) over time.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.ratio; }},
     {"control.proportional", "N", 0, 1e9, {},
-     "Proportional gain: clamping force per relative error of speed.",
+     "Proportional gain: clamping force per relative error of speed, or per error of slip.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.proportional; }},
     {"control.integral", "N/s", 0, 1e12, {},
-     "Integral gain: rate of clamping force per relative error of speed.",
+     "Integral gain: rate of clamping force per relative error of speed, or per error of slip.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.integral; }},
     {"control.authority", "N", 0, 1e6, {},
-     "Largest correction of the clamping force of shaft 1, either way.",
+     "Largest correction of the clamping force, either way.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.authority; }},
     {"control.reference_speed", "rad/s", 1e-3, 3000, {},
      "Speed that scales the error in drive.mode torque.",
@@ -328,6 +344,9 @@ const std::vector<Parameter>& rows() {
     {"record.ledger", "", 0, 0, {},
      "Losses and works by kind are integrated along with the state.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.ledger; }},
+    {"record.channels", "", 0, 0, {},
+     "Channels recorded beside the usual ones, or groups of them such as tips/*; cvtflow list channels has all.",
+     "model choice", [](Scene& s) -> Slot { return &s.run.channels; }},
         // clang-format on
     };
     return table;
@@ -336,9 +355,10 @@ const std::vector<Parameter>& rows() {
 }  // namespace
 
 Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number,      Kind::integer,    Kind::integer, Kind::integer, Kind::boolean, Kind::text,
-                                      Kind::number_list, Kind::time_table, Kind::choice,  Kind::choice,  Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::choice,     Kind::choice,  Kind::choice,  Kind::choice,  Kind::auto_number};
+    static constexpr std::array kinds{Kind::number, Kind::integer,     Kind::integer,    Kind::integer,     Kind::boolean,
+                                      Kind::text,   Kind::number_list, Kind::time_table, Kind::choice,      Kind::choice,
+                                      Kind::choice, Kind::choice,      Kind::choice,     Kind::choice,      Kind::choice,
+                                      Kind::choice, Kind::choice,      Kind::choice,     Kind::auto_number, Kind::text_list};
     static_assert(kinds.size() == std::variant_size_v<Slot>);
     Scene scene;
     return kinds[member(scene).index()];

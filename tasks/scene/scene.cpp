@@ -12,6 +12,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "tasks/scene/cross_checks.hpp"
+#include "tasks/scene/csv_points.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/value_reader.hpp"
 
@@ -85,7 +86,10 @@ void Reading::section(const Entry& entry) {
 void Reading::value(const Parameter& parameter, const Node& node) {
     const std::size_t before = problems_.size();
     given_[parameter.key] = node.position;
-    read_value(parameter, node, scene_, problems_);
+    if (parameter.kind() == Kind::time_table && std::holds_alternative<Node::Table>(node.value))
+        read_csv_points(parameter, node, folder_, scene_, problems_);
+    else
+        read_value(parameter, node, scene_, problems_);
     if (parameter.key == "start.state" && problems_.size() == before) resolve_state(node);
     if (problems_.size() == before)
         wrong_.erase(parameter.key);
@@ -130,8 +134,8 @@ Scene Reading::finish(const std::function<std::string(Position)>& place) {
 /// The value of a setting on the command line. Texts and choices are taken as they are; quantities ("8.12 mm") need no quotes.
 std::variant<Node, Problem> parse_setting(const Parameter& parameter, const std::string& text) {
     const Kind kind = parameter.kind();
-    const bool in_toml = text.starts_with('"') || text.starts_with('\'') || text.starts_with('[');
-    if (!in_toml && (kind == Kind::text || kind == Kind::choice)) return Node{text, {}};
+    const bool in_toml = text.starts_with('"') || text.starts_with('\'') || text.starts_with('[') || text.starts_with('{');
+    if (!in_toml && (kind == Kind::text || kind == Kind::choice || kind == Kind::text_list)) return Node{text, {}};
     auto parsed = parse_toml("value = " + text);
     if (auto* document = std::get_if<Node>(&parsed)) {
         const auto& entries = std::get<Node::Table>(document->value);
@@ -147,6 +151,8 @@ void place_at(Node& node, Position position) {
     node.position = position;
     if (auto* list = std::get_if<Node::Array>(&node.value))
         for (Node& element : *list) place_at(element, position);
+    if (auto* table = std::get_if<Node::Table>(&node.value))
+        for (Entry& entry : *table) place_at(entry.node, position);
 }
 
 void read_setting(Reading& reading, const std::string& setting, Position position) {

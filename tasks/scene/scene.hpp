@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "model/parameters/parameters.hpp"
 #include "tasks/scene/kept_state.hpp"
@@ -49,9 +50,10 @@ struct RunSettings {
     std::string schedule = "auto";  ///< executor by name in the catalogue, or auto: the fastest by trials during the run
     Assembly assembly = Assembly::fused;
     PartitionKind partition = PartitionKind::equal;
-    int segments = 0;        ///< parts of the chain that are tasks of their own; 0: as many as threads
-    int threads = 0;         ///< 0: as many as this process may use
-    std::uint64_t seed = 0;  ///< of whatever is drawn by chance
+    int segments = 0;                   ///< parts of the chain that are tasks of their own; 0: as many as threads
+    int threads = 0;                    ///< 0: as many as this process may use
+    std::uint64_t seed = 0;             ///< of whatever is drawn by chance
+    std::vector<std::string> channels;  ///< recorded beside the usual ones: names, or groups such as "tips/*"
     bool operator==(const RunSettings&) const = default;
 };
 

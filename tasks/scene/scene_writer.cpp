@@ -18,6 +18,12 @@ std::string list_text(const std::vector<double>& values) {
     return fmt::format("[{}]", fmt::join(texts, ", "));
 }
 
+std::string texts_text(const std::vector<std::string>& values) {
+    std::vector<std::string> texts;
+    for (const std::string& value : values) texts.push_back(toml_text(value));
+    return fmt::format("[{}]", fmt::join(texts, ", "));
+}
+
 std::string table_text(const model::TimeTable& table) {
     if (table.time == std::vector{0.0}) return number_text(table.value.front());
     std::vector<std::string> points;
@@ -43,6 +49,8 @@ std::string value_text(const Parameter& parameter, const Scene& scene) {
                 return toml_text(*member);
             else if constexpr (std::is_same_v<T, std::vector<double>>)
                 return list_text(*member);
+            else if constexpr (std::is_same_v<T, std::vector<std::string>>)
+                return texts_text(*member);
             else if constexpr (std::is_same_v<T, model::TimeTable>)
                 return table_text(*member);
             else if constexpr (std::is_enum_v<T>)

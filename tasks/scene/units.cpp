@@ -53,7 +53,7 @@ struct NamedDimension {
     std::string_view unit;
 };
 
-constexpr std::array<NamedDimension, 22> named_dimensions{{
+constexpr std::array<NamedDimension, 24> named_dimensions{{
     {"a plain number", "1"},
     {"a length", "m"},
     {"an area", "m^2"},
@@ -74,6 +74,8 @@ constexpr std::array<NamedDimension, 22> named_dimensions{{
     {"a rotational stiffness", "N*m/rad"},
     {"a bending stiffness", "N*m^2"},
     {"a damping", "N*s/m"},
+    {"a rotational damping", "N*m*s/rad"},
+    {"a rotational drag", "N*m*s^2/rad^2"},
     {"a moment of inertia", "kg*m^2"},
     {"a density", "kg/m^3"},
 }};

@@ -109,6 +109,15 @@ public:
         member = *value;
     }
 
+    void read(const Node& node, std::vector<std::string>& member) {
+        const auto* list = std::get_if<Node::Array>(&node.value);
+        if (list && list->size() > most_points) return refuse(node, "{} texts are more than {}", list->size(), most_points);
+        std::vector<std::string> values(list ? list->size() : 1);
+        const std::size_t before = problems_.size();
+        for (std::size_t i = 0; i < values.size(); ++i) read(list ? (*list)[i] : node, values[i]);
+        if (problems_.size() == before) member = std::move(values);
+    }
+
     template <class Choice>
     requires std::is_enum_v<Choice>
     void read(const Node& node, Choice& member) {

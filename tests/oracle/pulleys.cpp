@@ -88,16 +88,42 @@ Real ratio_error(const System& system) {
     return (system.body[0].phi_rate - target * system.body[1].phi_rate) / reference;
 }
 
-/// What the controller would add to S_1 [N].
+/// Running radius by the position of the movable sheave: flanks straight, sheaves stiff.
+Real radius_by_position(const System& system, int shaft) {
+    const auto& p = system.parameters;
+    const int side = shaft == 0 ? 1 : 0;
+    const Real opening = side_sign(side) * (system.body[model::sheave_body(shaft, side)].w - system.body[shaft].w);
+    return p.pulley.arc_position - opening / (2.0L * std::tan(Real{p.tip.angle}));
+}
+
+/// λ - λ_ref, λ = 1 - ω_2 r_2/(ω_1 r_1).
+Real slip_error(const System& system) {
+    const Real driving = system.body[0].phi_rate * radius_by_position(system, 0);
+    if (driving == 0.0L) return 0.0L;
+    const Real driven = system.body[1].phi_rate * radius_by_position(system, 1);
+    return 1.0L - driven / driving - system.parameters.control.slip.at(std::max(system.t, 0.0));
+}
+
+bool controls_slip(const System& system) { return system.parameters.control.quantity == model::ControlledQuantity::slip; }
+Real control_error(const System& system) { return controls_slip(system) ? slip_error(system) : ratio_error(system); }
+
+/// Torque against the travel of shaft 2, before the ramp [N·m].
+Real load_of(const System& system) {
+    const auto& load = system.parameters.load;
+    const Real speed = system.body[1].phi_rate;
+    return load.torque.at(std::max(system.t, 0.0)) + load.linear * speed + load.quadratic * speed * std::abs(speed);
+}
+
+/// Whatever the controlled clamping force gets added to [N].
 Real wanted_correction(const System& system) {
     const auto& control = system.parameters.control;
-    return control.proportional * ratio_error(system) + control.integral * system.control_integral;
+    return control.proportional * control_error(system) + control.integral * system.control_integral;
 }
 
 /// The controller's integral stops while it asks for more than it may have.
 Real control_rate(const System& system) {
     const Real wanted = wanted_correction(system);
-    const Real error = ratio_error(system);
+    const Real error = control_error(system);
     return std::abs(wanted) > system.parameters.control.authority && wanted * error > 0.0L ? 0.0L : error;
 }
 
@@ -106,9 +132,12 @@ Real clamping_force(const System& system, int shaft) {
     const auto& p = system.parameters;
     const double from = std::max(system.t, 0.0);
     const Real ramp = model::ramp(p.start, system.t);
-    if (shaft == 1) return ramp * p.clamping.driven.at(from);
-    const Real given = p.clamping.driving.at(from);
-    if (!system.layout.control) return ramp * given;
+    Real given = shaft == 0 ? p.clamping.driving.at(from) : p.clamping.driven.at(from);
+    if (shaft == 1) {
+        const Real carried = 2.0L * p.tip.friction.coefficient * radius_by_position(system, 1) / std::cos(Real{p.tip.angle});
+        given = std::max(given, p.clamping.safety * std::abs(load_of(system)) / carried);
+    }
+    if (!system.layout.control || controls_slip(system) != (shaft == 1)) return ramp * given;
     const Real authority = p.control.authority;
     return ramp * std::max(0.0L, given + std::clamp(wanted_correction(system), -authority, authority));
 }
@@ -163,8 +192,7 @@ void add_inputs(const System& system, Totals& totals) {
     const Real torque = drive_torque(system);
     totals.body[0].moment.z += torque;
     totals.work(model::Work::drive) += torque * system.body[0].phi_rate;
-    const auto& load_table = system.parameters.load.torque;
-    const Real load = Real{model::ramp(system.parameters.start, system.t)} * load_table.at(std::max(system.t, 0.0));
+    const Real load = Real{model::ramp(system.parameters.start, system.t)} * load_of(system);
     totals.body[1].moment.z -= load;
     totals.work(model::Work::load) -= load * system.body[1].phi_rate;
     totals.control_rate = control_rate(system);

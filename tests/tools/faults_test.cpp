@@ -36,6 +36,8 @@ const std::vector<Order>& orders() {
         {"batch", {"batch", "sweep.toml", "-o", "new", "--threads", "1"}},
         {"table", {"table", "old", "--csv"}},
         {"info", {"info", "record.h5"}},
+        {"rainflow", {"table", "record.h5", "--rainflow", "tight_tension"}},
+        {"export", {"export", "record.h5", "--vtk", "new.pvd"}},
         {"check", {"check", "tiny"}},
         {"settle", {"settle", "tiny", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}},
         {"merge", {"merge", "shards"}},
@@ -82,8 +84,8 @@ protected:
 
     /// Back to where every order begins.
     void clean() const {
-        for (const char* name : {"new.h5", "new.h5.part", "new.checkpoint.h5", "new", "state.h5", "state.h5.part", "shards/cases.h5",
-                                 "counts", "old.h5.part", "old.h5.before"}) {
+        for (const char* name : {"new.h5", "new.h5.part", "new.pvd", "new.pvd.part", "new.checkpoint.h5", "new", "state.h5",
+                                 "state.h5.part", "shards/cases.h5", "counts", "old.h5.part", "old.h5.before"}) {
             std::error_code absent;
             std::filesystem::remove_all(folder_ / name, absent);
         }

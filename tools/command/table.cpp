@@ -7,8 +7,10 @@
 #include <memory>
 
 #include "tasks/batch/results/results.hpp"
+#include "tasks/scene/units.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
+#include "tools/report/rainflow_report.hpp"
 #include "tools/text/batch_text.hpp"
 #include "tools/text/text.hpp"
 
@@ -20,7 +22,10 @@ struct TableArguments {
     std::string folder;
     std::vector<std::string> columns;
     std::string status;
-    bool csv = false;
+    std::vector<std::string> rainflow;
+    int classes = 16;
+    std::string from, until;
+    bool csv = false, json = false;
 };
 
 std::string heading(const engine::CaseColumn& column) {
@@ -89,20 +94,69 @@ ExitStatus show(const TableArguments& arguments) {
     return ExitStatus::finished;
 }
 
+/// A time in SI or with a unit. @throws UsageError
+double instant_of(const std::string& option, const std::string& text) {
+    const auto parsed = tasks::parse_quantity(text);
+    const auto* time = std::get_if<tasks::Quantity>(&parsed);
+    if (time == nullptr || (time->has_unit && !(time->dimension == tasks::dimension_of("s"))))
+        throw UsageError(fmt::format("{} {}: not a time", option, text));
+    return time->value;
+}
+
+ExitStatus show_rainflow(const TableArguments& arguments) {
+    if (!arguments.columns.empty() || !arguments.status.empty())
+        throw UsageError("--column and --status are of sweeps, --rainflow of a record");
+    if (arguments.csv && arguments.json) throw UsageError("--csv or --json, not both");
+    RainflowRequest request{arguments.folder, arguments.rainflow};
+    request.classes = arguments.classes;
+    if (!arguments.from.empty()) request.from = instant_of("--from", arguments.from);
+    if (!arguments.until.empty()) request.until = instant_of("--until", arguments.until);
+    request.form = arguments.csv ? RainflowForm::csv : arguments.json ? RainflowForm::json : RainflowForm::text;
+    fmt::print("{}", rainflow_report(request));
+    return ExitStatus::finished;
+}
+
+/// Options that --rainflow has to itself.
+void require_no_record(const TableArguments& arguments) {
+    if (arguments.json || !arguments.from.empty() || !arguments.until.empty())
+        throw UsageError("--json, --from and --until go with --rainflow");
+}
+
+void declare_rainflow(CLI::App& app, TableArguments& arguments) {
+    app.add_option("--rainflow", arguments.rainflow,
+                   "DIR is the record of a run: cycles of this channel, or of its elements NAME[3], NAME[*] (ASTM E1049); may be repeated")
+        ->type_name("CHANNEL")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--classes", arguments.classes, "Classes of ranges")
+        ->check(CLI::Range(1, 10000))
+        ->type_name("COUNT")
+        ->capture_default_str();
+    app.add_option("--from", arguments.from, "Count from this time on")->type_name("TIME");
+    app.add_option("--until", arguments.until, "Count up to this time")->type_name("TIME");
+    app.add_flag("--json", arguments.json, "Cycles and classes as JSON, with provenance");
+}
+
 }  // namespace
 
 Action declare_table(CLI::App& app) {
     const auto arguments = std::make_shared<TableArguments>();
-    app.add_option("DIR", arguments->folder, "Folder of a sweep, or its cases.h5; also while the sweep goes on")->required()->type_name("");
+    app.add_option("DIR", arguments->folder,
+                   "Folder of a sweep, or its cases.h5; also while the sweep goes on. With --rainflow: the record of a run")
+        ->required()
+        ->type_name("");
     app.add_flag("--csv", arguments->csv, "All columns, comma separated, numbers with all digits");
     app.add_option("--column", arguments->columns, "Show this column; may be repeated")
         ->type_name("NAME")
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    declare_rainflow(app, *arguments);
     app.add_option("--status", arguments->status, "Only cases that ended so")->type_name("STATUS");
     app.footer("In Python: h5py.File(\"DIR/cases.h5\")[\"cases\"][:] is a NumPy table; pandas.DataFrame takes it.");
-    return [arguments] { return show(*arguments); };
+    return
+        [arguments] { return arguments->rainflow.empty() ? (require_no_record(*arguments), show(*arguments)) : show_rainflow(*arguments); };
 }
 
 }  // namespace cvtflow::tools

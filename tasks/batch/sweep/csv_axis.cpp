@@ -7,35 +7,11 @@
 #include "engine/base/input_file.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/batch/sweep/axis_reader.hpp"
+#include "tasks/scene/csv_text.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
-
-constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;  // a million rows of six numbers [byte]
-
-std::string trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    return first == std::string_view::npos ? "" : std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
-}
-
-/// Cells of a line; a cell in double quotes may hold commas, and "" for a quote.
-std::vector<std::string> cells_of(const std::string& line) {
-    std::vector<std::string> cells(1);
-    bool quoted = false;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
-            cells.back() += line[i++];
-        else if (line[i] == '"')
-            quoted = !quoted;
-        else if (line[i] == ',' && !quoted)
-            cells.emplace_back();
-        else
-            cells.back() += line[i];
-    }
-    for (std::string& cell : cells) cell = trimmed(cell);
-    return cells;
-}
 
 class CsvReader {
 public:
@@ -44,7 +20,7 @@ public:
 
     void line(const std::string& text) {
         ++line_;
-        if (trimmed(text).empty() || trimmed(text).front() == '#') return;
+        if (is_blank(text)) return;
         if (units_.empty()) return heading(cells_of(text));
         const auto cells = cells_of(text);
         if (cells.size() != units_.size()) return problem(1, fmt::format("{} cells, not {}", cells.size(), units_.size()));
@@ -60,12 +36,8 @@ public:
 private:
     void heading(const std::vector<std::string>& cells) {
         for (std::size_t i = 0; i < cells.size(); ++i) {
-            const auto bracket = cells[i].find('[');
-            const std::string key = trimmed(std::string_view(cells[i]).substr(0, bracket));
-            const auto end = cells[i].find(']');
-            units_.push_back(bracket == std::string::npos || end == std::string::npos
-                                 ? ""
-                                 : trimmed(std::string_view(cells[i]).substr(bracket + 1, end - bracket - 1)));
+            const auto [key, unit] = heading_of(cells[i]);
+            units_.push_back(unit);
             const Parameter* parameter = find_parameter(key);
             if (parameter == nullptr)
                 problem(i + 1, fmt::format("there is no key {}{}", toml_text(key), engine::did_you_mean(nearest_key(key))));

@@ -15,7 +15,7 @@ namespace {
 /// Reads a channel into memory with a guard behind its width.
 std::vector<double> read(const Channel& channel, const Instant& now) {
     constexpr double guard = 1.23456789e300;
-    const std::size_t width = static_cast<std::size_t>(channel.width(now.workspace.layout()));
+    const std::size_t width = static_cast<std::size_t>(channel.width(now.workspace.variator.chain()));
     std::vector<double> values(width + 1, std::nan(""));
     values.back() = guard;
     channel.read(now, values.data());
@@ -29,7 +29,7 @@ void expect_finite(claims::Rig& rig, bool pulleys) {
     const model::Observation& observation = observer.observe(rig.time(), rig.state(), rig.phases().data());
     const int last_pin = rig.variator().layout().links - 1;
     for (const int pin : {0, last_pin}) {
-        const Instant now{observation, rig.workspace(), rig.counters(), pin};
+        const Instant now{observation, rig.workspace(), rig.counters(), pin, observer};
         for (const Channel& channel : channels()) {
             if (channel.needs_pulleys && !pulleys) continue;
             const std::vector<double> values = read(channel, now);
@@ -56,11 +56,12 @@ TEST(Channels, AllAreFiniteAndOfTheirWidthOnAFreeRing) {
 
 TEST(Channels, HaveNamesOfTheirOwnUnitsAndDescriptions) {
     std::set<std::string> names;
+    const model::ChainModel chain(tiny_parameters());
     for (const Channel& channel : channels()) {
         EXPECT_TRUE(names.emplace(channel.name).second) << channel.name;
         EXPECT_FALSE(channel.unit.empty()) << channel.name;
         EXPECT_FALSE(channel.description.empty()) << channel.name;
-        EXPECT_EQ(channel.width(model::layout_of(tiny_parameters())) > 1, !channel.axis.empty()) << channel.name;
+        EXPECT_EQ(channel.width(chain) > 1, !channel.axis.empty()) << channel.name;
     }
 }
 

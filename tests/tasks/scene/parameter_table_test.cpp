@@ -57,7 +57,7 @@ TEST(ParameterTable, EveryDefaultIsInsideItsOwnRange) {
 TEST(ParameterTable, NumbersHaveAUnitWithANameAndOthersHaveNone) {
     for (const Parameter& parameter : parameter_table()) {
         const Kind kind = parameter.kind();
-        const bool number = kind != Kind::choice && kind != Kind::boolean && kind != Kind::text;
+        const bool number = kind != Kind::choice && kind != Kind::boolean && kind != Kind::text && kind != Kind::text_list;
         EXPECT_EQ(!parameter.unit.empty(), number) << parameter.key;
         if (number) {
             EXPECT_NE(dimension_name(dimension_of(parameter.unit)), "") << parameter.key;

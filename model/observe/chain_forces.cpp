@@ -1,0 +1,124 @@
+#include "model/observe/chain_forces.hpp"
+
+#include "model/kernels/chain_parts.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+[[nodiscard]] std::size_t place(int number) noexcept { return static_cast<std::size_t>(number); }
+
+/// What is read of a state, and where the forces go.
+struct ForceReading {
+    const ChainModel& chain;
+    const double* state;
+    const SheaveMotion* sheaves;
+    const Phase* phases;
+    ChainForces& forces;
+
+    [[nodiscard]] const Coefficients& coefficients() const noexcept { return chain.coefficients(); }
+    [[nodiscard]] const double* link(int number) const noexcept { return state + chain.layout().link_begin(number); }
+};
+
+template <int P>
+void read_tips(const ForceReading& from, int link) {
+    const Coefficients& c = from.coefficients();
+    const Phase* phases = from.phases + tips_per_link * link;
+    if (c.layout.pulley_size == 0 || !any_touching(phases)) return;
+    const double* q = from.link(link);
+    const double* v = q + at<P>.link_size();
+    const int shaft = from.chain.shaft_of(q);
+    const FourTips four;
+    const LinkFrame frame = link_frame<P>(q, v);
+    const auto sheave = sheaves_at(four, from.sheaves + 2 * shaft);
+    const auto geometry = tip_geometry<P>(c, four, frame, q, sheave);
+    const auto motion = tip_motion<P>(c, four, frame, v, sheave, geometry);
+    const auto contact = tip_forces<false, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), nullptr);
+    const Vector3<TipLanes> push = tip_reaction(geometry, motion, contact).force;
+    const TipLanes x = geometry.end.x + motion.lever_x - shaft * c.centre_distance, y = geometry.end.y + motion.lever_y;
+    const TipLanes inverse = 1.0 / sqrt(x * x + y * y);
+    const std::size_t first = place(tips_per_link * link);
+    contact.normal.copy_to(&from.forces.tip_normal[first]);
+    TipLanes((x * push.y - y * push.x) * inverse).copy_to(&from.forces.tip_tangential[first]);
+    TipLanes((x * push.x + y * push.y) * inverse).copy_to(&from.forces.tip_radial[first]);
+}
+
+template <int P, int W>
+void read_plates(const ForceReading& from, int link) {
+    const Coefficients& c = from.coefficients();
+    const double* q = from.link(link);
+    const double* v = q + at<P>.link_size();
+    const Difference<P> d(q, End::front, q, End::rear), rate(v, End::front, v, End::rear);
+    alignas(64) std::array<double, most_plate_lanes + W> tension{};
+    const auto of = [](const auto& numbers, int first) { return load<W>(&numbers[place(first)]); };
+    for (int first = 0; first < c.plates.count; first += W) {
+        plate_tension<P, W>(c, c.kind(link).free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight, first),
+                            of(c.plates.damping, first), d, rate)
+            .copy_to(&tension[place(first)]);
+    }
+    std::copy_n(tension.begin(), c.plates.count, &from.forces.plate_tension[place(c.plates.count * link)]);
+}
+
+/// The joint of pin `pin`, between the links before and behind it.
+template <int P, int W>
+void read_joint(const ForceReading& from, int pin) {
+    const Coefficients& c = from.coefficients();
+    const double* before = from.link(c.layout.previous(pin));
+    const double* after = from.link(pin);
+    constexpr int size = at<P>.link_size();
+    const JointFrames<double> frames(link_frame<P>(before, before + size), link_frame<P>(after, after + size));
+    const auto motion =
+        joint_motion<P, W>(c.joint, frames, AxisPoints<P, W>(c.joint_points, 0), Difference<P>(before, End::front, after, End::rear),
+                           Difference<P>(before + size, End::front, after + size, End::rear));
+    const auto rolling = rolling_forces<W>(c.joint, load<W>(c.joint_points.weight.data()), motion);
+    from.forces.joint_normal[place(pin)] = sum<W>(rolling.normal);
+    from.forces.joint_friction[place(pin)] = -sum<W>(rolling.grip * motion.slip);
+    from.forces.joint_axial[place(pin)] = -sum<W>(rolling.grip * motion.axial);
+}
+
+/// Second derivative of the axis in the middle: P_2'' = 3, P_3''(0) = 0. With EI and the axial strain 2e/ℓ_p.
+template <int P>
+void read_halves(const ForceReading& from, int link) {
+    const Coefficients& c = from.coefficients();
+    const double* q = from.link(link);
+    const LinkFrame frame = link_frame<P>(q, q + at<P>.link_size());
+    for (const End end : {End::rear, End::front}) {
+        const std::size_t half = place(2 * link + static_cast<int>(end));
+        from.forces.half_axial[half] = 0.5 * c.extension.stiffness * q[at<P>.e(end)];  // k = 4EA/ℓ_p
+        if constexpr (P >= 2) {
+            const std::size_t spring = place(static_cast<int>(end) * (P - 1));  // k = 144 EI/ℓ_p³: M = 12 EI x_2/ℓ_p² = k ℓ_p x_2/12
+            const double arm = c.half_length / 6.0;
+            const double x = q[at<P>.x(end, 2)], y = q[at<P>.y(end, 2)];
+            from.forces.bending_travel[half] = c.travel.stiffness[spring] * arm * (x * frame.tx + y * frame.ty);
+            from.forces.bending_height[half] = c.height.stiffness[spring] * arm * (y * frame.tx - x * frame.ty);
+        }
+    }
+}
+
+template <int P>
+void read_forces(const ForceReading& from) {
+    const Coefficients& c = from.coefficients();
+    for (int link = 0; link < c.layout.links; ++link) {
+        read_tips<P>(from, link);
+        with_lanes(c.plates.width, [&]<int W>() { read_plates<P, W>(from, link); });
+        with_lanes(c.joint_points.width, [&]<int W>() { read_joint<P, W>(from, link); });
+        read_halves<P>(from, link);
+    }
+}
+
+}  // namespace
+
+int plates_per_link(const ChainModel& chain) noexcept { return chain.coefficients().plates.count; }
+
+void observe_forces(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases, ChainForces& forces) {
+    constexpr void (*of_order[])(const ForceReading&) = {read_forces<0>, read_forces<1>, read_forces<2>, read_forces<3>};
+    const std::size_t links = place(chain.layout().links);
+    forces.plates_per_link = plates_per_link(chain);
+    for (auto* list : {&forces.tip_normal, &forces.tip_tangential, &forces.tip_radial}) list->assign(tips_per_link * links, 0.0);
+    for (auto* list : {&forces.bending_travel, &forces.bending_height, &forces.half_axial}) list->assign(2 * links, 0.0);
+    for (auto* list : {&forces.joint_normal, &forces.joint_friction, &forces.joint_axial}) list->assign(links, 0.0);
+    forces.plate_tension.assign(place(forces.plates_per_link) * links, 0.0);
+    of_order[chain.layout().order]({chain, state, sheaves, phases, forces});
+}
+
+}  // namespace cvtflow::model

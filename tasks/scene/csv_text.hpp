@@ -1,0 +1,28 @@
+#pragma once
+/// CSV as text: cells of lines, names and units of headings.
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cvtflow::tasks {
+
+inline constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;  ///< a million rows of six numbers [byte]
+
+/// Without white space around it.
+[[nodiscard]] std::string trimmed(std::string_view text);
+
+/// Cells of a line, trimmed; a cell in double quotes may hold commas, and "" for a quote.
+[[nodiscard]] std::vector<std::string> cells_of(const std::string& line);
+
+/// Whether a line holds nothing but a comment (#) or white space.
+[[nodiscard]] bool is_blank(const std::string& line);
+
+/// A heading such as `load.torque [N*m]`.
+struct Heading {
+    std::string name, unit;  ///< unit is empty where there is none in brackets
+};
+[[nodiscard]] Heading heading_of(const std::string& cell);
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,89 @@
+#include "tasks/scene/csv_points.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace cvtflow::tasks {
+namespace {
+
+class CsvPoints : public testing::Test {
+protected:
+    CsvPoints() : folder_(std::filesystem::temp_directory_path() / ("cvtflow_csv_" + std::to_string(getpid()))) {
+        std::filesystem::create_directories(folder_);
+    }
+    ~CsvPoints() override { std::filesystem::remove_all(folder_); }
+
+    void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+    /// The load's torque of a scene that has this value for it.
+    [[nodiscard]] model::TimeTable load(const std::string& value) const {
+        return parse_scene("[load]\ntorque = " + value + "\n", folder_ / "scene.toml").parameters.load.torque;
+    }
+    [[nodiscard]] std::string problem(const std::string& value) const {
+        try {
+            (void)load(value);
+        } catch (const SceneError& error) {
+            const std::string text = error.what();
+            return text.substr(text.find("load.torque"));
+        }
+        return "none";
+    }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(CsvPoints, AreColumnsByTheirNamesWithUnitsOfTheHeadingOrTheCells) {
+    write("drive.csv", "# measured\nspeed, t [ms] ,torque [kN*m]\n1,0,0.15\n\n2, 10 ,0.2\n3,30.5,1.25e-1\n");
+    const model::TimeTable expected({0.0, 0.010, 0.0305}, {150.0, 200.0, 125.0});
+    EXPECT_EQ(load(R"({csv = "drive.csv", time = "t", value = "torque"})"), expected);
+    write("cells.csv", "t,M\n0 s,150 N*m\n\"10 ms\",200 N*m\n0.0305,0.125 kN*m\n");
+    EXPECT_EQ(load(R"({csv = "cells.csv"})"), expected);
+}
+
+TEST_F(CsvPoints, CountFromTheScenesFolderAndForASettingFromTheWorkingOne) {
+    write("drive.csv", "t,M\n0,1\n1,2\n");
+    Scene scene = parse_scene("", folder_ / "scene.toml");
+    const auto before = std::filesystem::current_path();
+    std::filesystem::current_path(folder_);
+    set_value(scene, R"(load.torque={csv = "drive.csv"})");
+    std::filesystem::current_path(before);
+    EXPECT_EQ(scene.parameters.load.torque, model::TimeTable({0.0, 1.0}, {1.0, 2.0}));
+}
+
+TEST_F(CsvPoints, AreKeptWithTheSceneWithoutTheFile) {
+    write("drive.csv", "t,M\n0,1\n0.25,2\n");
+    const Scene scene = parse_scene("[load]\ntorque = {csv = \"drive.csv\"}\n", folder_ / "scene.toml");
+    std::filesystem::remove(folder_ / "drive.csv");
+    EXPECT_EQ(parse_scene(write_scene(scene), "again.toml").parameters, scene.parameters);
+}
+
+TEST_F(CsvPoints, SayWhatIsWrongAndWhere) {
+    write("good.csv", "t,torque\n0,1\n1,2\n");
+    write("range.csv", "t,torque\n0,1\n1,2e9\n");
+    write("late.csv", "t,torque\n1,1\n1,2\n");
+    write("text.csv", "t,torque\n0,a lot\n");
+    write("ragged.csv", "t,torque\n0,1\n1\n");
+    write("unit.csv", "t [ms],torque [kg]\n0,1\n");
+    write("one.csv", "t\n0\n");
+    write("empty.csv", "t,torque\n");
+    EXPECT_EQ(problem(R"({csv = "none.csv"})"), "load.torque: there is no file \"none.csv\"");
+    EXPECT_EQ(problem(R"({time = "t"})"), "load.torque: csv = \"FILE\" is missing");
+    EXPECT_EQ(problem(R"({csv = "good.csv", valeu = "t"})"), "load.torque: valeu: unknown key (did you mean \"value\"?)");
+    EXPECT_EQ(problem(R"({csv = "good.csv", value = 3})"), "load.torque: value is not a text");
+    EXPECT_EQ(problem(R"({csv = "good.csv", value = "torqe"})"),
+              "load.torque: \"good.csv\" has no column \"torqe\" (did you mean \"torque\"?)");
+    EXPECT_EQ(problem(R"({csv = "range.csv"})"), "load.torque: 2e9 N*m is outside [-1e5, 1e5] N*m (range.csv:3:2)");
+    EXPECT_EQ(problem(R"({csv = "late.csv"})"), "load.torque: time 1 s does not come after 1 s (late.csv:3:1)");
+    EXPECT_NE(problem(R"({csv = "text.csv"})").find("(text.csv:2:2)"), std::string::npos);
+    EXPECT_EQ(problem(R"({csv = "ragged.csv"})"), "load.torque: ragged.csv:3: 1 cells, not 2");
+    EXPECT_NE(problem(R"({csv = "unit.csv"})").find("expected a torque (N*m) (unit.csv:2:2)"), std::string::npos)
+        << problem(R"({csv = "unit.csv"})");
+    EXPECT_EQ(problem(R"({csv = "one.csv"})"), "load.torque: one.csv:1: one column, not time and value");
+    EXPECT_EQ(problem(R"({csv = "empty.csv"})"), "load.torque: \"empty.csv\" has no rows");
+    EXPECT_EQ(problem(R"({csv = "."})"), "load.torque: \".\" cannot be read: a folder, not a file");
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

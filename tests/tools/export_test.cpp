@@ -1,0 +1,105 @@
+/// `cvtflow export RECORD --vtk FILE`.
+
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+#include "engine/record/run/run_reader.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::HasSubstr;
+
+class Export : public Program {
+protected:
+    /// Outputs at every state, so that channels and pictures are of the same instants.
+    Export() {
+        made_ = run_briefly({"-q", "-o", "run.h5", "--set", "record.channels=[\"plates/*\", \"tips/*\"]", "--set",
+                             "run.output_interval=5 us", "--set", "run.state_interval=5 us"})
+                    .status;
+    }
+    int made_ = -1;
+};
+
+/// Sums over a row of a channel.
+double sum_of(const engine::RunReader& record, const std::string& channel, std::size_t row, bool magnitudes) {
+    const auto values = record.channel(channel);
+    const std::size_t width = values.size() / record.rows();
+    double sum = 0.0;
+    for (std::size_t k = row * width; k < (row + 1) * width; ++k) sum += magnitudes ? std::abs(values[k]) : values[k];
+    return sum;
+}
+
+/// Sum of the magnitudes of the tips' forces in the plane.
+double sum_in_plane(const engine::RunReader& record, std::size_t row) {
+    const auto radial = record.channel("tips/radial_force"), tangential = record.channel("tips/tangential_force");
+    const std::size_t width = radial.size() / record.rows();
+    double sum = 0.0;
+    for (std::size_t k = row * width; k < (row + 1) * width; ++k) sum += std::hypot(radial[k], tangential[k]);
+    return sum;
+}
+
+/// Every time step: tensions, tip forces and places are those of the record, to the seven digits of its numbers.
+TEST_F(Export, IsReadBackByVtkWithTheRecordsForcesAndPlaces) {
+    ASSERT_EQ(made_, 0);
+    const Outcome outcome = run({"export", "run.h5", "--vtk", "run.pvd"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("run.pvd"));
+    const std::string command = "/usr/bin/env python3 '" CVTFLOW_SOURCE_DIR "/tests/tools/read_vtk.py' '" + (folder_ / "run.pvd").string() +
+                                "' > '" + (folder_ / "vtk.txt").string() + "'";
+    int status = std::system(command.c_str());
+    if (WEXITSTATUS(status) == 77) status = std::system(("/usr/bin/python3" + command.substr(command.find(" '"))).c_str());
+    if (WEXITSTATUS(status) == 77 || WEXITSTATUS(status) == 127) GTEST_SKIP() << "needs VTK for Python (Debian: python3-vtk9)";
+    ASSERT_EQ(status, 0);
+    const engine::RunReader record((folder_ / "run.h5").string());
+    std::istringstream lines(read("vtk.txt"));
+    const std::vector<double> times = record.state_times();
+    ASSERT_GT(times.size(), 3u);
+    for (std::size_t step = 0; step < times.size(); ++step) {
+        double time = 0.0, tension = 0.0, axial = 0.0, plane = 0.0, x = 0.0, y = 0.0, z = 0.0;
+        std::size_t cells = 0;
+        lines >> time >> cells >> tension >> axial >> plane >> x >> y >> z;
+        ASSERT_TRUE(lines) << step;
+        EXPECT_EQ(time, times[step]);
+        EXPECT_NEAR(tension, sum_of(record, "plates/tension", step, false), 1e-6 * sum_of(record, "plates/tension", step, true));
+        const double forces = sum_of(record, "tips/axial_force", step, true);
+        EXPECT_NEAR(axial, forces, 1e-6 * forces);
+        EXPECT_NEAR(plane, sum_in_plane(record, step), 1e-6 * forces);
+        const auto state = record.state(step).state;  // the middle of the rear half of link 0 is what the state begins with
+        EXPECT_NEAR(x, state[0], 1e-7 * std::abs(state[0]));
+    }
+    std::string more;
+    EXPECT_FALSE(lines >> more) << "more states than the record has";
+}
+
+TEST_F(Export, TakesEverySoManyStatesAndReplacesNothingUnasked) {
+    ASSERT_EQ(made_, 0);
+    EXPECT_THAT(run({"export", "run.h5", "--vtk", "run.pvd", "--every", "2"}).out, HasSubstr("3 states"));
+    EXPECT_THAT(read("run.pvd"), HasSubstr("<DataSet timestep=\"1e-05\" file=\"run/run_000001.vtu\"/>"));
+    EXPECT_FALSE(exists("run/run_000003.vtu"));
+    const Outcome again = run({"export", "run.h5", "--vtk", "run.pvd"});
+    EXPECT_EQ(again.status, 1);
+    EXPECT_THAT(again.err, HasSubstr("run.pvd: is there already; --force replaces it"));
+    EXPECT_EQ(run({"export", "run.h5", "--vtk", "run.pvd", "--force"}).status, 0);
+    const std::string before = read("run.h5");
+    EXPECT_EQ(run({"export", "run.h5", "--vtk", "run.h5", "--force"}).status, 2);
+    EXPECT_TRUE(read("run.h5") == before) << "never over its input";
+}
+
+TEST_F(Export, SaysWhatItCannotWrite) {
+    ASSERT_EQ(made_, 0);
+    EXPECT_EQ(run({"export", "run.h5"}).status, 2);
+    EXPECT_EQ(run({"export", "run.h5", "--vtk", "x.vtk"}).status, 2);
+    EXPECT_EQ(run({"export", "none.h5", "--vtk", "x.pvd"}).status, 1);
+    EXPECT_EQ(run({"export", "run.h5", "--vtk", "none/x.pvd"}).status, 1);
+    EXPECT_EQ(run({"export", "run.h5", "--vtk", "x.pvd", "--every", "0"}).status, 2);
+    EXPECT_FALSE(exists("x.pvd"));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools
