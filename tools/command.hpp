@@ -51,5 +51,6 @@ Action declare_tradeoff(CLI::App& app);
 Action declare_extremes(CLI::App& app);
 Action declare_lottery(CLI::App& app);
 Action declare_plot(CLI::App& app);
+Action declare_report(CLI::App& app);
 
 }  // namespace cvtflow::tools

@@ -15,6 +15,8 @@ std::span<const Command> commands() noexcept {
         Command{"check", "Check a scene without running it; say what it is and what it will cost", declare_check},
         Command{"info", "Show what is in a record or a state file", declare_info},
         Command{"plot", "Draw a record, several, or a sweep: curves, orders, losses, maps; SVG, PNG or CSV", declare_plot},
+        Command{"report", "Make a page of a record, several, or a sweep that opens anywhere: curves, the running chain, tables",
+                declare_report},
         Command{"list", "List what there is: methods, detail, channels, scenes, executors, keys, units", declare_list},
         Command{"explain", "Explain keys of scenes: meaning, unit, range, default, source", declare_explain},
         Command{"schema", "Print the JSON schema of scenes, for editors", declare_schema},
