@@ -34,6 +34,13 @@ std::string in_script(const nlohmann::json& json) {
 
 std::string script(std::string_view name) { return fmt::format("<script>\n{}\n</script>\n", asset(name)); }
 
+/// Of the library that draws curves, where it is used.
+std::string_view style_of(const Page& page) {
+    static constexpr std::string_view library = "dygraph.min.js";
+    const bool used = std::find(page.scripts.begin(), page.scripts.end(), library) != page.scripts.end();
+    return used ? asset("dygraph.min.css") : std::string_view{};
+}
+
 }  // namespace
 
 std::string html(std::string_view text) {
@@ -83,15 +90,15 @@ std::string text_of(const Page& page) {
         "content=\"width=device-width, initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
         "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:\">\n<link rel=\"icon\" href=\"data:,\">\n"
         "<title>{}</title>\n<style>\n{}\n{}\n</style>\n</head>\n<body>\n<header>\n<h1>{}</h1>\n{}<nav aria-label=\"Sections\">",
-        html(page.title), asset("dygraph.min.css"), asset("report.css"), html(page.title), page.lead);
+        html(page.title), style_of(page), asset("report.css"), html(page.title), page.lead);
     for (const Section& section : page.sections) text += fmt::format("<a href=\"#{}\">{}</a> ", section.id, html(section.title));
     text += "<button type=\"button\" id=\"theme\" aria-pressed=\"false\">dark</button></nav>\n</header>\n<main>\n";
     for (const Section& section : page.sections)
         text += fmt::format("<section id=\"{}\" aria-labelledby=\"{}-title\">\n<h2 id=\"{}-title\">{}</h2>\n{}</section>\n", section.id,
                             section.id, section.id, html(section.title), section.body);
     text += fmt::format("</main>\n<script type=\"application/json\" id=\"data\">{}</script>\n", in_script(page.data));
-    text += script("dygraph.min.js") + (page.chain ? script("three.min.js") : "") + script("report.js");
-    return text + (page.chain ? script("chain.js") : "") + "</body>\n</html>\n";
+    for (const std::string& name : page.scripts) text += script(name);
+    return text + "</body>\n</html>\n";
 }
 
 }  // namespace cvtflow::tools

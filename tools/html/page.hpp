@@ -25,8 +25,8 @@ struct Section {
 struct Page {
     std::string title, lead;  ///< lead: HTML below the title
     std::vector<Section> sections;
-    nlohmann::json data;  ///< for the scripts
-    bool chain = false;   ///< whether there is a running chain
+    nlohmann::json data;               ///< for the scripts
+    std::vector<std::string> scripts;  ///< names of assets, in their order
 };
 
 /// @throws std::runtime_error if a library was missing when the program was built

@@ -129,7 +129,7 @@ std::string spectra(const std::vector<RecordedRun>& runs) {
     }
     std::string text;
     for (const std::string& word : words) {
-        for (const Plot& plot : order_plots(runs, {word})) text += picture(plot);
+        for (Plot plot : order_plots(runs, {word})) plot.height = 320.0, text += picture(std::move(plot));
     }
     return text;
 }
@@ -171,7 +171,7 @@ void add_chain(Page& page, const RecordedRun& run) {
         page.sections.push_back({"running", "Running chain", "<p>The record has no states that this program can show.</p>\n"});
         return;
     }
-    page.chain = true;
+    for (const char* script : {"three.min.js", "solids.js", "chain.js"}) page.scripts.push_back(script);
     page.data["motion"] = motion_data(motion);
     page.sections.push_back({"running", "Running chain", chain_body(motion)});
     if (motion.pulleys && !motion.force.empty())
@@ -184,6 +184,7 @@ std::string run_page(const std::vector<RecordedRun>& runs) {
     Page page;
     page.title = "cvtflow: " + attribute(runs.front(), "scene");
     for (std::size_t k = 1; k < runs.size(); ++k) page.title += ", " + attribute(runs[k], "scene");
+    page.scripts = {"dygraph.min.js", "report.js"};
     page.lead = of_all(runs, status_list);
     for (const RecordedRun& run : runs) page.data["runs"].push_back(curve_data(run, bytes_of_curves / runs.size()));
     page.sections = {{"simulated", "What was simulated", of_all(runs, simulated)},

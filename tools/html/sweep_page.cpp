@@ -79,6 +79,7 @@ std::string sweep_page(const SweepView& sweep) {
     page.title = "cvtflow: sweep " + sweep.name;
     page.lead = endings(sweep);
     page.data = data_of(sweep);
+    page.scripts = {"report.js", "sweep.js"};
     const std::string description = text_of(sweep.attributes, "description", "");
     page.sections = {
         {"map", "Picture",

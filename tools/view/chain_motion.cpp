@@ -63,7 +63,7 @@ private:
     }
     [[nodiscard]] double of_pin(const std::vector<double>& tips, int pin) const {
         const auto mine = tips_of(tips, pin);
-        return 0.5 * (mine[0] + mine[1] + mine[2] + mine[3]);
+        return 0.5 * (std::abs(mine[0] + mine[2]) + std::abs(mine[1] + mine[3]));  // signs tell the sides
     }
     void place(ChainMotion& motion, const engine::RecordedState& now, int pin, const std::array<double, 2>& speed,
                std::array<double, 2>& sum, std::array<double, 2>& count) const {
@@ -124,8 +124,8 @@ ChainMotion chain_motion(const RecordedRun& run, std::size_t most_states) {
     ChainMotion motion = shape_of(run.scene()->parameters);
     motion.recorded = recorded;
     const MotionReader reader(run, at);
-    const std::size_t stride = std::max<std::size_t>(1, (recorded + most_states - 1) / std::max<std::size_t>(1, most_states));
-    for (std::size_t number = 0; number < recorded; number += stride) reader.add(motion, run.reader().state(number));
+    const std::size_t shown = std::min(recorded, most_states);
+    for (std::size_t k = 0; k < shown; ++k) reader.add(motion, run.reader().state(k * recorded / shown));
     return motion;
 }
 
@@ -134,7 +134,9 @@ Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions) {
     Plot plot;
     plot.title = "Axial force of the tips round the pulleys";
     plot.subtitle = conditions + ", mean over all states; thin: least and largest";
-    plot.x.label = "angle about the shaft, from the side away from the other one [°]", plot.y.label = "force on each sheave [N]";
+    plot.x.label = "angle about the shaft in its sense of turning, 0: away from the other shaft [°]",
+    plot.y.label = "force on each sheave [N]";
+    plot.x.from = -130.0, plot.x.to = 130.0;
     for (const int shaft : {1, 2}) {
         std::vector<RoundBin> round(bins);
         for (std::size_t k = 0; k < motion.force.size(); ++k) {

@@ -15,7 +15,7 @@ struct ChainMotion {
     std::size_t recorded = 0;    ///< states of the record; more than `times` where they were thinned
     std::vector<double> times;   ///< [s]
     std::vector<float> x, y, z;  ///< [states * pins], of the middles of the pins' rear halves [m]
-    std::vector<float> force;    ///< mean of both sides of the axial force of a pin's tips [N]; empty: not recorded
+    std::vector<float> force;    ///< axial force of a pin on its sheaves, mean of both sides [N]; empty: not recorded
     std::vector<float> tension;  ///< of the link behind the pin [N]; empty: not recorded
     std::vector<float> slip;     ///< 1 - Ω/ω of a pin that touches sheaves, Ω about their axis; 0 elsewhere; empty: no pulleys
     std::vector<float> side;     ///< 0: free, 1, 2: between the sheaves of that shaft
