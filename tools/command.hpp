@@ -51,5 +51,7 @@ Action declare_detail(CLI::App& app);
 Action declare_tradeoff(CLI::App& app);
 Action declare_extremes(CLI::App& app);
 Action declare_lottery(CLI::App& app);
+Action declare_plot(CLI::App& app);
+Action declare_report(CLI::App& app);
 
 }  // namespace cvtflow::tools

@@ -4,42 +4,18 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tools/command.hpp"
+#include "tools/text/attribute_text.hpp"
 #include "tools/text/scene_text.hpp"
 #include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
-
-std::string value_text(const engine::Attribute& attribute) {
-    if (const auto* text = std::get_if<std::string>(&attribute.value)) return *text;
-    if (const auto* number = std::get_if<double>(&attribute.value)) return fmt::format("{:.6g}", *number);
-    return fmt::format("{}", std::get<std::int64_t>(attribute.value));
-}
-
-/// An attribute's text, or what stands for it.
-std::string text_of(const std::vector<engine::Attribute>& attributes, std::string_view name, const std::string& otherwise = "unknown") {
-    const auto found =
-        std::find_if(attributes.begin(), attributes.end(), [&](const engine::Attribute& attribute) { return attribute.name == name; });
-    return found == attributes.end() ? otherwise : value_text(*found);
-}
-
-/// The scene that a file was made from; none if this program cannot read it.
-std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attributes, std::string_view name) {
-    const std::string text = text_of(attributes, name, "");
-    if (text.empty()) return {};
-    try {
-        return tasks::parse_scene(text, "scene", tasks::StartState::ignored);
-    } catch (const tasks::SceneError&) {
-        return {};
-    }
-}
 
 std::string last_text(const std::vector<double>& last) {
     if (last.empty()) return "";

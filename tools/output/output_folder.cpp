@@ -5,9 +5,9 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <fstream>
 #include <stdexcept>
 
+#include "tools/output/text_file.hpp"
 #include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -33,10 +33,7 @@ void OutputFolder::write(const std::string& name, const std::string& text) {
     const std::filesystem::path path = std::filesystem::path(arguments_.folder.empty() ? "results" : arguments_.folder) / name;
     std::error_code ignored;  // the file cannot be written then, and says so
     std::filesystem::create_directories(path.parent_path(), ignored);
-    std::ofstream file(path, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file) throw std::runtime_error(path.string() + ": cannot write");
+    write_text(path.string(), text);
     names_.push_back(path.string());
 }
 

@@ -38,6 +38,13 @@ std::string plain(double value, int decimals) {
     return (value < 0.0 && text != "0" ? "−" : "") + text;
 }
 
+/// "2", "20", "2·10²".
+std::string multiple_of_ten(int digit, int exponent) {
+    const std::string number = std::to_string(digit);
+    if (exponent == 0 || exponent == 1) return number + (exponent == 1 ? "0" : "");
+    return number + "·" + power_of_ten(exponent);
+}
+
 }  // namespace
 
 std::string power_of_ten(int exponent, bool negative) {
@@ -52,6 +59,7 @@ std::string tick_label(double value, double step) {
     const int finest = static_cast<int>(std::floor(std::log10(step) + 1e-12));
     if (exponent >= 5 || exponent <= -4) {
         const std::string mantissa = plain(value / std::pow(10.0, exponent), std::max(0, exponent - finest));
+        if (mantissa == "1" || mantissa == "−1") return power_of_ten(exponent, value < 0.0);
         return mantissa + "·10" + superscript(exponent);
     }
     return plain(value, std::max(0, -finest));
@@ -129,7 +137,7 @@ std::vector<Tick> AxisScale::decades(int wanted) const {
         for (int digit = 2; digit <= 9 && stride == 1; ++digit) {
             // Of few decades, 2 and 5 are read as well.
             const bool read = (digit == 2 || digit == 5) && end_ - begin_ < 2.5;
-            if (within(digit * decade)) ticks.push_back({digit * decade, read ? std::to_string(digit) + "·" + power_of_ten(exponent) : ""});
+            if (within(digit * decade)) ticks.push_back({digit * decade, read ? multiple_of_ten(digit, exponent) : ""});
         }
     }
     return ticks;

@@ -35,6 +35,7 @@ struct Series {
     Mark mark = Mark::dot;
     Line line = Line::none;
     std::string colour;  ///< as in CSS; empty: the next of the palette
+    double width = 1.6;  ///< of the line [px]; a broad one, drawn first, shows below others that agree with it
 };
 
 /// A shaded part of the plane: where `inside` holds.
@@ -44,18 +45,29 @@ struct Region {
     std::string colour = "#dbe7f3";
 };
 
+/// Values over a grid, between whose points they are interpolated: colours, and contours at round values.
+struct Field {
+    std::string label;           ///< of the values, with their unit: "slip [%]"
+    std::vector<double> x, y;    ///< ascending, two at least
+    std::vector<double> values;  ///< [y][x]; cells with a corner that is not finite stay empty
+};
+
 struct Plot {
     std::string title;
     std::string subtitle;  ///< conditions, in smaller letters; may be empty
     Axis x, y;
     std::vector<Series> series;
     std::vector<Region> regions;           ///< below the series, in this order
+    std::vector<Field> fields{};           ///< above the regions, below the series
     double width = 860.0, height = 540.0;  ///< of the picture [px], legend included
 };
 
 /// The plot as an SVG document: white background, grid, ticks with round numbers, legend at the right.
 /// @throws std::invalid_argument if an axis has no length, or a symlog axis no linear part
 [[nodiscard]] std::string svg(const Plot& plot);
+
+/// Pictures below one another as one SVG document.
+[[nodiscard]] std::string svg(const std::vector<Plot>& plots);
 
 /// The colour that the series of that number gets if it names none: eight, told apart by the colour-blind, repeated.
 [[nodiscard]] std::string palette(std::size_t number);

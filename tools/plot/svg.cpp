@@ -5,7 +5,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "engine/base/hash.hpp"
 #include "tools/plot/axis_scale.hpp"
+#include "tools/plot/field.hpp"
 #include "tools/plot/plot.hpp"
 
 namespace cvtflow::tools {
@@ -66,9 +68,9 @@ std::string mark_style(Mark mark, const std::string& colour) {
     return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1.4\"", open ? "none" : colour, colour);
 }
 
-std::string line_style(Line line, const std::string& colour) {
-    return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{}", colour,
-                       line == Line::dashed ? " stroke-dasharray=\"6 4\"" : "");
+std::string line_style(const Series& series, const std::string& colour) {
+    return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}", colour, px(series.width),
+                       series.line == Line::dashed ? " stroke-dasharray=\"6 4\"" : "");
 }
 
 std::string text_at(double x, double y, const std::string& text, const std::string& more) {
@@ -85,6 +87,8 @@ std::vector<double> all(const Plot& plot, double Point::*coordinate) {
     for (const Series& series : plot.series) {
         for (const Point& point : series.points) values.push_back(point.*coordinate);
     }
+    const auto of_field = coordinate == &Point::x ? &Field::x : &Field::y;
+    for (const Field& field : plot.fields) values.insert(values.end(), (field.*of_field).begin(), (field.*of_field).end());
     return values;
 }
 
@@ -110,16 +114,26 @@ public:
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
             "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>{2}</title>\n"
             "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n"
-            "<clipPath id=\"frame\"><rect x=\"{3}\" y=\"{4}\" width=\"{5}\" height=\"{6}\"/></clipPath>\n",
-            px(plot_.width), px(plot_.height), escaped(plot_.title), px(left_), px(top_), px(right_ - left_), px(bottom_ - top_));
-        made += "<g clip-path=\"url(#frame)\">\n";
+            "<clipPath id=\"{7}\"><rect x=\"{3}\" y=\"{4}\" width=\"{5}\" height=\"{6}\"/></clipPath>\n",
+            px(plot_.width), px(plot_.height), escaped(plot_.title), px(left_), px(top_), px(right_ - left_), px(bottom_ - top_), name());
+        const std::string clipped = fmt::format("<g clip-path=\"url(#{})\">\n", name());
+        const auto x_of = [this](double value) { return at_x(value); };
+        const auto y_of = [this](double value) { return at_y(value); };
+        made += clipped;
         for (const Region& region : plot_.regions) made += shade(region);
-        made += grid() + "</g>\n" + frame() + "<g clip-path=\"url(#frame)\">\n";
+        for (const Field& field : plot_.fields) made += field_svg(field, x_of, y_of);
+        made += grid() + "</g>\n" + frame() + clipped;
         for (std::size_t k = 0; k < plot_.series.size(); ++k) made += draw(plot_.series[k], colour(k));
         return made + "</g>\n" + headings() + drawn_legend() + "</svg>\n";
     }
 
 private:
+    /// Of the frame: one document may hold several pictures.
+    [[nodiscard]] std::string name() const {
+        engine::Hash hash;
+        for (const std::string& part : {plot_.title, plot_.subtitle, plot_.x.label, plot_.y.label}) hash.add(std::string_view(part));
+        return "frame" + hash.hex();
+    }
     [[nodiscard]] double at_x(double value) const { return left_ + x_.place(value) * (right_ - left_); }
     [[nodiscard]] double at_y(double value) const { return bottom_ - y_.place(value) * (bottom_ - top_); }
     [[nodiscard]] std::string colour(std::size_t k) const {
@@ -132,7 +146,7 @@ private:
             const Series& series = plot_.series[k];
             if (series.name.empty()) continue;
             std::string drawing;
-            if (series.line != Line::none) drawing += fmt::format("<path d=\"M-12 0h24\" {}/>", line_style(series.line, colour(k)));
+            if (series.line != Line::none) drawing += fmt::format("<path d=\"M-12 0h24\" {}/>", line_style(series, colour(k)));
             if (series.mark != Mark::none)
                 drawing += fmt::format("<path d=\"{}\" {}/>", mark_path(series.mark, 0.0, 0.0), mark_style(series.mark, colour(k)));
             entries.push_back({series.name, drawing});
@@ -141,6 +155,11 @@ private:
             if (!region.name.empty())
                 entries.push_back({region.name, fmt::format("<rect x=\"-12\" y=\"-6\" width=\"24\" height=\"12\" fill=\"{}\"/>",
                                                             escaped(region.colour))});
+        }
+        for (const Field& field : plot_.fields) {
+            entries.push_back({field.label, ""});
+            for (const auto& [name, colour] : field_legend(field))
+                entries.push_back({name, fmt::format("<rect x=\"-12\" y=\"-10\" width=\"24\" height=\"20\" fill=\"{}\"/>", colour)});
         }
         return entries;
     }
@@ -211,7 +230,7 @@ private:
             joined = true;
         }
         std::string made;
-        if (series.line != Line::none && !line.empty()) made += fmt::format("<path d=\"{}\" {}/>\n", line, line_style(series.line, colour));
+        if (series.line != Line::none && !line.empty()) made += fmt::format("<path d=\"{}\" {}/>\n", line, line_style(series, colour));
         if (!marks.empty()) made += fmt::format("<path d=\"{}\" {}/>\n", marks, mark_style(series.mark, colour));
         return made;
     }

@@ -126,16 +126,17 @@ Plot empty_plot(const std::string& scene, const Comparison& comparison, const st
 
 Plot pin_plot(const std::string& scene, const Comparison& comparison) {
     Plot plot = empty_plot(scene, comparison, "Axial force");
-    const auto add = [&](const std::string& name, const tasks::Course& course, const char* colour, Line line) {
-        Series series{name, {}, Mark::none, line, colour};
+    const auto add = [&](const std::string& name, const tasks::Course& course, const std::string& colour, Line line, double width) {
+        Series series{name, {}, Mark::none, line, colour, width};
         const std::vector<double> force = course.pin_axial(comparison.pin, 0);
         for (std::size_t k = 0; k < force.size(); ++k) series.points.push_back({1e3 * course.time[k], force[k]});
         plot.series.push_back(std::move(series));
     };
+    add("reference", comparison.reference, "#bbbbbb", Line::solid, 5.0);  // below the others, which mostly hide one another
     for (const Compared& compared : comparison.candidates) {
-        if (!compared.fault) add(candidate_name(compared.candidate), compared.course, "", line_of(plot.series.size()));
+        const std::size_t number = plot.series.size() - 1;
+        if (!compared.fault) add(candidate_name(compared.candidate), compared.course, palette(number), line_of(number), 1.6);
     }
-    add("reference", comparison.reference, "#000000", Line::dashed);
     return plot;
 }
 

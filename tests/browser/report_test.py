@@ -1,0 +1,233 @@
+#!/usr/bin/python3
+"""Reports in a real browser: opened from a file, clicked, scrubbed, compared with the record. Exit status 77: packages are missing.
+
+    tests/browser/report_test.py CVTFLOW SOURCE_DIR
+
+Needs Debian's chromium and python3-h5py, and a cvtflow that was built with libjs-dygraphs and libjs-three.
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SKIPPED = 77
+try:
+    import h5py
+    import numpy
+except ImportError:
+    print("skipped: python3-h5py is not installed")
+    sys.exit(SKIPPED)
+from browser import Browser, BrowserError, program
+
+if program() is None:
+    print("skipped: chromium is not installed")
+    sys.exit(SKIPPED)
+
+CVTFLOW, SOURCE = (os.path.abspath(path) for path in sys.argv[1:3])
+folder = tempfile.TemporaryDirectory(prefix="cvtflow-report-")
+os.chdir(folder.name)
+
+
+def cvtflow(*words):
+    return subprocess.run([CVTFLOW, *words], check=True, capture_output=True, text=True).stdout
+
+
+cvtflow("run", "tiny", "--settle", "--set", "start.settling_time=20 us", "--set", "start.ramp_time=10 us", "--until", "400 us",
+        "--set", "run.output_interval=2 us", "--set", "run.state_interval=10 us", "-o", "run.h5", "-q")
+made = subprocess.run([CVTFLOW, "report", "run.h5"], capture_output=True, text=True)
+if "libjs-dygraphs" in made.stderr:
+    print("skipped: " + made.stderr.strip())
+    sys.exit(SKIPPED)
+if made.returncode != 0:
+    sys.exit(made.stderr)
+cvtflow("report", "run.h5", "run.h5", "-o", "both.html")
+cvtflow("report", os.path.join(SOURCE, "scenes/sweeps/slip_efficiency_results.csv"), "-o", "sweep.html")
+
+
+class Page(unittest.TestCase):
+    """A page that is opened anew for each test, and must neither complain nor ask for anything."""
+
+    page = "run.html"
+
+    def setUp(self):
+        self.browser = browser
+        browser.call("Emulation.setEmulatedMedia", {"media": "", "features": []})
+        browser.complaints.clear()
+        browser.requests.clear()
+        browser.open(self.page)
+        self.value = self.browser.value
+
+    def tearDown(self):
+        self.assertEqual(self.browser.complaints, [])
+        self.assertEqual(self.browser.requests, [])
+
+    def at(self, expression):
+        """Middle of an element in the window, once it is in view [px]."""
+        box = self.value(f"""(() => {{ const e = {expression}; e.scrollIntoView({{block: "center"}});
+            const b = e.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; }})()""")
+        return box
+
+
+class RunReport(Page):
+    def setUp(self):
+        super().setUp()
+        self.record = h5py.File("run.h5")
+        self.addCleanup(self.record.close)
+
+    def test_key_figures_are_those_of_the_record(self):
+        rows = self.value("""[...document.querySelectorAll("#figures tbody tr")].map((r) =>
+            [r.dataset.channel, ...[...r.querySelectorAll("[data-value]")].map((c) => Number(c.dataset.value))])""")
+        self.assertGreater(len(rows), 4)
+        for name, mean, _, least, largest in rows:
+            values = self.record["channels/" + name][:]
+            for shown, true in ((mean, values.mean()), (least, values.min()), (largest, values.max())):
+                self.assertAlmostEqual(shown, true, delta=1e-8 * abs(true) + 1e-300)  # nine digits
+
+    def test_every_curve_is_that_of_the_record(self):
+        names = self.value("[...curves.runs[0].curves.keys()]")
+        for name in ("ratio", "slip", "shaft_1/speed", "tight_tension"):
+            self.assertIn(name, names)
+            shown = numpy.array(self.value(f"[...curves.of(curves.runs[0], {name!r})]"))
+            true = self.record["channels/" + name][:]
+            numpy.testing.assert_allclose(shown, true, rtol=1e-7)  # 24 bits
+
+    def test_a_click_draws_a_channel_and_the_filter_finds_it(self):
+        before = self.value("document.querySelectorAll('.panel canvas').length")
+        self.value("""(() => { const f = document.getElementById("filter"); f.value = "touching";
+            f.dispatchEvent(new Event("input")); })()""")
+        self.assertEqual(self.value("[...document.querySelectorAll('#channels label')].filter((l) => !l.hidden).length"), 1)
+        self.browser.click(*self.at("document.querySelector('#channels label:not([hidden]) input')"))
+        self.assertGreater(self.value("document.querySelectorAll('.panel canvas').length"), before)
+        self.assertTrue(self.value("curves.chosen.has('tips/touching')"))
+
+    def test_buttons_zoom_all_curves_together(self):
+        self.browser.click(*self.at("document.querySelector('[data-zoom=\"0.5\"]')"))
+        windows = self.value("curves.charts.map((c) => c.xAxisRange())")
+        for window in windows:
+            self.assertAlmostEqual(window[0], 0.1, delta=1e-6)  # the middle half of 0 to 0.4 ms
+            self.assertAlmostEqual(window[1], 0.3, delta=1e-6)
+        self.browser.click(*self.at("document.getElementById('whole')"))
+        self.assertAlmostEqual(self.value("curves.charts[0].xAxisRange()[1]"), 0.4, delta=1e-6)
+
+    def test_scrubbing_moves_the_chain_to_the_recorded_states(self):
+        times = self.value("[...chain.t]")
+        numpy.testing.assert_allclose(times, self.record["states/time"][:], rtol=1e-12)
+        last = len(times) - 1
+        self.value(f"""(() => {{ const m = document.getElementById("moment"); m.value = {last};
+            m.dispatchEvent(new Event("input")); }})()""")
+        self.assertEqual(self.value("document.getElementById('moment-text').textContent"), "0.4 ms")
+        place = self.record["channels/followed_pin/position"][-1]
+        shown = self.value("(() => { const p = chain.where[0]; return [p.x, p.y, p.z]; })()")
+        numpy.testing.assert_allclose(shown, 1e3 * place, atol=0.005)  # 300 mm in 65,535 parts [mm]
+
+    def test_what_is_said_of_a_pin_is_in_the_record(self):
+        self.value("chain.show(chain.t.length - 1); chain.pick(0)")
+        self.assertIn("pin 0 at 0.4 ms", self.value("document.getElementById('pin').textContent"))
+        tension = self.record["channels/links/tension"][:]
+        shown = self.value("chain.at(chain.colours.find((c) => c.name === 'tension').values, 0, chain.t.length - 1)")
+        self.assertAlmostEqual(shown, tension[-1, 0], delta=(tension.max() - tension.min()) / 65535)
+        tips = numpy.abs(self.record["channels/tips/axial_force"][-1])
+        pins = range(self.value("chain.motion.pins"))
+        force = [self.value(f"chain.at(chain.colours[0].values, {pin}, chain.t.length - 1)") for pin in pins]
+        self.assertAlmostEqual(2 * sum(force), tips.sum(), delta=1e-3 * tips.sum() + 0.1)
+
+    def test_a_click_on_a_pin_plots_it(self):
+        self.at("document.getElementById('chain')")
+        place = self.value("(() => { const p = chain.screen(3); return [p.x, p.y]; })()")
+        self.browser.click(*place)
+        near = self.value("chain.pin")
+        distance = self.value(f"(() => {{ const p = chain.screen({near}); return Math.hypot(p.x - {place[0]}, p.y - {place[1]}); }})()")
+        self.assertLess(distance, 2.0)  # it, or one that hides it [px]
+        self.assertIn(f"of pin {near}", self.value("document.getElementById('pin-plot').textContent"))
+
+    def test_the_chain_is_drawn_and_runs(self):
+        seen = "(() => { chain.frame(); const g = chain.renderer.getContext(), w = g.drawingBufferWidth, h = g.drawingBufferHeight;" \
+               "const p = new Uint8Array(4 * w * h); g.readPixels(0, 0, w, h, g.RGBA, g.UNSIGNED_BYTE, p);" \
+               "let n = 0; for (let k = 3; k < p.length; k += 4) n += p[k] === 255; return n / (w * h); })()"
+        self.assertGreater(self.value(seen), 0.005)  # solid pixels
+        self.value("document.getElementById('speed').value = 1000")
+        self.browser.click(*self.at("document.getElementById('play')"))
+        self.value("new Promise((done) => setTimeout(done, 300))")
+        self.assertGreater(self.value("chain.moment"), 0.0)
+
+    def test_keys_turn_the_chain_and_step_through_states(self):
+        self.value("document.getElementById('chain').focus()")
+        turn = self.value("chain.view.turn")
+        self.browser.key("ArrowRight")
+        self.assertAlmostEqual(self.value("chain.view.turn"), turn + 0.1)
+        self.browser.key(".")
+        self.assertEqual(self.value("chain.moment"), 1)
+        self.browser.key("p")
+        self.assertEqual(self.value("chain.pin"), 0)
+
+    def test_what_can_be_clicked_can_be_reached_by_keys(self):
+        unreachable = self.value("""[...document.querySelectorAll("button, select, input, a, canvas#chain")]
+            .filter((e) => e.tabIndex < 0).length""")
+        self.assertEqual(unreachable, 0)
+        unnamed = self.value("""[...document.querySelectorAll("button, select, input")]
+            .filter((e) => e.offsetParent && !e.textContent && !e.labels?.length).length""")
+        self.assertEqual(unnamed, 0)
+
+    def test_light_and_dark_change_places(self):
+        paper = "getComputedStyle(document.body).backgroundColor"
+        self.assertEqual(self.value(paper), "rgb(255, 255, 255)")
+        self.browser.click(*self.at("document.getElementById('theme')"))
+        self.assertEqual(self.value(paper), "rgb(20, 24, 29)")
+
+    def test_a_dark_system_gets_a_dark_page(self):
+        self.browser.call("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]})
+        self.assertEqual(self.value("getComputedStyle(document.body).backgroundColor"), "rgb(20, 24, 29)")
+
+    def test_printing_leaves_the_controls_out(self):
+        self.browser.call("Emulation.setEmulatedMedia", {"media": "print"})
+        self.assertEqual(self.value("getComputedStyle(document.querySelector('nav')).display"), "none")
+        self.assertGreater(len(self.browser.call("Page.printToPDF")["data"]), 10000)
+
+
+class Comparison(Page):
+    page = "both.html"
+
+    def test_curves_of_both_stand_in_one_panel(self):
+        self.assertEqual(self.value("curves.charts[0].getLabels().length"), 3)
+
+
+class SweepReport(Page):
+    page = "sweep.html"
+
+    def column(self, name):
+        return self.value(f"""(() => {{ const t = document.getElementById("cases-table");
+            const c = [...t.tHead.rows[0].cells].findIndex((h) => h.textContent.startsWith({name!r}));
+            return [...t.tBodies[0].rows].map((r) => Number(r.cells[c].dataset.value)); }})()""")
+
+    def test_a_click_on_a_heading_sorts_the_cases(self):
+        before = self.column("slip_mean")
+        heading = "[...document.querySelectorAll('#cases-table th button')].find((b) => b.textContent === 'slip_mean')"
+        self.browser.click(*self.at(heading))
+        self.assertEqual(self.column("slip_mean"), sorted(before))
+        self.browser.click(*self.at(heading))
+        self.assertEqual(self.column("slip_mean"), sorted(before, reverse=True))
+
+    def test_the_picture_shows_every_case_that_ended_well(self):
+        self.assertEqual(self.value("document.querySelectorAll('#map-view circle').length"), 36)
+        self.value("""(() => { const s = document.getElementById("map-y"); s.value = "efficiency";
+            s.dispatchEvent(new Event("change")); })()""")
+        self.assertIn("efficiency", self.value("document.getElementById('map-view').textContent"))
+        self.assertEqual(self.value("document.querySelectorAll('#map-view circle').length"), 36)
+
+
+class Errors(unittest.TestCase):
+    def test_an_error_on_a_page_and_a_request_are_noticed(self):
+        with open("bad.html", "w") as file:
+            file.write("<script>nothing.there()</script><img src='http://localhost:1/x.png'>")
+        browser.open("bad.html")
+        browser.value("1")
+        self.assertTrue(any("nothing is not defined" in text for text in browser.complaints))
+        self.assertIn("http://localhost:1/x.png", browser.requests)
+        self.assertRaises(BrowserError, browser.value, "nowhere()")
+
+
+if __name__ == "__main__":
+    with Browser() as browser:
+        unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

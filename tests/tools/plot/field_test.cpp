@@ -1,0 +1,82 @@
+#include "tools/plot/field.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+
+namespace cvtflow::tools {
+namespace {
+
+/// z = 2 x + 3 y over a grid of 3 x 2 points.
+Field plane() {
+    Field field{"z", {0.0, 1.0, 2.0}, {0.0, 1.0}, {}};
+    for (const double y : field.y) {
+        for (const double x : field.x) field.values.push_back(2.0 * x + 3.0 * y);
+    }
+    return field;
+}
+
+TEST(Field, ContoursOfAPlaneLieOnIt) {
+    for (const double level : contour_levels(plane())) {
+        for (const Segment& piece : contour(plane(), level)) {
+            EXPECT_NEAR(2.0 * piece.from.x + 3.0 * piece.from.y, level, 1e-12);
+            EXPECT_NEAR(2.0 * piece.to.x + 3.0 * piece.to.y, level, 1e-12);
+        }
+    }
+    EXPECT_EQ(contour(plane(), 2.5).size(), 2U);  // from (0, 5/6) through (1, 1/6) to (1.25, 0)
+}
+
+TEST(Field, ContoursOfASaddleGoRoundTheCornersThatItsMiddleIsNotWith) {
+    const Field high{"", {0.0, 1.0}, {0.0, 1.0}, {1.0, 0.0, 0.0, 1.0}};  // z = 1 at (0,0) and (1,1): 0.5 in the middle
+    for (const auto& [level, joined] : {std::pair{0.4, true}, {0.6, false}}) {
+        const auto segments = contour(high, level);
+        ASSERT_EQ(segments.size(), 2U);
+        for (const Segment& piece : segments) {
+            const double x = 0.5 * (piece.from.x + piece.to.x), y = 0.5 * (piece.from.y + piece.to.y);
+            EXPECT_EQ((x - 0.5) * (y - 0.5) < 0.0, joined) << x << ' ' << y;
+        }
+    }
+}
+
+TEST(Field, CellsWithACornerThatIsNotANumberStayEmpty) {
+    Field field = plane();
+    field.values[0] = NAN;
+    for (const Segment& piece : contour(field, 3.5)) EXPECT_GE(std::min(piece.from.x, piece.to.x), 1.0);
+    EXPECT_FALSE(contour(field, 3.5).empty());
+}
+
+TEST(Field, ValuesThatDoNotFillTheGridAreRefused) {
+    Field field = plane();
+    field.values.pop_back();
+    EXPECT_THROW(static_cast<void>(contour(field, 1.0)), std::invalid_argument);
+    EXPECT_THROW(static_cast<void>(contour({"", {0.0}, {0.0, 1.0}, {1.0, 2.0}}, 1.0)), std::invalid_argument);
+}
+
+TEST(Field, ColoursBecomeBrighter) {
+    const auto brightness = [](const std::string& colour) {
+        const auto part = [&](std::size_t at) { return std::stoi(colour.substr(at, 2), nullptr, 16); };
+        return 0.2126 * part(1) + 0.7152 * part(3) + 0.0722 * part(5);
+    };
+    for (int k = 0; k < 20; ++k) EXPECT_LT(brightness(heat_colour(0.05 * k)), brightness(heat_colour(0.05 * (k + 1))));
+}
+
+TEST(Field, StandsInThePictureWithItsLegend) {
+    Plot plot;
+    plot.fields = {plane()};
+    const std::string text = svg(plot);
+    EXPECT_THAT(text, testing::HasSubstr("class=\"contour\""));
+    for (const auto& [name, colour] : field_legend(plane())) EXPECT_THAT(text, testing::HasSubstr("class=\"legend\">" + name + "<"));
+}
+
+TEST(Field, SeveralPicturesStandBelowOneAnother) {
+    Plot plot;
+    plot.title = "a";
+    Plot other = plot;
+    other.title = "b";
+    const std::string text = svg(std::vector<Plot>{plot, other});
+    EXPECT_THAT(text, testing::HasSubstr("<svg y=\"540\""));
+    EXPECT_THAT(text, testing::HasSubstr("viewBox=\"0 0 860 1080\""));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

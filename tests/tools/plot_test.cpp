@@ -1,0 +1,104 @@
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "engine/record/run/run_reader.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class PlotCommand : public Program {
+protected:
+    void SetUp() override {
+        const Outcome outcome = run_briefly({"-o", "run.h5", "--set", "run.output_interval=1 us", "--until", "40 us"});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+    }
+    static constexpr const char* table =
+        "case,status,load_torque,start_ratio,slip_mean\n"
+        "0,ok,10,1,0.1\n1,ok,20,1,0.2\n2,ok,10,2,0.3\n3,ok,20,2,0.4\n4,deep_tip,30,2,9\n";
+};
+
+TEST_F(PlotCommand, DrawsEveryKindOfPictureOfARecord) {
+    for (const std::vector<std::string>& kind : std::vector<std::vector<std::string>>{
+             {}, {"links/tension"}, {"shaft_1", "slip"}, {"links/tension[3]"}, {"tight_tension", "--orders"}, {"--round"}, {"--losses"}}) {
+        const Outcome outcome = run(std::vector<std::string>{"plot", "run.h5"} + kind + std::vector<std::string>{"-o", "p.svg"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_EQ(outcome.out, "p.svg\n");
+        EXPECT_THAT(read("p.svg"), StartsWith("<svg"));
+    }
+}
+
+TEST_F(PlotCommand, TheCsvHasTheNumbersOfTheRecord) {
+    ASSERT_EQ(run({"plot", "run.h5", "ratio", "-o", "p.csv"}).status, 0);
+    const engine::RunReader record((folder_ / "run.h5").string());
+    const std::vector<double> ratio = record.channel("ratio"), times = record.times();
+    std::istringstream lines(read("p.csv"));
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_EQ(line, "plot,series,x,y");
+    for (std::size_t row = 0; row < ratio.size(); ++row) {
+        ASSERT_TRUE(std::getline(lines, line));
+        std::istringstream numbers(line.substr(line.find(',', line.find(',') + 1) + 1));
+        double x = 0.0, y = 0.0;
+        char comma = 0;
+        numbers >> x >> comma >> y;
+        EXPECT_NEAR(x, 1e3 * times[row], 1e-9);
+        EXPECT_NEAR(y, ratio[row], 1e-8 * ratio[row]);  // nine digits
+    }
+    EXPECT_FALSE(std::getline(lines, line));
+}
+
+TEST_F(PlotCommand, SeveralRecordsStandInOnePicture) {
+    std::filesystem::copy_file(folder_ / "run.h5", folder_ / "other.h5");
+    ASSERT_EQ(run({"plot", "run.h5", "other.h5", "slip", "-o", "p.svg"}).status, 0);
+    EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr("slip, run.h5"), HasSubstr("slip, other.h5")));
+}
+
+TEST_F(PlotCommand, DrawsSweepsAsCurvesAndAsMaps) {
+    write("cases.csv", table);
+    const std::vector<std::string> axes{"plot", "cases.csv", "-o", "p.svg", "--x", "load.torque", "--y"};
+    ASSERT_EQ(run(axes + std::vector<std::string>{"slip_mean"}).status, 0);
+    EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr("start_ratio = 2"), HasSubstr("4 of 5 cases")));
+    ASSERT_EQ(run(axes + std::vector<std::string>{"start.ratio", "--colour", "slip_mean"}).status, 0);
+    EXPECT_THAT(read("p.svg"), HasSubstr("class=\"contour\""));
+}
+
+TEST_F(PlotCommand, SaysWhatIsWrong) {
+    write("cases.csv", table);
+    write("twice.csv", "status,load_torque,start_ratio,tip_angle,slip_mean\nok,1,1,1,1\nok,1,1,2,2\n");
+    const auto complains = [&](const std::vector<std::string>& words, int status, const std::string& text) {
+        const Outcome outcome = run(std::vector<std::string>{"plot"} + words);
+        EXPECT_EQ(outcome.status, status) << text;
+        EXPECT_THAT(outcome.err, HasSubstr(text));
+    };
+    complains({"run.h5", "slp"}, 2, "slp: neither a file nor a channel of run.h5 (did you mean \"slip\"?)");
+    complains({"run.h5", "links/tension[99]"}, 2, "numbers, from 0 on");
+    complains({"none.h5"}, 1, "none.h5: No such file or directory");
+    complains({"run.h5", "-o", "p.pdf"}, 2, "expected FILE.svg, FILE.png or FILE.csv");
+    complains({"run.h5", "--x", "slip"}, 2, "are for sweeps");
+    complains({"cases.csv", "--x", "load.torqe", "--y", "slip_mean"}, 2, "did you mean \"load_torque\"?");
+    complains({"cases.csv", "--x", "load.torque", "--y", "status"}, 2, "not numbers");
+    complains({"cases.csv", "--orders"}, 2, "is a sweep");
+    complains({"cases.csv", "--x", "load.torque", "--y", "slip_mean", "--where", "start.ratio=7"}, 2, "no case of cases.csv is left");
+    complains({"twice.csv", "--x", "load.torque", "--y", "start.ratio", "--colour", "slip_mean"}, 2, "among tip_angle");
+    complains({"run.h5", "-o", "none/p.svg"}, 1, "none/p.svg: cannot write");
+}
+
+TEST_F(PlotCommand, WithoutTheProgramForPngTellsWhatToInstall) {
+    const Outcome outcome = run({"plot", "run.h5", "-o", "p.png"}, {"PATH=" + folder_.string()});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("librsvg2-bin"));
+}
+
+TEST_F(PlotCommand, OverwritesNothingThatItReads) {
+    std::filesystem::copy_file(folder_ / "run.h5", folder_ / "run.svg");
+    EXPECT_EQ(run({"plot", "run.svg"}).status, 1);
+    EXPECT_EQ(read("run.svg"), read("run.h5"));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

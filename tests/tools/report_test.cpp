@@ -1,0 +1,79 @@
+#include <gmock/gmock.h>
+
+#include <regex>
+
+#include "tasks/scene/parameter_table.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class ReportCommand : public Program {
+protected:
+    void SetUp() override {
+        const Outcome outcome = run_briefly({"-o", "run.h5", "--set", "run.output_interval=1 us", "--set", "load.torque=7 N*m"});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        if (run({"report", "run.h5"}).err.find("libjs-dygraphs") != std::string::npos)
+            GTEST_SKIP() << "built without libjs-dygraphs and libjs-three";
+    }
+};
+
+TEST_F(ReportCommand, IsOneFileThatAsksForNoOther) {
+    ASSERT_EQ(run({"report", "run.h5", "-o", "page.html"}).status, 0);
+    const std::string page = read("page.html");
+    EXPECT_FALSE(std::regex_search(page, std::regex(R"(<(script|link|img|iframe)[^>]*(src|href)="(?!data:))")));
+    EXPECT_THAT(page, HasSubstr("default-src 'none'"));
+    EXPECT_LT(page.size(), 5000000U);
+}
+
+TEST_F(ReportCommand, SaysWhatWasSimulatedAndWhatIsNotTheDefault) {
+    ASSERT_EQ(run({"report", "run.h5"}).status, 0);
+    const std::string page = read("run.html");
+    EXPECT_LT(page.find("class=\"status\""), page.find("What was simulated"));
+    EXPECT_THAT(page, HasSubstr("<td><code>load.torque</code></td><td>7</td>"));
+    EXPECT_THAT(page, Not(HasSubstr("<td><code>chain.pitch</code></td>")));
+}
+
+TEST_F(ReportCommand, WarnsFirstOfWhatIsNotFinished) {
+    cut("run.h5", "cut.h5", std::filesystem::file_size(folder_ / "run.h5") - 32);  // without its seal
+    ASSERT_EQ(run({"report", "cut.h5"}).status, 0);
+    EXPECT_THAT(read("cut.html"), HasSubstr("has no seal"));
+}
+
+TEST_F(ReportCommand, ShowsSeveralRecordsBesideEachOther) {
+    std::filesystem::copy_file(folder_ / "run.h5", folder_ / "other.h5");
+    ASSERT_EQ(run({"report", "run.h5", "other.h5", "-o", "both.html"}).status, 0);
+    EXPECT_THAT(read("both.html"), testing::AllOf(HasSubstr("<h3>run.h5</h3>"), HasSubstr("<h3>other.h5</h3>")));
+}
+
+TEST_F(ReportCommand, TextsOfASceneCannotBecomePartsOfThePage) {
+    const Outcome outcome = run_briefly({"-o", "evil.h5", "--set", "scene.description=</script><b>&"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    ASSERT_EQ(run({"report", "evil.h5"}).status, 0);
+    EXPECT_THAT(read("evil.html"), testing::AllOf(HasSubstr("&lt;/script&gt;&lt;b&gt;&amp;"), Not(HasSubstr("</script><b>"))));
+}
+
+TEST_F(ReportCommand, ShowsEveryCaseOfASweep) {
+    write("cases.csv", "case,status,load_torque,slip_mean\n0,ok,10,0.1\n1,deep_tip,20,nan\n");
+    ASSERT_EQ(run({"report", "cases.csv"}).status, 0);
+    const std::string page = read("cases.html");
+    EXPECT_THAT(page, testing::AllOf(HasSubstr("<b>ok</b>: 1 of 2 cases"), HasSubstr("<b>deep_tip</b>: 1 of 2 cases"),
+                                     HasSubstr("id=\"cases-table\"")));
+}
+
+TEST_F(ReportCommand, SaysWhatIsWrong) {
+    write("cases.csv", "case,status\n0,ok\n");
+    write("other.csv", "a,b\n1,2\n");
+    EXPECT_THAT(run({"report", "none.h5"}).err, HasSubstr("none.h5: No such file or directory"));
+    EXPECT_EQ(run({"report", "none.h5"}).status, 1);
+    EXPECT_EQ(run({"report", "cases.csv", "cases.csv"}).status, 2);
+    EXPECT_THAT(run({"report", "other.csv"}).err, HasSubstr("not a sweep's table"));
+    EXPECT_EQ(run({"report", "run.h5", "-o", "run.h5"}).status, 1);
+    EXPECT_EQ(run({"report", "run.h5", "-o", "none/page.html"}).status, 1);
+}
+
+}  // namespace
+}  // namespace cvtflow::tools

@@ -1,0 +1,180 @@
+// The running chain, moved by a person.
+"use strict";
+
+/** Moved, turned, played and asked by a person. */
+class RunningChain extends DrawnChain {
+  constructor(motion) {
+    super(motion);
+    this.playing = false;
+    this.controls();
+    this.keys();
+    this.resize();
+    this.show(0);
+  }
+
+  show(moment) {
+    this.moment = Math.min(Math.max(moment, 0), this.t.length - 1);
+    this.place();
+    this.frame();
+    document.getElementById("moment").value = this.moment;
+    document.getElementById("moment-text").textContent = readable(1e3 * this.time()) + " ms";
+    this.tellPin();
+  }
+
+  play(on) {
+    this.playing = on;
+    document.getElementById("play").textContent = on ? "pause" : "play";
+    let before = performance.now();
+    const run = (now) => {
+      if (!this.playing) return;
+      const states = (this.t.length - 1) / (this.t[this.t.length - 1] - this.t[0] || 1),
+            ahead = (now - before) / 1e3 / Number(document.getElementById("speed").value);
+      before = now;
+      const next = this.moment + ahead * states;
+      this.show(next > this.t.length - 1 ? 0 : next);
+      requestAnimationFrame(run);
+    };
+    if (on) requestAnimationFrame(run);
+  }
+
+  controls() {
+    const speed = document.getElementById("speed"), colour = document.getElementById("colour"), moment = document.getElementById("moment");
+    for (const slow of [1, 10, 100, 1000, 10000])
+      speed.append(element("option", {value: slow}, slow === 1 ? "as in life" : `${slow} times slower`));
+    speed.value = 100;
+    this.colours.forEach((c, k) => colour.append(element("option", {value: k}, c.unit === "1" ? c.name : `${c.name} [${c.unit}]`)));
+    colour.addEventListener("change", () => this.choose(Number(colour.value)));
+    this.colour = this.colours[0] || {name: "nothing", unit: "", values: new Float32Array(this.x.length), from: 0, to: 0};
+    this.legend();
+    moment.step = "any";
+    moment.addEventListener("input", () => {
+      this.play(false);
+      this.show(Number(moment.value));
+    });
+    document.getElementById("play").addEventListener("click", () => this.play(!this.playing));
+    window.addEventListener("resize", () => this.resize());
+    let held = null;
+    this.canvas.addEventListener("pointerdown", (e) => {
+      held = {x: e.clientX, y: e.clientY, moved: false};
+      this.canvas.setPointerCapture(e.pointerId);
+    });
+    this.canvas.addEventListener("pointermove", (e) => {
+      if (!held) return;
+      const dx = e.clientX - held.x, dy = e.clientY - held.y;
+      if (!held.moved && Math.hypot(dx, dy) < 4) return;
+      held = {x: e.clientX, y: e.clientY, moved: true};
+      this.look(-0.006 * dx, 0.006 * dy, 1);
+    });
+    this.canvas.addEventListener("pointerup", (e) => {
+      if (held && !held.moved) this.click(e);
+      held = null;
+    });
+    this.canvas.addEventListener("wheel", (e) => {
+      e.preventDefault();
+      this.look(0, 0, Math.exp(1e-3 * e.deltaY));
+    }, {passive: false});
+  }
+
+  choose(number) {
+    this.colour = this.colours[number];
+    this.legend();
+    this.show(this.moment);
+    if (this.pin >= 0) this.plotPin();
+  }
+
+  look(turn, lift, zoom) {
+    this.view.turn += turn;
+    this.view.lift = Math.min(Math.max(this.view.lift + lift, -1.5), 1.5);
+    this.view.distance = Math.min(Math.max(this.view.distance * zoom, 60), 2500);
+    this.frame();
+  }
+
+  keys() {
+    const turns = {
+      ArrowLeft: [-0.1, 0, 1],
+      ArrowRight: [0.1, 0, 1],
+      ArrowUp: [0, 0.1, 1],
+      ArrowDown: [0, -0.1, 1],
+      "+": [0, 0, 0.9],
+      "-": [0, 0, 1.1]
+    };
+    this.canvas.addEventListener("keydown", (e) => {
+      if (turns[e.key])
+        this.look(...turns[e.key]);
+      else if (e.key === " ")
+        this.play(!this.playing);
+      else if (e.key === "," || e.key === ".")
+        this.show(Math.round(this.moment) + (e.key === "." ? 1 : -1));
+      else if (e.key === "p" || e.key === "P")
+        this.pick((this.pin + 1) % this.motion.pins);
+      else
+        return;
+      e.preventDefault();
+    });
+  }
+
+  legend() {
+    const bar = element("canvas", {width: 200, height: 1}), paint = bar.getContext("2d"), {name, unit, from, to} = this.colour;
+    for (let k = 0; k < 200; ++k) {
+      paint.fillStyle = heatText(k / 199);
+      paint.fillRect(k, 0, 1, 1);
+    }
+    const of = (value) => readable(value) + (unit === "1" ? "" : " " + unit);
+    document.getElementById("legend").replaceChildren(name + ": " + of(from), bar, of(to));
+  }
+
+  /** The pin nearest to where was clicked, if one is near. */
+  click(event) {
+    let nearest = -1, least = 20;
+    for (let pin = 0; pin < this.motion.pins; ++pin) {
+      const at = this.screen(pin), distance = Math.hypot(at.x - event.clientX, at.y - event.clientY);
+      if (distance < least) {
+        least = distance;
+        nearest = pin;
+      }
+    }
+    if (nearest >= 0) this.pick(nearest);
+  }
+
+  pick(pin) {
+    this.pin = pin;
+    this.show(this.moment);
+    this.plotPin();
+  }
+
+  tellPin() {
+    if (this.pin < 0) return;
+    const numbers =
+        this.colours.map((c) => `${c.name} ${readable(this.at(c.values, this.pin, this.moment))}${c.unit === "1" ? "" : " " + c.unit}`);
+    document.getElementById("pin").textContent = `pin ${this.pin} at ${readable(1e3 * this.time())} ms: ${numbers.join(", ")}`;
+  }
+
+  plotPin() {
+    if (this.chart) this.chart.destroy();
+    const pins = this.motion.pins, rows = [...this.t].map((t, k) => [1e3 * t, this.colour.values[k * pins + this.pin]]);
+    const place = document.getElementById("pin-plot"), name = `${this.colour.name} of pin ${this.pin}`, style = getComputedStyle(root);
+    place.className = "panel";
+    this.chart = new Dygraph(place, rows, {
+      labels: ["time [ms]", name],
+      title: name,
+      xlabel: "time [ms]",
+      ylabel: this.colour.unit === "1" ? "" : `[${this.colour.unit}]`,
+      titleHeight: 20,
+      colors: [colours[1]],
+      axisLineColor: style.getPropertyValue("--soft"),
+      gridLineColor: style.getPropertyValue("--line"),
+      axes: {y: {valueFormatter: readable, axisLabelFormatter: readable, axisLabelWidth: 64}},
+      clickCallback: (event, time) => this.show(this.t.findIndex((t) => 1e3 * t >= time - 1e-9)),
+    });
+  }
+}
+
+if (data.motion) {
+  try {
+    window.chain = new RunningChain(data.motion);
+    document.addEventListener("theme", () => window.chain.frame());
+  } catch (error) {
+    if (window.chain || !/WebGL/.test(String(error))) throw error;
+    document.getElementById("chain").replaceWith(element("p", {}, "This browser has no WebGL; the chain cannot be shown."));
+  }
+}

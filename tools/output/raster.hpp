@@ -1,0 +1,12 @@
+#pragma once
+/// SVG as PNG, by librsvg's program.
+
+#include <string>
+
+namespace cvtflow::tools {
+
+/// Writes a picture as PNG with rsvg-convert.
+/// @throws std::runtime_error if it is not installed (with the package to install), or what it says
+void write_png(const std::string& path, const std::string& svg);
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,41 @@
+#pragma once
+/// The results of a sweep, from its table or from a CSV of it.
+
+#include <string>
+#include <vector>
+
+#include "engine/record/run/schema.hpp"
+
+namespace cvtflow::tools {
+
+struct SweepColumn {
+    std::string name, unit, description;
+    bool axis = false;    ///< a key of the scene that the cases differ in or that the sweep sets
+    bool number = false;  ///< whether its cells are numbers
+};
+
+struct SweepView {
+    std::string path;
+    std::string name;                           ///< of the sweep; of a CSV, the file's
+    std::vector<engine::Attribute> attributes;  ///< none of a CSV
+    std::vector<SweepColumn> columns;
+    std::vector<std::vector<std::string>> cells;  ///< [case][column]
+
+    /// @throws UsageError with the column that was probably meant; keys may be written with dots
+    [[nodiscard]] std::size_t column(const std::string& word) const;
+    /// NaN for a cell that is no number.
+    [[nodiscard]] double number(std::size_t row, std::size_t column) const;
+    /// Keeps cases whose column has that value. @param condition "start.ratio=1"   @throws UsageError
+    void keep(const std::string& condition);
+    /// Those that ended well; all if the table does not say.
+    void keep_good();
+};
+
+/// Whether a path is that of a sweep: a folder, a table of cases, or a CSV.
+[[nodiscard]] bool is_sweep(const std::string& path);
+
+/// @param path folder of a sweep, its cases.h5, or what `cvtflow table --csv` printed
+/// @throws engine::RecordError
+[[nodiscard]] SweepView read_sweep(const std::string& path);
+
+}  // namespace cvtflow::tools
