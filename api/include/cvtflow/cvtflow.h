@@ -34,6 +34,7 @@ typedef enum cvtflow_code {
     CVTFLOW_MEMORY = 8,
     CVTFLOW_INTERNAL = 9,     /* a defect of cvtflow */
     CVTFLOW_CALLBACK = 10,    /* a callback returned other than 0 */
+    CVTFLOW_RECORD = 11,      /* a record cannot be read */
     CVTFLOW_NON_FINITE = 20,  /* from here on: why a simulation cannot go on */
     CVTFLOW_PENETRATION = 21,
     CVTFLOW_LEFT_SHEAVE = 22,
