@@ -30,14 +30,15 @@ double advance_released(Simulation& simulation, double end) {
 }
 
 void advance_to(Stepper& self, double until) {
-    do {
+    for (bool there = false; !there;) {
         const double begin = self.simulation.time();
-        const double span = self.pace > 0.0 ? self.pace * between_looks : first_span;
-        const double wall = advance_released(self.simulation, begin + span < until ? begin + span : until);
+        const double end = begin + (self.pace > 0.0 ? self.pace * between_looks : first_span);
+        there = !(end < until);
+        const double wall = advance_released(self.simulation, there ? until : end);
         const double covered = self.simulation.time() - begin;
         if (covered > 0.0 && wall > 0.0) self.pace = covered / wall;
         if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-    } while (self.simulation.time() < until);
+    }
 }
 
 [[nodiscard]] std::unique_ptr<Stepper> create(const Scene& scene, Threads threads, int segments) {

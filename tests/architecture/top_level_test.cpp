@@ -9,14 +9,30 @@ namespace cvtflow::architecture {
 namespace {
 
 const std::set<std::string> allowed{
-    ".ci",          ".clang-format", ".clang-tidy", ".gitignore", "ARCHITECTURE.md", "CHANGELOG.md", "CMakeLists.txt", "CMakePresets.json",
-    "DECISIONS.md", "LICENSE",       "README.md",
+    ".ci",
+    ".clang-format",
+    ".clang-tidy",
+    ".gitignore",
+    "ARCHITECTURE.md",
+    "CHANGELOG.md",
+    "CMakeLists.txt",
+    "CMakePresets.json",
+    "DECISIONS.md",
+    "LICENSE",
+    "README.md",
     "SECURITY.md",  // where everybody looks for it
     "docs",         // what is longer than a README and no decision
     "api",          // what host programs include and link: must be found without knowing the inside
-    "bench",        "docs",          "engine",
-    "examples",  // the first thing that an author of a host program opens; a project of its own as well
-    "model",        "scenes",        "tasks",       "tests",      "tools",
+    "bench",
+    "docs",
+    "engine",
+    "examples",        // the first thing that an author of a host program opens; a project of its own as well
+    "pyproject.toml",  // pip looks nowhere else
+    "model",
+    "scenes",
+    "tasks",
+    "tests",
+    "tools",
 };
 
 TEST(TopLevel, HoldsOnlyWhatIsAllowed) {

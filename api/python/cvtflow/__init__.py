@@ -19,13 +19,6 @@ from ._sweep import Sweep
 
 __version__ = library_version()
 
-
-def _with(self, *settings):
-    """This scene with settings "key=value", values with their units: scene.with_("run.step=1 us", "load.torque=8 N*m")."""
-    return self.with_settings(list(settings))
-
-
-Scene.with_ = _with
 Scene.__module__ = Simulation.__module__ = "cvtflow"
 _pickle.install(Simulation)
 _display.install(Scene, Simulation)

@@ -25,7 +25,7 @@ class Sweep:
 
     sweep = cvtflow.Sweep("tiny", {"load.torque": ["6 N*m", "12 N*m"]}, ["slip mean", "efficiency mean"],
                           settings={"run.until": "0.2 ms"})
-    sweep.run("results/loads")["slip mean"]   # an array
+    sweep.run("results/loads")["slip_mean"]   # an array
 
     Keys whose values vary together are given as one tuple: {("clamping.driving", "clamping.driven"): [("3 kN", "2 kN"), ...]}.
     write() gives the file that `cvtflow batch` and tools/slurm/submit take; results() reads what they left, of one machine or of many.
