@@ -50,5 +50,6 @@ Action declare_detail(CLI::App& app);
 Action declare_tradeoff(CLI::App& app);
 Action declare_extremes(CLI::App& app);
 Action declare_lottery(CLI::App& app);
+Action declare_export_fmu(CLI::App& app);
 
 }  // namespace cvtflow::tools

@@ -17,13 +17,16 @@ void bind_threads(py::module_& module) {
 }
 
 void bind_inputs(py::module_& module) {
-    py::enum_<Input>(module, "Input", "What a host may set between steps; a set value replaces the scene's table from then on.")
-        .value("clamping_driving", Input::clamping_driving, "S_1 [N]")
-        .value("clamping_driven", Input::clamping_driven, "S_2 [N]")
-        .value("load_torque", Input::load_torque, "against the travel of shaft 2 [N m]")
-        .value("drive_torque", Input::drive_torque, "on shaft 1, drive.mode = \"torque\" [N m]")
-        .value("drive_speed", Input::drive_speed, "of shaft 1, drive.mode = \"speed\" [rad/s]")
-        .value("ratio", Input::ratio, "wanted speed ratio, with control.enabled [1]");
+    py::enum_<Input> type(module, "Input", "What a host may set between steps; a set value replaces the scene's table from then on.");
+    for (int number = 0;; ++number) {
+        try {
+            const InputInfo info = input_info(static_cast<Input>(number));
+            type.value(info.name.data(), static_cast<Input>(number),
+                       (std::string(info.description) + " [" + info.unit.data() + "]").c_str());
+        } catch (const Error&) {  // the last one was before
+            break;
+        }
+    }
 }
 
 void bind_figures(py::module_& module) {

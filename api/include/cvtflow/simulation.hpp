@@ -40,6 +40,15 @@ enum class Input : int {
     ratio = 5,             ///< wanted speed ratio, with control.enabled [1]
 };
 
+struct InputInfo {
+    std::string_view name;  ///< as the enumerator: "load_torque"; all three live as long as the library is loaded and end in 0
+    std::string_view unit;  ///< "N*m", "1" for none
+    std::string_view description;
+};
+
+/// @throws Error (argument) for a number that is no input: they are numbered from 0 without a gap
+[[nodiscard]] CVTFLOW_EXPORT InputInfo input_info(Input input);
+
 /// What happened since the start; after settling, since t = 0. Part of the state.
 struct Counters {
     std::int64_t steps = 0;        ///< accepted, truncated ones included
