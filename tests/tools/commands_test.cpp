@@ -15,9 +15,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::vector<std::string> names{"run",       "resume",    "batch",   "table",       "merge",  "settle",   "check",    "info",
-                                     "list",      "explain",   "schema",  "local-error", "method", "fit",      "compare",  "spectrum",
-                                     "stability", "pin-entry", "profile", "newton",      "detail", "tradeoff", "extremes", "dot"};
+const std::vector<std::string> names{"run",      "resume",   "batch",     "table",     "merge",       "settle", "check",
+                                     "info",     "list",     "explain",   "schema",    "local-error", "method", "fit",
+                                     "compare",  "spectrum", "stability", "pin-entry", "profile",     "newton", "detail",
+                                     "tradeoff", "extremes", "dot",       "export-fmu"};
 
 class Commands : public Program {};
 

@@ -31,6 +31,13 @@ std::string number(double value) { return fmt::format("{:.17g}", value); }
 /// ` unit="N*m"`; nothing for pure numbers.
 std::string unit_attribute(const FmuVariable& row) { return row.unit == "1" ? "" : fmt::format(" unit=\"{}\"", escaped(row.unit)); }
 
+/// Of units of channels, too, which scenes do not know.
+tasks::Dimension dimension_of(const std::string& unit) {
+    if (unit == "J") return tasks::dimension_of("N*m");
+    if (unit == "W") return tasks::dimension_of("N*m/s");
+    return tasks::dimension_of(unit);
+}
+
 /// Units in use with their exponents of kg, m, s, rad; those with halves go without.
 std::string unit_definitions(const std::vector<FmuVariable>& variables) {
     std::set<std::string> names;
@@ -39,7 +46,7 @@ std::string unit_definitions(const std::vector<FmuVariable>& variables) {
     }
     std::string text = "  <UnitDefinitions>\n";
     for (const std::string& name : names) {
-        const tasks::Dimension d = tasks::dimension_of(name);
+        const tasks::Dimension d = dimension_of(name);
         text += fmt::format("    <Unit name=\"{}\">", escaped(name));
         if ((d.mass | d.length | d.time | d.angle) % 2 == 0)
             text += fmt::format("<BaseUnit kg=\"{}\" m=\"{}\" s=\"{}\" rad=\"{}\"/>", d.mass / 2, d.length / 2, d.time / 2, d.angle / 2);
