@@ -118,7 +118,8 @@ public:
     [[nodiscard]] double step_length() const noexcept;
 
     /// Takes whole steps until time() ≥ t. Where the calls end does not change the result: one call or a thousand give the same bits.
-    /// @throws Error (a fault, cancelled, busy, forked); the simulation then stands at the last accepted step
+    /// A time more than run.output_interval before time() is refused: states go back, steps do not.
+    /// @throws Error (a fault, cancelled, busy, forked, argument); the simulation then stands at the last accepted step
     void advance_to(double t);
     /// One step, perhaps cut short by a transition. @throws as advance_to
     void step();
