@@ -53,5 +53,6 @@ Action declare_extremes(CLI::App& app);
 Action declare_lottery(CLI::App& app);
 Action declare_plot(CLI::App& app);
 Action declare_report(CLI::App& app);
+Action declare_export_fmu(CLI::App& app);
 
 }  // namespace cvtflow::tools

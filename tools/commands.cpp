@@ -35,6 +35,7 @@ std::span<const Command> commands() noexcept {
         Command{"tradeoff", "Measure what accuracy costs: methods and steps, the Pareto front, a recommendation", declare_tradeoff},
         Command{"extremes", "Run the edges of every parameter and say what comes of each", declare_extremes},
         Command{"lottery", "Run machines drawn by chance with defaults and count how they end", declare_lottery},
+        Command{"export-fmu", "Write a scene as an FMU for other simulators (FMI 2.0 or 3.0)", declare_export_fmu},
         Command{"dot", "Draw the task graph of a step in Graphviz' language", declare_dot},
     };
     return rows;

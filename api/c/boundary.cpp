@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
+#include <utility>
 
 namespace cvtflow::api {
 
@@ -30,6 +31,14 @@ cvtflow_code say_exception(cvtflow_message* message) noexcept {
     } catch (...) {
         return say(message, ErrorCode::internal, "an exception of unknown type");
     }
+}
+
+void give_text(const std::string& whole, char* text, size_t* size) {
+    const size_t needed = whole.size() + 1;
+    const size_t room = std::exchange(given(size, "size"), needed);
+    if (text == nullptr) return;
+    if (room < needed) throw Error(ErrorCode::argument, "size: " + std::to_string(room) + " bytes for a text of " + std::to_string(needed));
+    std::memcpy(text, whole.c_str(), needed);
 }
 
 void fill_versioned(void* callers, const void* ours, std::size_t our_size, std::size_t first_size) {

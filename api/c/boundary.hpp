@@ -3,7 +3,9 @@
 
 #include <cvtflow/cvtflow.h>
 
+#include <cvtflow/record.hpp>
 #include <cvtflow/simulation.hpp>
+#include <vector>
 
 struct cvtflow_scene {
     cvtflow::Scene scene;
@@ -11,6 +13,15 @@ struct cvtflow_scene {
 
 struct cvtflow_simulation {
     cvtflow::Simulation simulation;
+    cvtflow_log_function log = nullptr;
+    void* log_user = nullptr;
+    std::vector<std::string> logged{};  ///< notices that the log has seen
+};
+
+struct cvtflow_record {
+    cvtflow::Record record;
+    std::string status;
+    std::vector<cvtflow::Column> channels;
 };
 
 namespace cvtflow::api {
@@ -38,6 +49,9 @@ T& given(T* pointer, const char* name) {
     if (pointer == nullptr) throw Error(ErrorCode::argument, std::string(name) + " is NULL");
     return *pointer;
 }
+
+/// Copies a text and its 0 to where a caller has *size bytes; *size becomes what is needed. @throws Error (argument) if it does not fit
+void give_text(const std::string& whole, char* text, size_t* size);
 
 /// Fills a versioned struct of the caller's, as far as its size goes. Both begin with their size.
 /// @throws Error (argument) for a size that no version has

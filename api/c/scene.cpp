@@ -36,6 +36,14 @@ cvtflow_code cvtflow_scene_with_detail(const cvtflow_scene* scene, const char* p
     });
 }
 
+cvtflow_code cvtflow_scene_text(const cvtflow_scene* scene, char* text, size_t* size, cvtflow_message* message) {
+    return api::guarded(message, [&] { api::give_text(api::given(scene, "scene").scene.text(), text, size); });
+}
+
+cvtflow_code cvtflow_scene_value(const cvtflow_scene* scene, const char* key, char* text, size_t* size, cvtflow_message* message) {
+    return api::guarded(message, [&] { api::give_text(api::given(scene, "scene").scene.value(&api::given(key, "key")), text, size); });
+}
+
 const char* cvtflow_scene_name(const cvtflow_scene* scene) { return scene != nullptr ? scene->scene.name().c_str() : ""; }
 void cvtflow_scene_release(cvtflow_scene* scene) { delete scene; }
 

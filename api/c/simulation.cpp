@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -22,6 +23,31 @@ T ask(const cvtflow_simulation* simulation, T nothing, Question&& question) noex
     } catch (...) {
         return nothing;
     }
+}
+
+void log(const cvtflow_simulation& handle, const std::string& line) {
+    if (handle.log != nullptr) handle.log(line.c_str(), handle.log_user);
+}
+
+void log_notices(cvtflow_simulation& handle) {
+    if (handle.log == nullptr) return;
+    for (const std::string& line : handle.simulation.notices()) {
+        if (std::find(handle.logged.begin(), handle.logged.end(), line) != handle.logged.end()) continue;
+        handle.logged.push_back(line);
+        log(handle, line);
+    }
+}
+
+/// Runs `action` and tells the log what came of it.
+template <class Action>
+void logged(cvtflow_simulation& handle, Action&& action) {
+    try {
+        action(handle.simulation);
+    } catch (const std::exception& error) {
+        log(handle, error.what());
+        throw;
+    }
+    log_notices(handle);
 }
 
 }  // namespace
@@ -53,11 +79,11 @@ double cvtflow_step_length(const cvtflow_simulation* simulation) {
 }
 
 cvtflow_code cvtflow_advance_to(cvtflow_simulation* simulation, double time, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::given(simulation, "simulation").simulation.advance_to(time); });
+    return api::guarded(message, [&] { logged(api::given(simulation, "simulation"), [&](Simulation& s) { s.advance_to(time); }); });
 }
 
 cvtflow_code cvtflow_step(cvtflow_simulation* simulation, cvtflow_message* message) {
-    return api::guarded(message, [&] { api::given(simulation, "simulation").simulation.step(); });
+    return api::guarded(message, [&] { logged(api::given(simulation, "simulation"), [](Simulation& s) { s.step(); }); });
 }
 
 void cvtflow_cancel(cvtflow_simulation* simulation) {
@@ -149,6 +175,30 @@ cvtflow_code cvtflow_counters_get(const cvtflow_simulation* simulation, cvtflow_
         const Counters now = api::given(simulation, "simulation").simulation.counters();
         const cvtflow_counters ours{sizeof ours, 0, now.steps, now.evaluations, now.transitions, now.truncated, now.suppressed};
         api::fill_versioned(&api::given(counters, "counters"), &ours, sizeof ours, sizeof ours);
+    });
+}
+
+cvtflow_code cvtflow_notices(const cvtflow_simulation* simulation, cvtflow_log_function function, void* user, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        if (function == nullptr) throw Error(ErrorCode::argument, "function is NULL");
+        for (const std::string& line : api::given(simulation, "simulation").simulation.notices()) function(line.c_str(), user);
+    });
+}
+
+cvtflow_code cvtflow_on_log(cvtflow_simulation* simulation, cvtflow_log_function function, void* user, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        cvtflow_simulation& handle = api::given(simulation, "simulation");
+        handle.log = function;
+        handle.log_user = user;
+        handle.logged.clear();
+    });
+}
+
+cvtflow_code cvtflow_input_describe(int32_t input, cvtflow_channel_info* info, cvtflow_message* message) {
+    return api::guarded(message, [&] {
+        const InputInfo row = input_info(static_cast<Input>(input));
+        const cvtflow_channel_info ours{sizeof ours, 0, row.name.data(), row.unit.data(), row.description.data(), 1};
+        api::fill_versioned(&api::given(info, "info"), &ours, sizeof ours, sizeof ours);
     });
 }
 

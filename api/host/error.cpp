@@ -19,6 +19,7 @@ const char* error_name(ErrorCode code) noexcept {
         case ErrorCode::memory: return "memory";
         case ErrorCode::internal: return "internal";
         case ErrorCode::callback: return "callback";
+        case ErrorCode::record: return "record";
         case ErrorCode::non_finite: return "non_finite";
         case ErrorCode::penetration: return "penetration";
         case ErrorCode::left_sheave: return "left_sheave";

@@ -135,6 +135,11 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
     if (!std::isfinite(until)) throw Error(ErrorCode::argument, "time: not a finite number");
     api::FloatingDefaults defaults;
     const Scope scope(*this, Scope::As::stepper);
+    // A step may end up to one output interval behind the time that was asked for, which may be asked for again.
+    if (until < simulation_.time() - data().run.output_interval) {
+        throw Error(ErrorCode::argument, "time: " + tasks::number_text(until) + " s is before " + tasks::number_text(simulation_.time()) +
+                                             " s, where the simulation stands; to go back, set a state");
+    }
     require_own_process();
     const double enough = until - 1e-9 * data().run.output_interval;
     while (simulation_.time() < enough) {

@@ -22,8 +22,9 @@ inline namespace v0 {
 
 namespace {
 
-/// An input: its key in scenes, whose range holds for it, and what a scene must have for it.
+/// An input: its name, its key in scenes, whose range holds for it, and what a scene must have for it.
 struct InputRow {
+    const char* name;
     const char* key;
     std::optional<double> model::HeldInputs::*held;
     const model::TimeTable& (*table)(const model::Parameters&);
@@ -38,28 +39,43 @@ using P = model::Parameters;
 [[nodiscard]] bool controlled(const P& p) { return p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio; }
 
 constexpr InputRow input_rows[] = {
-    {"clamping.driving", &model::HeldInputs::driving, [](const P& p) -> const model::TimeTable& { return p.clamping.driving; }, always, ""},
-    {"clamping.driven", &model::HeldInputs::driven, [](const P& p) -> const model::TimeTable& { return p.clamping.driven; }, always, ""},
-    {"load.torque", &model::HeldInputs::load_torque, [](const P& p) -> const model::TimeTable& { return p.load.torque; }, always, ""},
-    {"drive.torque", &model::HeldInputs::drive_torque, [](const P& p) -> const model::TimeTable& { return p.drive.torque; }, by_torque,
-     "drive.mode = \"torque\""},
-    {"drive.speed", &model::HeldInputs::drive_speed, [](const P& p) -> const model::TimeTable& { return p.drive.speed; }, by_speed,
-     "drive.mode = \"speed\""},
-    {"control.ratio", &model::HeldInputs::ratio, [](const P& p) -> const model::TimeTable& { return p.control.ratio; }, controlled,
+    {"clamping_driving", "clamping.driving", &model::HeldInputs::driving,
+     [](const P& p) -> const model::TimeTable& { return p.clamping.driving; }, always, ""},
+    {"clamping_driven", "clamping.driven", &model::HeldInputs::driven,
+     [](const P& p) -> const model::TimeTable& { return p.clamping.driven; }, always, ""},
+    {"load_torque", "load.torque", &model::HeldInputs::load_torque, [](const P& p) -> const model::TimeTable& { return p.load.torque; },
+     always, ""},
+    {"drive_torque", "drive.torque", &model::HeldInputs::drive_torque, [](const P& p) -> const model::TimeTable& { return p.drive.torque; },
+     by_torque, "drive.mode = \"torque\""},
+    {"drive_speed", "drive.speed", &model::HeldInputs::drive_speed, [](const P& p) -> const model::TimeTable& { return p.drive.speed; },
+     by_speed, "drive.mode = \"speed\""},
+    {"ratio", "control.ratio", &model::HeldInputs::ratio, [](const P& p) -> const model::TimeTable& { return p.control.ratio; }, controlled,
      "control.enabled = true and control.quantity = \"ratio\""},
 };
 
-[[nodiscard]] const InputRow& input_row(Input input, const tasks::Scene& scene) {
+[[nodiscard]] const InputRow& input_row(Input input) {
     const auto number = static_cast<int>(input);
     if (number < 0 || number >= static_cast<int>(std::size(input_rows)))
         throw Error(ErrorCode::argument, "input: there is no number " + std::to_string(number));
-    const InputRow& row = input_rows[number];
+    return input_rows[number];
+}
+
+[[nodiscard]] const InputRow& input_row(Input input, const tasks::Scene& scene) {
+    const InputRow& row = input_row(input);
     if (!has_pulleys(scene)) throw Error(ErrorCode::argument, std::string(row.key) + ": this scene has no pulleys");
     if (!row.present(scene.parameters)) throw Error(ErrorCode::argument, std::string(row.key) + ": needs " + row.needs);
     return row;
 }
 
 }  // namespace
+
+InputInfo input_info(Input input) {
+    return api::entered(ErrorCode::internal, [&] {
+        const InputRow& row = input_row(input);
+        const tasks::Parameter& key = *tasks::find_parameter(row.key);
+        return InputInfo{row.name, key.unit, key.meaning};
+    });
+}
 
 void Simulation::Impl::hold(const model::HeldInputs& held) {
     simulation_.hold(held);

@@ -151,12 +151,78 @@ static void check_callbacks(cvtflow_simulation* simulation) {
     CHECK(cvtflow_step(simulation, &message) == CVTFLOW_OK);
 }
 
+static void check_texts(const cvtflow_scene* scene) {
+    size_t size = 0, small = 3;
+    char value[16], *text;
+    CHECK(cvtflow_scene_text(scene, NULL, &size, NULL) == CVTFLOW_OK && size > 1000);
+    text = malloc(size);
+    CHECK(cvtflow_scene_text(scene, text, &size, NULL) == CVTFLOW_OK && strlen(text) + 1 == size && strstr(text, "[chain]") != NULL);
+    free(text);
+    CHECK(cvtflow_scene_value(scene, "run.step", value, &small, NULL) == CVTFLOW_ARGUMENT);
+    CHECK(cvtflow_scene_value(scene, "run.step", value, &small, NULL) == CVTFLOW_OK && strcmp(value, "1e-7") == 0);
+    CHECK(cvtflow_scene_value(scene, "run.stop", NULL, &small, NULL) == CVTFLOW_ARGUMENT);
+}
+
+static void check_inputs(void) {
+    cvtflow_channel_info info = CVTFLOW_INIT(cvtflow_channel_info);
+    int32_t number = 0;
+    while (cvtflow_input_describe(number, &info, NULL) == CVTFLOW_OK) ++number;
+    CHECK(number == CVTFLOW_RATIO + 1);
+    CHECK(cvtflow_input_describe(CVTFLOW_LOAD_TORQUE, &info, NULL) == CVTFLOW_OK);
+    CHECK(strcmp(info.name, "load_torque") == 0 && strcmp(info.unit, "N*m") == 0 && info.width == 1);
+}
+
+static void keep_line(const char* line, void* user) {
+    snprintf(user, 200, "%s", line);
+}
+
+static void check_log(cvtflow_simulation* simulation) {
+    char line[200] = "";
+    CHECK(cvtflow_notices(simulation, NULL, NULL, NULL) == CVTFLOW_ARGUMENT);
+    CHECK(cvtflow_notices(simulation, keep_line, line, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_on_log(simulation, keep_line, line, NULL) == CVTFLOW_OK);
+    CHECK(cvtflow_advance_to(simulation, -1.0, NULL) == CVTFLOW_ARGUMENT); /* back in time */
+    CHECK(strstr(line, "to go back, set a state") != NULL);
+    CHECK(cvtflow_on_log(simulation, NULL, NULL, NULL) == CVTFLOW_OK);
+    line[0] = 0;
+    CHECK(cvtflow_advance_to(simulation, -1.0, NULL) == CVTFLOW_ARGUMENT && line[0] == 0);
+}
+
+static void check_records(void) {
+    cvtflow_message message = CVTFLOW_INIT(cvtflow_message);
+    cvtflow_record* record = NULL;
+    CHECK(cvtflow_record_open("/nowhere.h5", &record, &message) == CVTFLOW_RECORD && record == NULL);
+    CHECK(strstr(message.text, "/nowhere.h5") != NULL);
+    CHECK(cvtflow_record_rows(NULL) == 0 && cvtflow_record_channel_count(NULL) == 0 && cvtflow_record_status(NULL)[0] == 0);
+    cvtflow_record_close(NULL);
+}
+
+static void check_a_record(const char* path) {
+    cvtflow_record* record = NULL;
+    cvtflow_channel_info info = CVTFLOW_INIT(cvtflow_channel_info);
+    double values[4];
+    if (cvtflow_record_open(path, &record, NULL) != CVTFLOW_OK) {
+        CHECK(!"the record can be opened");
+        return;
+    }
+    CHECK(cvtflow_record_rows(record) >= 2 && strcmp(cvtflow_record_status(record), "finished") == 0);
+    CHECK(cvtflow_record_describe(record, 0, &info, NULL) == CVTFLOW_OK && strcmp(info.unit, "rad/s") == 0 && info.width == 1);
+    CHECK(cvtflow_record_describe(record, cvtflow_record_channel_count(record), &info, NULL) == CVTFLOW_ARGUMENT);
+    CHECK(cvtflow_record_read(record, "time", 0, 2, values, 2, NULL) == CVTFLOW_OK && values[0] == 0.0 && values[1] == 1e-5);
+    CHECK(cvtflow_record_read(record, "time", 0, 2, values, 3, NULL) == CVTFLOW_ARGUMENT);
+    cvtflow_record_close(record);
+}
+
 int main(int argc, char** argv) {
     cvtflow_scene* scene = argc > 1 ? brief_scene(argv[1]) : NULL;
     cvtflow_simulation* simulation = NULL;
     cvtflow_options options = CVTFLOW_INIT(cvtflow_options);
     if (scene == NULL) return 2;
     check_errors(scene);
+    check_texts(scene);
+    check_inputs();
+    check_records();
+    if (argc > 2) check_a_record(argv[2]);
     options.way = CVTFLOW_OWN;
     options.threads = 2;
     CHECK(cvtflow_create(scene, &options, &simulation, NULL) == CVTFLOW_OK);
@@ -166,6 +232,7 @@ int main(int argc, char** argv) {
     check_channels(simulation);
     check_equations(simulation);
     check_callbacks(simulation);
+    check_log(simulation);
     cvtflow_destroy(simulation);
     CHECK(cvtflow_shutdown() == CVTFLOW_OK);
     printf("cvtflow %s: %s\n", cvtflow_version(), failures == 0 ? "all as promised" : "something is not as promised");

@@ -27,6 +27,7 @@ const std::set<std::string> allowed{
     "bench",
     "engine",
     "examples",  // the first thing that an author of a host program opens; a project of its own as well
+    "pyproject.toml",  // pip looks nowhere else
     "model",
     "scenes",
     "tasks",

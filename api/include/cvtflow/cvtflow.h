@@ -1,7 +1,9 @@
 /* C interface of cvtflow: opaque handles, error codes, no exception and no C++ type crosses it.
  *
- * Stability. Functions are never removed or changed within a major version (symbol version CVTFLOW_0). Structs that grow begin with their
- * size in bytes, set by the caller (CVTFLOW_INIT does it): the library touches no member beyond it.
+ * Stability, as of the C++ interface (version.hpp): a program built against 0.x runs with every 0.x.y, whose library has a name of its own
+ * (libcvtflow.so.0.x); one built against 1.x with every later 1.y. Within that, functions are never removed or changed, only added (symbol
+ * version CVTFLOW_0). Structs that grow begin with their size in bytes, set by the caller (CVTFLOW_INIT does it): the library touches no
+ * member beyond it.
  *
  * Errors. Functions that can fail return a code, CVTFLOW_OK = 0, and fill the message, the last argument, which may be NULL. Nothing else
  * is changed by a call that fails, except that cvtflow_advance_to and cvtflow_step leave the simulation at the last accepted step.
@@ -34,6 +36,7 @@ typedef enum cvtflow_code {
     CVTFLOW_MEMORY = 8,
     CVTFLOW_INTERNAL = 9,     /* a defect of cvtflow */
     CVTFLOW_CALLBACK = 10,    /* a callback returned other than 0 */
+    CVTFLOW_RECORD = 11,      /* a record cannot be read */
     CVTFLOW_NON_FINITE = 20,  /* from here on: why a simulation cannot go on */
     CVTFLOW_PENETRATION = 21,
     CVTFLOW_LEFT_SHEAVE = 22,
@@ -45,6 +48,7 @@ typedef enum cvtflow_code {
 
 typedef struct cvtflow_scene cvtflow_scene;
 typedef struct cvtflow_simulation cvtflow_simulation;
+typedef struct cvtflow_record cvtflow_record;
 
 /* What went wrong, in words: a string that ends in 0, cut off if it does not fit. */
 typedef struct cvtflow_message {
@@ -119,6 +123,8 @@ typedef struct cvtflow_transition {
 
 /* Other than 0 ends cvtflow_advance_to with CVTFLOW_CALLBACK. */
 typedef int (*cvtflow_output_function)(cvtflow_simulation* simulation, void* user);
+/* A line about what a user should know; lives until the function returns. */
+typedef void (*cvtflow_log_function)(const char* line, void* user);
 typedef int (*cvtflow_transition_function)(cvtflow_simulation* simulation, const cvtflow_transition* transition, void* user);
 
 CVTFLOW_API const char* cvtflow_version(void);              /* "0.1.0" */
@@ -135,6 +141,11 @@ CVTFLOW_API cvtflow_code cvtflow_scene_with(const cvtflow_scene* scene, const ch
 CVTFLOW_API cvtflow_code cvtflow_scene_with_detail(const cvtflow_scene* scene, const char* preset, cvtflow_scene** changed,
                                                    cvtflow_message* message);
 CVTFLOW_API const char* cvtflow_scene_name(const cvtflow_scene* scene); /* lives as long as the scene */
+/* The scene as TOML with every key; and the value of one key, as TOML. Texts as cvtflow_state_get has bytes: *size is the room at text on
+ * entry and what is needed, the 0 included, on return; text NULL asks for it. */
+CVTFLOW_API cvtflow_code cvtflow_scene_text(const cvtflow_scene* scene, char* text, size_t* size, cvtflow_message* message);
+CVTFLOW_API cvtflow_code cvtflow_scene_value(const cvtflow_scene* scene, const char* key, char* text, size_t* size,
+                                             cvtflow_message* message);
 CVTFLOW_API void cvtflow_scene_release(cvtflow_scene* scene);           /* NULL is allowed; simulations keep what they need */
 
 /* Simulations. options may be NULL: the caller alone. */
@@ -177,6 +188,14 @@ CVTFLOW_API cvtflow_code cvtflow_channel_values(cvtflow_simulation* simulation, 
 
 CVTFLOW_API cvtflow_code cvtflow_counters_get(const cvtflow_simulation* simulation, cvtflow_counters* counters);
 
+/* Calls function(line, user) for every notice: differences to the state file's scene, an energy balance that does not close, threads that
+ * were not to be had. */
+CVTFLOW_API cvtflow_code cvtflow_notices(const cvtflow_simulation* simulation, cvtflow_log_function function, void* user,
+                                         cvtflow_message* message);
+/* From now on function(line, user) is called after every cvtflow_advance_to and cvtflow_step on the calling thread with every notice that is
+ * new, and with what made the call fail. NULL removes it. */
+CVTFLOW_API cvtflow_code cvtflow_on_log(cvtflow_simulation* simulation, cvtflow_log_function function, void* user, cvtflow_message* message);
+
 CVTFLOW_API cvtflow_code cvtflow_energy_get(const cvtflow_simulation* simulation, cvtflow_energy* energy);
 
 /* One function of each kind per simulation; NULL removes it. */
@@ -184,6 +203,21 @@ CVTFLOW_API cvtflow_code cvtflow_on_output(cvtflow_simulation* simulation, doubl
                                            cvtflow_message* message);
 CVTFLOW_API cvtflow_code cvtflow_on_transition(cvtflow_simulation* simulation, cvtflow_transition_function function, void* user,
                                                cvtflow_message* message);
+
+/* Inputs: what they are, by number from 0 on; CVTFLOW_ARGUMENT behind the last one. Strings live as long as the library is loaded; width is 1. */
+CVTFLOW_API cvtflow_code cvtflow_input_describe(int32_t input, cvtflow_channel_info* info, cvtflow_message* message);
+
+/* Records of runs. One record is used by one thread at a time, and no two at once. Strings of a description live as long as the record. */
+CVTFLOW_API cvtflow_code cvtflow_record_open(const char* path, cvtflow_record** record, cvtflow_message* message);
+CVTFLOW_API void cvtflow_record_close(cvtflow_record* record);                 /* NULL is allowed */
+CVTFLOW_API const char* cvtflow_record_status(const cvtflow_record* record);   /* "finished", "running", "unreliable", … */
+CVTFLOW_API size_t cvtflow_record_rows(const cvtflow_record* record);
+CVTFLOW_API size_t cvtflow_record_channel_count(const cvtflow_record* record);
+CVTFLOW_API cvtflow_code cvtflow_record_describe(const cvtflow_record* record, size_t channel, cvtflow_channel_info* info,
+                                                 cvtflow_message* message);
+/* Rows first … first + count - 1 of a channel by name, or of "time" [s], into values[size], size = count * width. */
+CVTFLOW_API cvtflow_code cvtflow_record_read(const cvtflow_record* record, const char* channel, size_t first, size_t count, double* values,
+                                             size_t size, cvtflow_message* message);
 
 #ifdef __cplusplus
 }

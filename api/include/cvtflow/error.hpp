@@ -21,6 +21,7 @@ enum class ErrorCode : int {
     memory = 8,        ///< no memory
     internal = 9,      ///< a defect of cvtflow
     callback = 10,     ///< C only: a callback asked to stop
+    record = 11,       ///< a record, table or folder of results cannot be read or written
     non_finite = 20,   ///< the state is no longer finite: step too long, or parameters
     penetration = 21,  ///< a tip is deeper in its sheave than tip.deepest
     left_sheave = 22,  ///< a pin runs off the sheave

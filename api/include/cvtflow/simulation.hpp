@@ -40,6 +40,15 @@ enum class Input : int {
     ratio = 5,             ///< wanted speed ratio, with control.enabled [1]
 };
 
+struct InputInfo {
+    std::string_view name;  ///< as the enumerator: "load_torque"; all three live as long as the library is loaded and end in 0
+    std::string_view unit;  ///< "N*m", "1" for none
+    std::string_view description;
+};
+
+/// @throws Error (argument) for a number that is no input: they are numbered from 0 without a gap
+[[nodiscard]] CVTFLOW_EXPORT InputInfo input_info(Input input);
+
 /// What happened since the start; after settling, since t = 0. Part of the state.
 struct Counters {
     std::int64_t steps = 0;        ///< accepted, truncated ones included
@@ -109,7 +118,9 @@ public:
     [[nodiscard]] double step_length() const noexcept;
 
     /// Takes whole steps until time() ≥ t. Where the calls end does not change the result: one call or a thousand give the same bits.
-    /// @param t [s]   @throws Error (a fault, cancelled, busy, forked); the simulation then stands at the last accepted step
+    /// A time more than run.output_interval before time() is refused: states go back, steps do not.
+    /// @param t [s]
+    /// @throws Error (a fault, cancelled, busy, forked, argument); the simulation then stands at the last accepted step
     void advance_to(double t);
     /// One step, perhaps cut short by a transition. @throws as advance_to
     void step();

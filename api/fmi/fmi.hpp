@@ -1,0 +1,51 @@
+#pragma once
+/// Types of the Functional Mock-up Interface, versions 2.0 and 3.0 (co-simulation), as the standard has them, and a wall that no exception
+/// passes. That signatures agree with the standard's own headers is a test.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "api/fmi/instance.hpp"
+
+#define CVTFLOW_FMI extern "C" __attribute__((visibility("default")))
+
+// Statuses of both versions agree as far as they are used here.
+enum FmiStatus : int { fmi_ok = 0, fmi_warning = 1, fmi_discard = 2, fmi_error = 3, fmi_fatal = 4 };
+
+namespace cvtflow::fmi {
+
+/// What an importer holds: the instance and its way to the importer's log.
+struct Component {
+    std::string name;
+    bool logging = false;
+    std::function<void(int status, const char* category, const char* message)> log;
+    Instance instance;
+
+    void say(int status, const char* category, const std::string& message) const {
+        if (logging && log) log(status, category, message.c_str());
+    }
+};
+
+/// Runs `action` on the component; whatever it throws becomes a line in the log and an error.
+template <class Action>
+int guarded(void* component, Action&& action) noexcept {
+    if (component == nullptr) return fmi_error;
+    auto& self = *static_cast<Component*>(component);
+    try {
+        action(self);
+        return fmi_ok;
+    } catch (const std::exception& error) {
+        try {
+            self.say(fmi_error, "logStatusError", error.what());
+        } catch (...) {}
+        return fmi_error;
+    } catch (...) {
+        return fmi_error;
+    }
+}
+
+/// For functions of the standard that this FMU does not offer.
+int not_offered(void* component, const char* function) noexcept;
+
+}  // namespace cvtflow::fmi

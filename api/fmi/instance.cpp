@@ -1,0 +1,130 @@
+#include "api/fmi/instance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace cvtflow::fmi {
+
+namespace {
+
+[[nodiscard]] Input input_of(const std::string& name) {
+    int number = 0;
+    while (input_info(static_cast<Input>(number)).name != name) ++number;  // throws behind the last one
+    return static_cast<Input>(number);
+}
+
+/// So that it reads back as the same double.
+[[nodiscard]] std::string text_of(double value) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", value);
+    return text;
+}
+
+/// Thrown through advance_to() by a callback that ends a step early.
+struct Enough {};
+
+}  // namespace
+
+Instance::Instance(std::string resources)
+    : resources_(std::move(resources)),
+      variables_(read_variables(resources_ + "/variables.txt")),
+      scene_(Scene::parse(read_file(resources_ + "/scene.toml"), resources_ + "/scene.toml")) {}
+
+const Variable& Instance::variable(std::uint32_t reference) const {
+    const auto found = variables_.find(reference);
+    if (found == variables_.end()) throw Error(ErrorCode::argument, "value reference: there is no " + std::to_string(reference));
+    return found->second;
+}
+
+/// The state that was exported fits the scene that was exported; another one begins with its geometric start, and settles.
+Simulation Instance::made() const {
+    std::vector<std::string> settings;
+    for (const auto& [key, value] : parameters_) settings.push_back(key + "=" + text_of(value));
+    Simulation simulation(scene_.with(settings));
+    if (parameters_.empty()) {
+        const std::string bytes = read_file(resources_ + "/state.bin");
+        simulation.set_state(State::from_bytes(std::as_bytes(std::span(bytes.data(), bytes.size()))));
+    }
+    return simulation;
+}
+
+Simulation& Instance::simulation() {
+    if (!simulation_) simulation_.emplace(made());
+    return *simulation_;
+}
+
+void Instance::finish_initialisation() {
+    simulation().advance_to(0.0);
+    ready_ = true;
+}
+
+void Instance::reset() {
+    simulation_.reset();
+    parameters_.clear();
+    start_ = now_ = 0.0;
+    ready_ = false;
+}
+
+double Instance::parameter(const std::string& key) const {
+    const auto changed = parameters_.find(key);
+    return changed != parameters_.end() ? changed->second : std::strtod(scene_.value(key).c_str(), nullptr);
+}
+
+void Instance::get(std::uint32_t reference, std::vector<double>& values) {
+    const Variable& row = variable(reference);
+    if (row.kind == VariableKind::time) return values.push_back(now_);
+    if (row.kind == VariableKind::parameter) return values.push_back(parameter(row.name));
+    if (row.kind == VariableKind::input) return values.push_back(simulation().input(input_of(row.name)));
+    const std::span<const double> now = simulation().channel(row.name);
+    if (row.element + row.width > now.size()) throw Error(ErrorCode::argument, row.name + ": has fewer values");
+    values.insert(values.end(), now.begin() + static_cast<std::ptrdiff_t>(row.element),
+                  now.begin() + static_cast<std::ptrdiff_t>(row.element + row.width));
+}
+
+void Instance::set(std::uint32_t reference, double value) {
+    const Variable& row = variable(reference);
+    if (row.kind == VariableKind::input) return simulation().set_input(input_of(row.name), value);
+    if (row.kind != VariableKind::parameter) throw Error(ErrorCode::argument, row.name + ": cannot be set");
+    if (value == parameter(row.name)) return;
+    if (ready_) throw Error(ErrorCode::argument, row.name + ": a parameter is set before the initialisation ends");
+    static_cast<void>(scene_.with(row.name + "=" + text_of(value)));  // the range
+    parameters_[row.name] = value;
+    if (simulation_) simulation_.reset();
+}
+
+double Instance::step(double begin, double length, const Intermediate& intermediate) {
+    if (!ready_) throw Error(ErrorCode::argument, "a step before the initialisation has ended");
+    if (!(length >= 0.0) || !(std::abs(begin - now_) <= 1e-9 * std::max(1.0, std::abs(now_))))
+        throw Error(ErrorCode::argument, "a step from " + text_of(begin) + " s of " + text_of(length) + " s after " + text_of(now_) + " s");
+    const double end = begin + length;
+    Simulation& inside = simulation();
+    if (intermediate) {
+        const double interval = std::strtod(scene_.value("run.output_interval").c_str(), nullptr);
+        inside.on_output(interval, [&](Simulation& there) {
+            if (there.time() + start_ < end && intermediate(there.time() + start_)) throw Enough{};
+        });
+    }
+    now_ = end;
+    try {
+        inside.advance_to(end - start_);
+    } catch (const Enough&) {
+        now_ = inside.time() + start_;
+    }
+    if (intermediate) inside.on_output(1.0, nullptr);
+    return now_;
+}
+
+Snapshot Instance::snapshot() { return {parameters_, start_, now_, ready_, simulation().state()}; }
+
+void Instance::restore(const Snapshot& snapshot) {
+    if (snapshot.parameters != parameters_) simulation_.reset();
+    parameters_ = snapshot.parameters;
+    simulation().set_state(snapshot.state);
+    start_ = snapshot.start;
+    now_ = snapshot.now;
+    ready_ = snapshot.ready;
+}
+
+}  // namespace cvtflow::fmi

@@ -1,0 +1,71 @@
+#pragma once
+/// One instance of an FMU, without the standard's types: what both versions of the standard ask for.
+
+#include <cstddef>
+#include <cvtflow/cvtflow.hpp>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/fmi/variables.hpp"
+
+namespace cvtflow::fmi {
+
+/// Everything that a later instance of the same FMU needs to go on bitwise.
+struct Snapshot {
+    std::map<std::string, double> parameters;  ///< that differ from the scene's
+    double start = 0.0, now = 0.0;             ///< communication points [s]
+    bool ready = false;                        ///< the initialisation is over
+    State state;
+
+    [[nodiscard]] std::vector<std::byte> bytes() const;
+    /// @throws Error (state)
+    [[nodiscard]] static Snapshot from_bytes(std::span<const std::byte> bytes);
+};
+
+/// Called at output times inside a communication step with the time there [s]. @return whether the step shall end there
+using Intermediate = std::function<bool(double)>;
+
+class Instance {
+public:
+    /// @param resources folder of the FMU's resources. @throws Error
+    explicit Instance(std::string resources);
+
+    void set_start(double time) noexcept { start_ = now_ = time; }
+    /// The start state with the parameters and inputs so far; settles it if parameters ask for that. @throws Error
+    void finish_initialisation();
+    void reset();
+
+    /// All values of a variable, appended. @throws Error (argument) for a reference that is none
+    void get(std::uint32_t reference, std::vector<double>& values);
+    /// @throws Error (argument) for outputs, and for parameters after the initialisation
+    void set(std::uint32_t reference, double value);
+    [[nodiscard]] std::size_t width(std::uint32_t reference) const { return variable(reference).width; }
+
+    /// One communication step. @return the time it reached: its end, or where `intermediate` ended it [s]
+    /// @throws Error (argument) if it does not begin where the last one ended; faults
+    double step(double begin, double length, const Intermediate& intermediate);
+
+    [[nodiscard]] Snapshot snapshot();
+    void restore(const Snapshot& snapshot);
+    [[nodiscard]] double now() const noexcept { return now_; }
+    /// What a user should know, one line each.
+    [[nodiscard]] std::vector<std::string> notices() { return simulation().notices(); }
+
+private:
+    [[nodiscard]] const Variable& variable(std::uint32_t reference) const;
+    [[nodiscard]] Simulation& simulation();
+    [[nodiscard]] Simulation made() const;
+    [[nodiscard]] double parameter(const std::string& key) const;
+
+    std::string resources_;
+    Variables variables_;
+    Scene scene_;
+    std::map<std::string, double> parameters_;
+    std::optional<Simulation> simulation_;
+    double start_ = 0.0, now_ = 0.0;  ///< [s]
+    bool ready_ = false;
+};
+
+}  // namespace cvtflow::fmi

@@ -1,0 +1,80 @@
+#pragma once
+/// What runs and sweeps have left on disk. Files are opened at once and read when asked; they may still be written to, or be what a killed
+/// run left. Every failure is an Error (record) that names the file. One object is used by one thread at a time, since HDF5 is not safe
+/// beyond that: nor are two objects from two threads at once.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <cvtflow/export.hpp>
+
+namespace cvtflow {
+inline namespace v0 {
+
+using RecordValue = std::variant<std::string, double, std::int64_t>;
+using RecordAttributes = std::vector<std::pair<std::string, RecordValue>>;
+
+/// A column of a table, or a channel over time.
+struct Column {
+    std::string name;
+    std::string unit;  ///< "N*m", "1" for none; empty for texts
+    std::string description;
+    std::size_t width = 1;  ///< numbers per row
+    bool text = false;
+};
+
+/// The record of a run (`cvtflow run`).
+class CVTFLOW_EXPORT Record {
+public:
+    explicit Record(const std::string& path);
+    ~Record();
+    Record(Record&& other) noexcept;
+    Record& operator=(Record&& other) noexcept;
+
+    /// "finished", "running" (also of a killed run), "unreliable", or what ended the run.
+    [[nodiscard]] const std::string& status() const noexcept;
+    /// Of the whole file: scene, method, versions, balance.
+    [[nodiscard]] RecordAttributes attributes() const;
+    [[nodiscard]] std::vector<Column> channels() const;
+    /// Rows that were there when the file was opened.
+    [[nodiscard]] std::size_t rows() const noexcept;
+    /// Rows first … first + count - 1 of a channel, or of "time" [s]: [count * width], row by row.
+    [[nodiscard]] std::vector<double> read(const std::string& channel, std::size_t first, std::size_t count) const;
+    /// All rows.
+    [[nodiscard]] std::vector<double> read(const std::string& channel) const;
+    /// Times of the states recorded [s].
+    [[nodiscard]] std::vector<double> state_times() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// The results of a sweep (`cases.h5`), in the order of cases.
+class CVTFLOW_EXPORT Table {
+public:
+    explicit Table(const std::string& path);
+    ~Table();
+    Table(Table&& other) noexcept;
+    Table& operator=(Table&& other) noexcept;
+
+    [[nodiscard]] RecordAttributes attributes() const;
+    [[nodiscard]] std::vector<Column> columns() const;
+    [[nodiscard]] std::size_t rows() const noexcept;
+    /// A column of numbers [rows]. @throws Error (argument) for names that are none, or of texts
+    [[nodiscard]] std::vector<double> numbers(const std::string& column) const;
+    /// Any column as texts [rows]; numbers so that they read back as the same double. @throws Error (argument)
+    [[nodiscard]] std::vector<std::string> texts(const std::string& column) const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace v0
+}  // namespace cvtflow

@@ -1,0 +1,48 @@
+#pragma once
+/// Many variants of a scene, as `cvtflow batch` runs them.
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <cvtflow/export.hpp>
+
+namespace cvtflow {
+inline namespace v0 {
+
+struct SweepProgress {
+    long cases = 0;     ///< all
+    long before = 0;    ///< done in former sessions
+    long done = 0;      ///< done now
+    long failed = 0;    ///< done now, but not ok
+    double wall = 0.0;  ///< [s]
+};
+
+/// A sweep file, read and checked. Immutable but for cancel().
+class CVTFLOW_EXPORT Sweep {
+public:
+    /// @throws Error (scene): every problem in it, one per line
+    [[nodiscard]] static Sweep read(const std::string& path);
+    ~Sweep();
+    Sweep(Sweep&& other) noexcept;
+    Sweep& operator=(Sweep&& other) noexcept;
+
+    [[nodiscard]] const std::string& name() const noexcept;
+    [[nodiscard]] long cases() const noexcept;
+    /// Runs the cases that are not in the folder's table yet, on so many threads (0: as many as the process may use), and waits for them. A
+    /// sweep that was stopped or killed goes on where it was. Results do not depend on threads or stops.
+    /// @param progress called after each case, by one worker at a time
+    /// @return whether all cases are in the table `folder`/cases.h5; false after cancel()
+    /// @throws Error (record) for folders and tables, (state) for results of another sweep, (argument)
+    bool run(const std::string& folder, int threads = 0, std::function<void(const SweepProgress&)> progress = {});
+    /// Ends run() soon, from any thread or signal handler; running cases leave checkpoints. One wish ends one run.
+    void cancel() noexcept;
+
+private:
+    struct Impl;
+    explicit Sweep(std::unique_ptr<Impl> impl) noexcept;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace v0
+}  // namespace cvtflow

@@ -1,0 +1,30 @@
+"""Simulations as bytes: the scene and the state."""
+
+import re
+
+from ._cvtflow import Scene, SceneError, Simulation, StartStateError, State, Threads
+
+
+def _threads(way, count):
+    return (lambda _: Threads.caller(), Threads.present, Threads.own)[way](count)
+
+
+def _restore(text, state, way, count, segments):
+    """The scene's own state file may be elsewhere by now; the state makes up for it."""
+    try:
+        simulation = Simulation(Scene.parse(text), _threads(way, count), segments)
+    except (SceneError, StartStateError):
+        alone = re.sub(r"(?m)^state = .*$", "", text)
+        simulation = Simulation(Scene.parse(alone), _threads(way, count), segments)
+    simulation.set_state(State.from_bytes(state))
+    return simulation
+
+
+def _reduce(self):
+    threads = self.threads
+    return _restore, (self.scene.text, self.state().bytes(), threads.way, threads.count, self.segments)
+
+
+def install(simulation):
+    """Teaches the class to be pickled; callbacks are not part of it."""
+    simulation.__reduce__ = _reduce

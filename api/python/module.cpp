@@ -1,0 +1,40 @@
+/// The Python module cvtflow._cvtflow: the public C++ interface, name by name.
+
+#include "api/python/bind.hpp"
+
+namespace cvtflow::python {
+
+Callable share(py::function function) {
+    return {new py::function(std::move(function)), [](py::function* held) {
+                const py::gil_scoped_acquire lock;
+                delete held;
+            }};
+}
+
+py::array_t<double> array_of(std::vector<double> values, std::size_t width) {
+    auto* kept = new std::vector<double>(std::move(values));
+    const py::capsule owner(kept, [](void* memory) { delete static_cast<std::vector<double>*>(memory); });
+    const auto rows = static_cast<py::ssize_t>(width == 0 ? 0 : kept->size() / width);
+    const py::array::ShapeContainer flat{rows}, square{rows, static_cast<py::ssize_t>(width)};
+    return py::array_t<double>(width == 1 ? flat : square, kept->data(), owner);
+}
+
+}  // namespace cvtflow::python
+
+PYBIND11_MODULE(_cvtflow, module) {
+    using namespace cvtflow::python;
+    module.doc() = "The C++ interface of cvtflow. Import cvtflow, which adds what is easier in Python.";
+    bind_errors(module);
+    bind_scene(module);
+    bind_values(module);
+    bind_simulation(module);
+    bind_records(module);
+    module.def("library_version", &cvtflow::library_version, "Version of the library that is loaded.");
+    module.def(
+        "shutdown",
+        [] {
+            const Released released;
+            return cvtflow::shutdown();
+        },
+        "Ends the worker threads that simulations of this process have started. False if others keep them alive.");
+}

@@ -1,0 +1,88 @@
+#include "api/python/bind.hpp"
+
+namespace cvtflow::python {
+
+namespace {
+
+[[nodiscard]] py::dict attributes_of(const RecordAttributes& rows) {
+    py::dict values;
+    for (const auto& [name, value] : rows) values[name.c_str()] = value;
+    return values;
+}
+
+[[nodiscard]] py::array_t<double> read(const Record& self, const std::string& channel, std::size_t first,
+                                       std::optional<std::size_t> count) {
+    std::size_t width = 1;
+    for (const Column& row : self.channels()) {
+        if (row.name == channel) width = row.width;
+    }
+    return array_of(self.read(channel, first, count.value_or(self.rows() - std::min(first, self.rows()))), width);
+}
+
+/// Numbers as an array, texts as a list.
+[[nodiscard]] py::object column(const Table& self, const std::string& name) {
+    for (const Column& row : self.columns()) {
+        if (row.name == name && row.text) return py::cast(self.texts(name));
+    }
+    return array_of(self.numbers(name));
+}
+
+[[nodiscard]] bool run(Sweep& self, const std::string& folder, int threads, const std::optional<py::function>& progress) {
+    std::function<void(const SweepProgress&)> call;
+    if (progress) {
+        call = [held = share(*progress)](const SweepProgress& now) {
+            const py::gil_scoped_acquire lock;
+            (*held)(now);
+        };
+    }
+    const Released released;
+    return self.run(folder, threads, std::move(call));
+}
+
+void bind_sweep(py::module_& module) {
+    py::class_<SweepProgress>(module, "SweepProgress", "How far a sweep has come.")
+        .def_readonly("cases", &SweepProgress::cases, "all")
+        .def_readonly("before", &SweepProgress::before, "done in former sessions")
+        .def_readonly("done", &SweepProgress::done, "done now")
+        .def_readonly("failed", &SweepProgress::failed, "done now, but not ok")
+        .def_readonly("wall", &SweepProgress::wall, "[s]");
+    py::class_<Sweep>(module, "SweepFile", "A sweep file, read and checked.")
+        .def_static("read", &Sweep::read, py::arg("path"), "Raises SceneError with every problem in it.")
+        .def_property_readonly("name", &Sweep::name, "Name of the sweep.")
+        .def_property_readonly("cases", &Sweep::cases, "Number of cases.")
+        .def("run", &run, py::arg("folder"), py::arg("threads") = 0, py::arg("progress") = py::none(),
+             "Runs what is missing in folder/cases.h5. False after cancel().")
+        .def("cancel", &Sweep::cancel, "Ends run() of another thread soon; running cases leave checkpoints.");
+}
+
+}  // namespace
+
+void bind_records(py::module_& module) {
+    py::class_<Column>(module, "Column", "A column of a table, or a channel over time.")
+        .def_readonly("name", &Column::name, "e.g. shaft_1/torque")
+        .def_readonly("unit", &Column::unit, "e.g. N*m; 1 for none")
+        .def_readonly("description", &Column::description, "one sentence")
+        .def_readonly("width", &Column::width, "numbers per row")
+        .def_readonly("text", &Column::text, "whether it holds texts");
+    py::class_<Record>(module, "RecordFile", "The record of a run; nothing is read before it is asked for.")
+        .def(py::init<const std::string&>(), py::arg("path"), "Raises RecordError.")
+        .def_property_readonly("status", &Record::status, "finished, running, unreliable, or what ended the run.")
+        .def(
+            "attributes", [](const Record& self) { return attributes_of(self.attributes()); }, "Of the whole file, by name.")
+        .def("channels", &Record::channels, "What was recorded.")
+        .def("rows", &Record::rows, "Rows that were there when the file was opened.")
+        .def("read", &read, py::arg("channel"), py::arg("first") = 0, py::arg("count") = py::none(),
+             "Rows of a channel, or of \"time\" [s]: [count] or [count, width].")
+        .def(
+            "state_times", [](const Record& self) { return array_of(self.state_times()); }, "Times of the states recorded [s].");
+    py::class_<Table>(module, "Table", "Results of a sweep (cases.h5), in the order of cases.")
+        .def(py::init<const std::string&>(), py::arg("path"), "Raises RecordError.")
+        .def(
+            "attributes", [](const Table& self) { return attributes_of(self.attributes()); }, "Of the whole table, by name.")
+        .def("columns", &Table::columns, "Names and units.")
+        .def("rows", &Table::rows, "Number of cases.")
+        .def("read", &column, py::arg("column"), "A column [rows]: an array of numbers, or a list of texts.");
+    bind_sweep(module);
+}
+
+}  // namespace cvtflow::python

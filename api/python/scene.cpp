@@ -1,0 +1,32 @@
+#include "api/python/bind.hpp"
+
+namespace cvtflow::python {
+
+namespace {
+
+[[nodiscard]] Scene with_settings(const Scene& scene, const py::args& settings) {
+    return scene.with(settings.cast<std::vector<std::string>>());
+}
+
+}  // namespace
+
+void bind_scene(py::module_& module) {
+    py::class_<Scene>(module, "Scene", "What is simulated: an immutable description, read and checked as a whole.")
+        .def_static("read", &Scene::read, py::arg("path"), "Reads a scene file. Raises SceneError with every problem in it.")
+        .def_static("parse", &Scene::parse, py::arg("text"), py::arg("name") = "scene.toml",
+                    "A scene given as TOML; name stands for the file in messages, start.state is relative to its folder.")
+        .def_static("ready", &Scene::ready, py::arg("name"), "A scene that comes with cvtflow, e.g. \"baseline\".")
+        .def("with_", &with_settings,
+             "This scene with settings \"key=value\", values with their units: scene.with_(\"run.step=1 us\", \"load.torque=8 N*m\").")
+        .def("with_detail", &Scene::with_detail, py::arg("preset"), "This scene at a level of detail: coarse, medium, fine, full.")
+        .def("value", &Scene::value, py::arg("key"), "Value of a key, as TOML.")
+        .def_property_readonly("name", &Scene::name, "Name of the scene.")
+        .def_property_readonly("description", &Scene::description, "What it is, one line.")
+        .def_property_readonly("text", &Scene::text, "The scene as TOML with every key.")
+        .def("__repr__", [](const Scene& scene) { return "<cvtflow.Scene " + scene.name() + ">"; })
+        .def("__eq__", [](const Scene& one, const Scene& other) { return one.text() == other.text(); })
+        .def(py::pickle([](const Scene& scene) { return py::make_tuple(scene.text()); },
+                        [](const py::tuple& kept) { return Scene::parse(kept[0].cast<std::string>()); }));
+}
+
+}  // namespace cvtflow::python

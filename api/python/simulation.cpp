@@ -1,0 +1,213 @@
+#include "api/python/bind.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace cvtflow::python {
+
+namespace {
+
+using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// A simulation, and how fast it goes: between spans of time that take a twentieth of a second Python looks for signals. Where the spans
+/// end does not change results.
+struct Stepper {
+    Simulation simulation;
+    Threads threads;
+    int segments;
+    double pace = 0.0;  ///< simulated over wall time; 0: not known yet
+};
+
+constexpr double between_looks = 0.05;  ///< [s] of wall time
+constexpr double first_span = 1e-5;     ///< [s] of simulated time
+
+/// Advances until `end` without the lock. @return wall time [s]
+double advance_released(Simulation& simulation, double end) {
+    const Released released;
+    const auto begin = std::chrono::steady_clock::now();
+    simulation.advance_to(end);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void advance_to(Stepper& self, double until) {
+    for (bool there = false; !there;) {
+        const double begin = self.simulation.time();
+        const double end = begin + (self.pace > 0.0 ? self.pace * between_looks : first_span);
+        there = !(end < until);
+        const double wall = advance_released(self.simulation, there ? until : end);
+        const double covered = self.simulation.time() - begin;
+        if (covered > 0.0 && wall > 0.0) self.pace = covered / wall;
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+}
+
+[[nodiscard]] std::unique_ptr<Stepper> create(const Scene& scene, Threads threads, int segments) {
+    const Released released;
+    return std::make_unique<Stepper>(Stepper{Simulation(scene, threads, segments), threads, segments});
+}
+
+[[nodiscard]] std::unique_ptr<Stepper> copy(const Stepper& self) {
+    const Released released;
+    return std::make_unique<Stepper>(Stepper{self.simulation.copy(), self.threads, self.segments, self.pace});
+}
+
+/// An input itself, or its name.
+[[nodiscard]] Input input_of(const py::object& which) {
+    if (!py::isinstance<py::str>(which)) return which.cast<Input>();
+    const py::dict members = py::type::of<Input>().attr("__members__");
+    if (members.contains(which)) return members[which].cast<Input>();
+    throw Error(ErrorCode::argument, "input: there is no '" + which.cast<std::string>() + "'");
+}
+
+/// Values of the inputs that the scene has, by name.
+[[nodiscard]] py::dict inputs(const Stepper& self) {
+    py::dict values;
+    for (const auto& [name, member] : py::dict(py::type::of<Input>().attr("__members__"))) {
+        try {
+            values[name] = self.simulation.input(member.cast<Input>());
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::argument) throw;
+        }
+    }
+    return values;
+}
+
+[[nodiscard]] py::array_t<double> unknowns(const Stepper& self) {
+    const std::span<const double> now = self.simulation.unknowns();
+    return py::array_t<double>(static_cast<py::ssize_t>(now.size()), now.data());
+}
+
+[[nodiscard]] Array rhs(Stepper& self, double t, const Array& x) {
+    Array out(x.size());
+    const std::span from(x.data(), static_cast<std::size_t>(x.size()));
+    const std::span to(out.mutable_data(), static_cast<std::size_t>(out.size()));
+    const Released released;
+    self.simulation.rhs(t, from, to);
+    return out;
+}
+
+/// A view that cannot be written to and keeps the simulation alive.
+[[nodiscard]] py::array_t<double> channel(const py::object& object, const py::object& which) {
+    auto& self = object.cast<Stepper&>();
+    const std::size_t index =
+        py::isinstance<py::str>(which) ? self.simulation.find_channel(which.cast<std::string>()) : which.cast<std::size_t>();
+    const std::span<const double> now = self.simulation.channel(index);
+    py::array_t<double> view(static_cast<py::ssize_t>(now.size()), now.data(), object);
+    view.attr("setflags")(py::arg("write") = false);
+    return view;
+}
+
+void on_output(const py::object& object, double interval, const std::optional<py::function>& callback) {
+    std::function<void(Simulation&)> call;
+    if (callback) {
+        call = [self = py::handle(object), held = share(*callback)](Simulation&) {
+            const py::gil_scoped_acquire lock;
+            (*held)(self);
+        };
+    }
+    object.cast<Stepper&>().simulation.on_output(interval, std::move(call));
+}
+
+void on_transition(const py::object& object, const std::optional<py::function>& callback) {
+    std::function<void(Simulation&, const Transition&)> call;
+    if (callback) {
+        call = [self = py::handle(object), held = share(*callback)](Simulation&, const Transition& transition) {
+            const py::gil_scoped_acquire lock;
+            (*held)(self, transition);
+        };
+    }
+    object.cast<Stepper&>().simulation.on_transition(std::move(call));
+}
+
+[[nodiscard]] double largest_stable_step(Stepper& self) {
+    const Released released;
+    return self.simulation.largest_stable_step();
+}
+
+void step(Stepper& self) {
+    const Released released;
+    self.simulation.step();
+}
+
+using Class = py::class_<Stepper>;
+
+void bind_time(Class& type) {
+    type.def(py::init(&create), py::arg("scene"), py::arg("threads") = Threads::caller(), py::arg("segments") = 0,
+             "Prepares the start state; starts no thread.")
+        .def("copy", &copy, "A second simulation in the same state, without the callbacks.")
+        .def_property_readonly(
+            "scene", [](const Stepper& self) { return self.simulation.scene(); }, "The scene.")
+        .def_property_readonly(
+            "threads", [](const Stepper& self) { return self.threads; }, "As given.")
+        .def_property_readonly(
+            "segments", [](const Stepper& self) { return self.segments; }, "As given.")
+        .def_property_readonly(
+            "time", [](const Stepper& self) { return self.simulation.time(); }, "Time [s]; a start that has to settle begins below 0.")
+        .def_property_readonly(
+            "step_length", [](const Stepper& self) { return self.simulation.step_length(); },
+            "Length of a step that no transition cuts [s].")
+        .def("advance_to", &advance_to, py::arg("time"),
+             "Takes whole steps until self.time >= time [s], without the interpreter's lock. Ctrl-C ends it between two steps, and the "
+             "simulation can go on. Raises a Fault, CancelledError, BusyError.")
+        .def("step", &step, "One step, perhaps cut short by a transition.")
+        .def(
+            "cancel", [](Stepper& self) { self.simulation.cancel(); }, "Ends advance_to() of another thread after at most one step.")
+        .def("largest_stable_step", &largest_stable_step, "Longest step with which the method is linearly stable here [s].");
+}
+
+void bind_state(Class& type) {
+    type.def(
+            "state", [](const Stepper& self) { return self.simulation.state(); }, "The full integration state.")
+        .def(
+            "set_state", [](Stepper& self, const State& state) { self.simulation.set_state(state); }, py::arg("state"),
+            "Raises StateError if it is of another scene.")
+        .def(
+            "hash", [](const Stepper& self) { return self.simulation.hash(); }, "Of unknowns and phases: bitwise equality in short.")
+        .def(
+            "set_input", [](Stepper& self, const py::object& input, double value) { self.simulation.set_input(input_of(input), value); },
+            py::arg("input"), py::arg("value"), "Sets an input, given as Input or by name, in its SI unit.")
+        .def(
+            "input", [](const Stepper& self, const py::object& input) { return self.simulation.input(input_of(input)); }, py::arg("input"),
+            "Present value, set or of the scene's table, in its SI unit.")
+        .def("inputs", &inputs, "All inputs that the scene has, by name.")
+        .def(
+            "size", [](const Stepper& self) { return self.simulation.size(); }, "Number of unknowns.")
+        .def("unknowns", &unknowns, "The unknowns now [size]; a copy, since steps move them in memory.")
+        .def("rhs", &rhs, py::arg("time"), py::arg("x"), "dx/dt at (time, x) [size], a function of these and of the inputs alone.");
+}
+
+void bind_sight(Class& type) {
+    type.def(
+            "channels", [](const Stepper& self) { return self.simulation.channels(); }, "Number of channels.")
+        .def(
+            "channel_info", [](const Stepper& self, std::size_t index) { return self.simulation.channel_info(index); }, py::arg("index"),
+            "What a channel is.")
+        .def(
+            "find_channel", [](const Stepper& self, const std::string& name) { return self.simulation.find_channel(name); },
+            py::arg("name"), "Number of a channel.")
+        .def("channel", &channel, py::arg("channel"),
+             "Values of a channel now [width], given by number or name: a view, which changes with the next read after a step.")
+        .def(
+            "counters", [](const Stepper& self) { return self.simulation.counters(); }, "What happened since the start.")
+        .def(
+            "energy", [](const Stepper& self) { return self.simulation.energy(); }, "Whether results can be believed.")
+        .def(
+            "notices", [](const Stepper& self) { return self.simulation.notices(); }, "What a user should know, one line each.")
+        .def(
+            "on_output", &on_output, py::arg("interval"), py::arg("callback"),
+            "callback(simulation) after the first step at or after every multiple of interval [s]; None removes it. A callback that refers "
+            "to its simulation keeps both alive until it is removed.")
+        .def("on_transition", &on_transition, py::arg("callback"), "callback(simulation, transition); None removes it.");
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& module) {
+    Class type(module, "Simulation", "One simulation of one scene. Used by one thread at a time; any number may live side by side.",
+               py::dynamic_attr());
+    bind_time(type);
+    bind_state(type);
+    bind_sight(type);
+}
+
+}  // namespace cvtflow::python

@@ -1,0 +1,40 @@
+"""Tunes the ratio controller with SciPy: which gains bring a variator to a new ratio with the least mean square error?
+
+    tune_controller.py [EVALUATIONS]
+"""
+
+import sys
+
+import numpy as np
+from scipy.optimize import minimize
+
+import cvtflow
+
+WANTED, SPAN = 1.005, 2e-3  # [1], [s]
+
+
+def settled(scene):
+    """A settled state, from which every trial begins; gains belong to the scene, so each has its own."""
+    simulation = cvtflow.Simulation(scene)
+    simulation.advance_to(0.0)
+    simulation.set_input("ratio", WANTED)
+    return simulation
+
+
+def error(logarithms, scene):
+    """Mean square distance of the ratio from the wanted one."""
+    gain, integral = np.exp(logarithms)
+    trial = settled(scene.with_(f"control.proportional={gain}", f"control.integral={integral}"))
+    rows = cvtflow.run(trial, SPAN, channels=["ratio"], interval=5e-5)
+    return float(np.mean((rows["ratio"] - WANTED) ** 2))
+
+
+def main(evaluations):
+    scene = cvtflow.Scene.ready("tiny").with_("control.enabled=true", "control.ratio=1", "start.settling_time=1 ms", "start.ramp_time=0.5 ms")
+    begin = np.log([float(scene.value("control.proportional")), float(scene.value("control.integral"))])
+    found = minimize(error, begin, args=(scene,), method="Nelder-Mead", options={"maxfev": evaluations, "xatol": 0.05, "fatol": 1e-12})
+    print(f"gain {np.exp(found.x[0]):.4g} N, integral {np.exp(found.x[1]):.4g} N/s: "
+          f"root mean square {found.fun ** 0.5:.4g}, was {error(begin, scene) ** 0.5:.4g} ({found.nfev} evaluations)")
+
+
+main(int(sys.argv[1]) if len(sys.argv) > 1 else 40)

@@ -1,0 +1,301 @@
+"""FMUs in an importer that others wrote (FMPy, at CVTFLOW_FMPY). Exit status 77: it is not there."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+import zipfile
+from pathlib import Path
+
+FMPY = os.environ.get("CVTFLOW_FMPY", "")
+try:
+    sys.path.insert(0, FMPY)
+    import numpy as np
+    from fmpy import extract, read_model_description, simulate_fmu
+    from fmpy.fmi2 import FMU2Slave
+    from fmpy.fmi3 import FMU3Slave
+    from fmpy.validation import validate_fmu
+except ImportError as missing:
+    print(f"skipped: {missing} (CVTFLOW_FMPY is '{FMPY}')")
+    sys.exit(77)
+
+import cvtflow
+
+PROGRAM = os.environ["CVTFLOW_PROGRAM"]
+OUTPUTS = ["ratio", "shaft_1/angle", "links/tension"]
+STEP = 1e-5  # [s], the time between outputs of tiny
+
+
+def export(file, version, *more):
+    done = subprocess.run([PROGRAM, "export-fmu", "tiny", "-o", file, "--force", "-q", "--fmi", str(version), *more], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+class Slave:
+    """One instance, whichever the version."""
+
+    def __init__(self, file, version, start=0.0, name="one", parameters=None):
+        self.folder, self.version = tempfile.TemporaryDirectory(prefix="with a space "), version
+        extract(file, unzipdir=self.folder.name)
+        description = read_model_description(self.folder.name)
+        self.references = {row.name: row.valueReference for row in description.modelVariables}
+        made = FMU3Slave if version == 3 else FMU2Slave
+        self.fmu = made(guid=description.guid, unzipDirectory=self.folder.name, modelIdentifier=description.coSimulation.modelIdentifier,
+                        instanceName=name)
+        self.fmu.instantiate()
+        for key, value in (parameters or {}).items():
+            self.set(key, value)
+        self.begin(start)
+
+    def begin(self, start):
+        if self.version == 3:
+            self.fmu.enterInitializationMode(startTime=start)
+        else:
+            self.fmu.setupExperiment(startTime=start)
+            self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def set(self, name, value):
+        (self.fmu.setFloat64 if self.version == 3 else self.fmu.setReal)([self.references[name]], [value])
+
+    def get(self, name):
+        return (self.fmu.getFloat64 if self.version == 3 else self.fmu.getReal)([self.references[name]])[0]
+
+    def step(self, begin, length):
+        return self.fmu.doStep(currentCommunicationPoint=begin, communicationStepSize=length)
+
+    def state(self):
+        return self.fmu.getFMUState() if self.version == 3 else self.fmu.getFMUstate()
+
+    def set_state(self, state):
+        (self.fmu.setFMUState if self.version == 3 else self.fmu.setFMUstate)(state)
+
+    def serialised(self, state):
+        return (self.fmu.serializeFMUState if self.version == 3 else self.fmu.serializeFMUstate)(state)
+
+    def deserialised(self, data):
+        return (self.fmu.deserializeFMUState if self.version == 3 else self.fmu.deSerializeFMUstate)(data)
+
+    def free(self):
+        self.fmu.terminate()
+        self.fmu.freeInstance()
+        self.folder.cleanup()
+
+
+class Both(unittest.TestCase):
+    """Every test for both versions of the standard."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory(prefix="some fmus ")
+        cls.files = {version: f"{cls.folder.name}/tiny {version}.fmu" for version in (2, 3)}
+        for version, file in cls.files.items():
+            export(file, version, "--outputs", ",".join(OUTPUTS))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def both(self, action):
+        for version, file in self.files.items():
+            with self.subTest(fmi=version):
+                action(file, version)
+
+    def test_they_are_valid(self):
+        self.both(lambda file, _: self.assertEqual(validate_fmu(file), []))
+        for version in (2, 3):
+            file = f"{self.folder.name}/all.fmu"
+            export(file, version)
+            self.assertEqual(validate_fmu(file), [])
+            names = {row.name for row in read_model_description(file).modelVariables}
+            self.assertLess({"time", "load_torque", "slip", "efficiency", "tip.friction_coefficient"}, names)
+
+    def test_they_need_nothing_but_the_c_library(self):
+        def needed(file, version):
+            with zipfile.ZipFile(file) as parts, tempfile.TemporaryDirectory() as folder:
+                name = f"binaries/{'x86_64-linux' if version == 3 else 'linux64'}/tiny.so"
+                said = subprocess.run(["ldd", parts.extract(name, folder)], capture_output=True, text=True, env={"PATH": os.environ["PATH"]})
+                libraries = {line.split()[0].rpartition("/")[2].partition(".")[0] for line in said.stdout.splitlines()}
+                self.assertLessEqual(libraries, {"linux-vdso", "libm", "libc", "ld-linux-x86-64"})
+                shown = subprocess.run(["nm", "-D", "--defined-only", parts.extract(name, folder)], capture_output=True, text=True).stdout
+                self.assertEqual([line for line in shown.splitlines() if not line.split()[-1].startswith(("fmi2", "fmi3"))], [])
+
+        self.both(needed)
+
+    def test_bits_equal_those_of_the_program(self):
+        record_file = f"{self.folder.name}/record.h5"
+        subprocess.run([PROGRAM, "run", "tiny", "--until", "0.2 ms", "-q", "--force", "-o", record_file], check=True)
+        record = cvtflow.Record(record_file)
+
+        def equal(file, version):
+            rows = simulate_fmu(file, stop_time=2e-4, step_size=STEP, output_interval=STEP)
+            np.testing.assert_array_equal(rows["ratio"], record["ratio"])
+            np.testing.assert_array_equal(rows["shaft_1/angle"], record["shaft_1/angle"])
+            tension = rows["links/tension"] if version == 3 else np.stack([rows[f"links/tension[{k}]"] for k in range(1, 25)], axis=1)
+            np.testing.assert_array_equal(tension, record["links/tension"])
+
+        self.both(equal)
+
+    def test_communication_steps_of_any_length_stop_where_the_library_does(self):
+        for lengths in ([3e-6] * 30, [STEP] * 9, [1e-6, 7e-6, 2.3e-5, 4e-7, 5.86e-5]):
+            def equal(file, version):
+                slave, alone, time = Slave(file, version), cvtflow.Simulation(cvtflow.Scene.ready("tiny")), 0.0
+                alone.advance_to(0.0)
+                for length in lengths:
+                    slave.step(time, length)
+                    time += length
+                    alone.advance_to(time)
+                    for name in ("ratio", "shaft_1/angle"):
+                        self.assertEqual(slave.get(name), alone.channel(name)[0])
+                slave.free()
+
+            self.both(equal)
+
+    def test_inputs_and_start_times_count(self):
+        def differs(file, version):
+            slave, late = Slave(file, version), Slave(file, version, start=2.0)
+            alone = cvtflow.Simulation(cvtflow.Scene.ready("tiny"))
+            alone.advance_to(0.0)
+            for simulation in (slave, late):
+                simulation.set("load_torque", 5.0)
+            alone.set_input("load_torque", 5.0)
+            alone.advance_to(STEP)
+            slave.step(0.0, STEP)
+            late.step(2.0, STEP)
+            self.assertEqual(slave.get("load_torque"), 5.0)
+            self.assertEqual(slave.get("ratio"), alone.channel("ratio")[0])
+            self.assertAlmostEqual(late.get("ratio"), slave.get("ratio"), delta=1e-9)  # 2 + 1e-5 - 2 is not 1e-5
+            slave.free()
+            late.free()
+
+        self.both(differs)
+
+    def test_two_instances_do_not_know_each_other(self):
+        def apart(file, version):
+            one, other = Slave(file, version, name="one"), Slave(file, version, name="other")
+            other.set("load_torque", 5.0)
+            for number in range(5):
+                one.step(number * STEP, STEP)
+                other.step(number * STEP, STEP)
+            other.free()
+            alone = Slave(file, version)
+            for number in range(5):
+                alone.step(number * STEP, STEP)
+            self.assertEqual(one.get("ratio"), alone.get("ratio"))
+            one.free()
+            alone.free()
+
+        self.both(apart)
+
+    def test_states_are_restored_also_into_another_instance(self):
+        def restored(file, version):
+            slave = Slave(file, version)
+            slave.step(0.0, STEP)
+            slave.set("load_torque", 7.0)
+            state = slave.state()
+            data = slave.serialised(state)
+            slave.step(STEP, STEP)
+            expected = slave.get("ratio")
+            slave.set_state(state)
+            slave.step(STEP, STEP)
+            self.assertEqual(slave.get("ratio"), expected)
+            other = Slave(file, version)
+            other.set_state(other.deserialised(data))
+            self.assertEqual(other.get("load_torque"), 7.0)
+            other.step(STEP, STEP)
+            self.assertEqual(other.get("ratio"), expected)
+            slave.free()
+            other.free()
+
+        self.both(restored)
+
+    def test_a_parameter_changes_the_machine_which_settles_anew(self):
+        def changed(file, version):
+            slave = Slave(file, version, parameters={"tip.friction_coefficient": 0.08})
+            scene = cvtflow.Scene.ready("tiny").with_("tip.friction_coefficient=0.08", 'start.state=""')
+            alone = cvtflow.Simulation(scene)
+            alone.advance_to(0.0)
+            self.assertEqual(slave.get("tip.friction_coefficient"), 0.08)
+            self.assertEqual(slave.get("ratio"), alone.channel("ratio")[0])
+            self.assertRaises(Exception, slave.set, "tip.friction_coefficient", 0.09)  # too late
+            slave.free()
+
+        changed(self.files[3], 3)
+
+    def test_importers_are_told_what_is_wrong(self):
+        def refused(file, version):
+            slave = Slave(file, version)
+            for action in (lambda: slave.set("ratio", 1.0), lambda: slave.set("clamping_driving", -1.0), lambda: slave.step(1.0, STEP)):
+                self.assertRaises(Exception, action)
+            slave.step(0.0, STEP)  # and goes on
+            slave.free()
+
+        self.both(refused)
+
+    def test_they_are_loaded_and_unloaded_a_hundred_times(self):
+        def unloaded(file, version):
+            first = None
+            for _ in range(100):
+                slave = Slave(file, version)
+                slave.step(0.0, 1e-6)
+                first = first or slave.get("ratio")
+                self.assertEqual(slave.get("ratio"), first)
+                slave.free()
+            self.assertNotIn("tiny.so", Path("/proc/self/maps").read_text())
+
+        self.both(unloaded)
+
+
+class EarlyReturn(unittest.TestCase):
+    """Of FMI 3.0 alone."""
+
+    def test_a_step_ends_where_the_importer_asks(self):
+        seen = []
+
+        def update(_environment, time, _set, get_allowed, _finished, can_return, requested, _when):
+            seen.append((time, get_allowed, can_return))
+            if len(seen) == 3:
+                requested[0] = True
+
+        with tempfile.TemporaryDirectory() as folder:
+            file = f"{folder}/tiny.fmu"
+            export(file, 3)
+            extract(file, unzipdir=folder)
+            description = read_model_description(folder)
+            fmu = FMU3Slave(guid=description.guid, unzipDirectory=folder, modelIdentifier="tiny", instanceName="early")
+            fmu.instantiate(earlyReturnAllowed=True, intermediateUpdate=update)
+            fmu.enterInitializationMode()
+            fmu.exitInitializationMode()
+            _, _, early, reached = fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=1e-4)
+            self.assertTrue(early)
+            self.assertAlmostEqual(reached, 3 * STEP, delta=1e-12)
+            self.assertEqual([row[1:] for row in seen], [(True, True)] * 3)
+            fmu.doStep(currentCommunicationPoint=reached, communicationStepSize=STEP)
+            fmu.terminate()
+            fmu.freeInstance()
+
+
+class Exporting(unittest.TestCase):
+    def test_mistakes_have_their_exit_status(self):
+        for arguments, status, text in [
+            (["tny"], 1, "did you mean 'tiny'"),
+            (["tiny", "--fmi", "4"], 2, "--fmi"),
+            (["tiny", "--outputs", "rato"], 2, 'did you mean "ratio"'),
+            (["tiny", "--inputs", "drive_torque"], 2, "the scene has no 'drive_torque'"),
+            (["tiny", "-o", "/nowhere/tiny.fmu"], 1, "/nowhere"),
+        ]:
+            with tempfile.TemporaryDirectory() as folder:
+                done = subprocess.run([PROGRAM, "export-fmu", *arguments], capture_output=True, text=True, cwd=folder)
+                self.assertEqual((done.returncode, text in done.stderr), (status, True), (arguments, done.stderr))
+                self.assertEqual(os.listdir(folder), [])
+
+    def test_the_same_scene_makes_the_same_file(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name in ("one", "other"):
+                export(f"{folder}/{name}", 3)
+            self.assertEqual(Path(folder, "one").read_bytes(), Path(folder, "other").read_bytes())
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

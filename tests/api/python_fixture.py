@@ -1,0 +1,34 @@
+"""What the tests of the Python module share: a small scene, the program, and a reason to skip."""
+
+import os
+import subprocess
+import sys
+import unittest
+
+try:
+    import numpy  # noqa: F401
+except ImportError:
+    print("skipped: this interpreter has no NumPy")
+    sys.exit(77)
+
+import cvtflow
+
+SOURCE = os.environ["CVTFLOW_SOURCE_DIR"]
+PROGRAM = os.environ["CVTFLOW_PROGRAM"]
+BRIEF = ["start.settling_time=0.3 ms", "start.ramp_time=0.3 ms", "run.step=100 ns"]
+
+
+def tiny(*more):
+    """24 pins; settles for 0.3 ms only."""
+    return cvtflow.Scene.read(SOURCE + "/scenes/tiny.toml").with_(*BRIEF, *more)
+
+
+def program(*arguments):
+    """Standard output of the program, which must succeed or call its results unreliable."""
+    done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True)
+    assert done.returncode in (0, 6), done.stderr
+    return done.stdout
+
+
+def main():
+    unittest.main(verbosity=2)

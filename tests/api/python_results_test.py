@@ -1,0 +1,115 @@
+"""Records, sweeps, display and stubs of the Python module."""
+
+import ast
+import importlib.util
+import inspect
+import os
+import pickle
+import tempfile
+import unittest
+from pathlib import Path
+
+from python_fixture import main, program, tiny
+
+import numpy as np
+
+import cvtflow
+
+LOADS = {"load.torque": ["6 N*m", "12 N*m"], ("clamping.driving", "clamping.driven"): [("7 kN", "5 kN"), ("8 kN", "6 kN")]}
+SETTINGS = {"run.until": "0.05 ms"}
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
+
+
+class Records(Folder):
+    def test_a_record_is_read_by_name_and_by_rows(self):
+        file = self.folder + "/r.h5"
+        program("run", "tiny", "--until", "0.1 ms", "-q", "-o", file)
+        record = cvtflow.Record(file)
+        self.assertEqual((record.status, record.rows), ("finished", 11))
+        self.assertEqual(record["links/tension"].shape, (11, 24))
+        self.assertEqual(record.channels["links/tension"].unit, "N")
+        np.testing.assert_array_equal(record.read("ratio", 3, 2), record["ratio"][3:5])
+        self.assertRaises(cvtflow.ArgumentError, record.read, "ratio", 10, 2)
+        self.assertRaises(KeyError, lambda: record["rato"])
+        self.assertEqual(sorted(record), sorted(["time", *record.channels]))
+        self.assertEqual(record.attributes["program_version"], cvtflow.__version__)
+
+
+class Sweeps(Folder):
+    def test_columns_equal_those_of_the_program(self):
+        sweep = cvtflow.Sweep("tiny", LOADS, ["slip mean", "efficiency mean"], settings=SETTINGS)
+        here = sweep.run(self.folder + "/here", threads=2)
+        file = self.folder + "/loads.toml"
+        self.assertEqual(sweep.write(file).cases, 4)
+        program("batch", file, "-q", "-o", self.folder + "/there")
+        there = cvtflow.Sweep.results(self.folder + "/there")
+        self.assertEqual(list(here), list(there))
+        for name in set(here) - {"wall", "threads"}:  # what differs from run to run
+            np.testing.assert_array_equal(here[name], there[name])
+        np.testing.assert_array_equal(here["load_torque"], [6, 6, 12, 12])
+
+    def test_a_finished_sweep_is_read_and_not_run_again(self):
+        sweep, calls = cvtflow.Sweep("tiny", {"load.torque": [6.0, 7.0]}, ["slip mean"], settings=SETTINGS), []
+        sweep.run(self.folder, 1, lambda now: calls.append(now.done))
+        self.assertEqual(calls[-1], 2)
+        calls.clear()
+        sweep.run(self.folder, 1, lambda now: calls.append(now.done))
+        self.assertNotIn(1, calls)
+        self.assertRaises(cvtflow.StateError, cvtflow.Sweep("tiny", {"load.torque": [8.0]}, ["slip mean"]).run, self.folder)
+
+    def test_problems_are_told_with_their_place(self):
+        with self.assertRaisesRegex(cvtflow.SceneError, r"sweep.toml:\d+:\d+: .*did you mean"):
+            cvtflow.Sweep("tiny", {"load.torqe": [6.0]}, ["slip mean"]).run(self.folder)
+
+    @unittest.skipUnless(importlib.util.find_spec("pandas"), "pandas is not installed")
+    def test_results_become_a_frame(self):
+        cvtflow.Sweep("tiny", {"load.torque": [6.0, 7.0]}, ["slip mean"], settings=SETTINGS).run(self.folder)
+        frame = cvtflow.Sweep.frame(self.folder)
+        self.assertEqual(list(frame.index), [0, 1])
+        self.assertEqual(list(frame["load_torque"]), [6.0, 7.0])
+
+    def test_a_sweep_is_handed_to_the_script_for_slurm(self):
+        script = Path(self.folder, "submit")
+        script.write_text('#!/bin/sh\necho "$@"\n')
+        script.chmod(0o755)
+        os.environ["CVTFLOW_SLURM_SUBMIT"] = str(script)
+        said = cvtflow.Sweep("tiny", {"load.torque": [6.0]}, ["slip mean"]).submit(self.folder + "/out", "4")
+        self.assertEqual(said, f"{self.folder}/out.toml {self.folder}/out 4\n")
+        self.assertEqual(cvtflow._cvtflow.SweepFile.read(self.folder + "/out.toml").cases, 1)
+
+
+class Faces(unittest.TestCase):
+    def test_notebooks_see_a_table_and_a_picture(self):
+        html = cvtflow.Simulation(tiny())._repr_html_()
+        for part in ("<caption>tiny", "<th>time</th><td>-0.0003 s", "<svg", "<polyline"):
+            self.assertIn(part, html)
+        self.assertIn("[load]", tiny()._repr_html_())
+
+    def test_scenes_pickle_and_compare(self):
+        self.assertEqual(pickle.loads(pickle.dumps(tiny())), tiny())
+        self.assertNotEqual(tiny("load.torque=8 N*m"), tiny())
+
+    def test_the_stub_knows_every_name_and_every_name_is_documented(self):
+        module = cvtflow._cvtflow
+        tree = ast.parse(Path(module.__file__).with_name("_cvtflow.pyi").read_text())
+        names = {node.name: node for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+        public = {name: member for name, member in vars(module).items() if not name.startswith("_")}
+        self.assertEqual(set(names), set(public))
+        for name, member in public.items():
+            self.assertTrue(member.__doc__, name)
+            if not inspect.isclass(member) or issubclass(member, Exception) or hasattr(member, "__members__"):
+                continue
+            stubbed = {node.name for node in names[name].body if isinstance(node, ast.FunctionDef)}
+            for key, of_class in vars(member).items():
+                if key.startswith("_") or not (callable(of_class) or isinstance(of_class, property)):
+                    continue
+                self.assertTrue(of_class.__doc__ and len(of_class.__doc__) > 3, f"{name}.{key}")
+                if not isinstance(of_class, member):
+                    self.assertIn(key, stubbed, name)
+
+
+main() if __name__ == "__main__" else None

@@ -1,0 +1,185 @@
+"""Simulations from Python: threads, the interpreter's lock, pickling, exceptions, Ctrl-C, memory, cost of a call."""
+
+import gc
+import os
+import pickle
+import signal
+import tempfile
+import threading
+import time
+import unittest
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+from python_fixture import BRIEF, SOURCE, main, program, tiny
+
+import numpy as np
+
+import cvtflow
+
+
+def hash_at(time_wanted):
+    simulation = cvtflow.Simulation(tiny())
+    simulation.advance_to(time_wanted)
+    return simulation.hash()
+
+
+def go_on(simulation, end):
+    simulation.advance_to(end)
+    return simulation.hash()
+
+
+def resident():
+    """Pages of this process in memory [B]."""
+    with open("/proc/self/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+class Results(unittest.TestCase):
+    def test_bits_equal_those_of_the_program(self):
+        settings = [word for setting in BRIEF for word in ("--set", setting)]
+        with tempfile.TemporaryDirectory() as folder:
+            file = folder + "/record.h5"
+            program("run", SOURCE + "/scenes/tiny.toml", *settings, "--settle", "--until", "0.1 ms", "-q", "-o", file)
+            record = cvtflow.Record(file)
+            rows = cvtflow.run(tiny('start.state=""'), until=1e-4, channels=["ratio", "links/tension", "shaft_1/angle"])
+            np.testing.assert_array_equal(rows["time"], record["time"])
+            for name in ("ratio", "links/tension", "shaft_1/angle"):
+                np.testing.assert_array_equal(rows[name], record[name])
+
+    def test_bits_do_not_depend_on_calls_threads_or_pickling(self):
+        whole = hash_at(-2.5e-4)
+        parts = cvtflow.Simulation(tiny(), cvtflow.Threads.own(2))
+        for number in range(1, 51):
+            parts.advance_to(-3e-4 + number * 1e-6)
+        self.assertEqual(parts.hash(), whole)
+        half = cvtflow.Simulation(tiny())
+        half.advance_to(-2.8e-4)
+        half.set_input("load_torque", 11.0)
+        other = pickle.loads(pickle.dumps(half))
+        self.assertEqual(other.input("load_torque"), 11.0)
+        self.assertEqual(go_on(other, -2.5e-4), go_on(half, -2.5e-4))
+        self.assertNotEqual(half.hash(), whole)
+
+    def test_arrays_are_views_where_nothing_moves_them(self):
+        simulation = cvtflow.Simulation(tiny())
+        tension = simulation.channel("links/tension")
+        self.assertEqual(tension.shape, (24,))
+        self.assertIs(tension.base, simulation)
+        with self.assertRaises(ValueError):
+            tension[0] = 1.0
+        x = simulation.unknowns()
+        self.assertEqual(x.shape, (simulation.size(),))
+        slope = simulation.rhs(simulation.time, x)
+        np.testing.assert_array_equal(slope, simulation.rhs(simulation.time, list(x)))
+        self.assertTrue(np.isfinite(slope).all())
+
+
+class Running(unittest.TestCase):
+    def test_eight_simulations_step_side_by_side_on_threads(self):
+        with ThreadPoolExecutor(8) as pool:
+            self.assertEqual(set(pool.map(hash_at, [-2.8e-4] * 8)), {hash_at(-2.8e-4)})
+
+    def test_a_simulation_goes_to_another_process(self):
+        simulation = cvtflow.Simulation(tiny())
+        simulation.advance_to(-2.9e-4)
+        with ProcessPoolExecutor(1) as pool:
+            there = pool.submit(go_on, simulation, -2.8e-4).result()
+        self.assertEqual(there, go_on(simulation, -2.8e-4))
+
+    def test_the_lock_is_free_while_stepping(self):
+        simulation = cvtflow.Simulation(tiny())
+        running = threading.Thread(target=lambda: self.assertRaises(cvtflow.CancelledError, simulation.advance_to, 1.0))
+        running.start()
+        for _ in range(100):  # Python goes on here while the other thread is inside one call
+            time.sleep(0.001)
+        self.assertTrue(running.is_alive())
+        self.assertRaises(cvtflow.BusyError, simulation.step)
+        while running.is_alive():
+            simulation.cancel()
+            running.join(0.01)
+
+    def test_ctrl_c_ends_a_call_and_the_simulation_goes_on(self):
+        simulation = cvtflow.Simulation(tiny())
+        threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+        with self.assertRaises(KeyboardInterrupt):
+            simulation.advance_to(10.0)
+        stopped = simulation.time
+        self.assertLess(stopped, 10.0)
+        simulation.advance_to(stopped + 1e-6)
+        self.assertEqual(simulation.hash(), hash_at(stopped + 1e-6))
+
+    def test_callbacks_may_throw_and_set_inputs(self):
+        simulation, seen = cvtflow.Simulation(tiny()), []
+
+        def on_output(self_of_callback):
+            seen.append((self_of_callback is simulation, threading.get_ident()))
+            if len(seen) == 3:
+                raise KeyError("enough")
+
+        simulation.on_output(1e-6, on_output)
+        self.assertRaises(KeyError, simulation.advance_to, 0.0)
+        self.assertEqual(seen, [(True, threading.get_ident())] * 3)
+        simulation.on_output(1.0, None)
+        changes, before = [], simulation.counters().transitions
+        simulation.on_transition(lambda _, change: changes.append(change.phase_to))
+        simulation.advance_to(-2.5e-4)
+        self.assertEqual(len(changes), simulation.counters().transitions - before)
+        self.assertTrue(changes)
+
+
+class Failing(unittest.TestCase):
+    def test_every_code_has_its_exception(self):
+        for action, kind, also in [
+            (lambda: cvtflow.Scene.ready("tny"), cvtflow.SceneError, ValueError),
+            (lambda: cvtflow.Simulation(tiny()).channel("rato"), cvtflow.ArgumentError, ValueError),
+            (lambda: cvtflow.State.from_bytes(b"CVTFLOW2, damaged"), cvtflow.StateError, RuntimeError),
+            (lambda: cvtflow.Record("/nowhere.h5"), cvtflow.RecordError, RuntimeError),
+            (lambda: cvtflow.Simulation(tiny("run.max_steps=5")).advance_to(0.0), cvtflow.MaxStepsError, cvtflow.Fault),
+            (lambda: cvtflow.Simulation(tiny()).set_input("load_torqe", 1.0), cvtflow.ArgumentError, ValueError),
+        ]:
+            with self.assertRaises(kind) as caught:
+                action()
+            self.assertIsInstance(caught.exception, also)
+            self.assertIsInstance(caught.exception, cvtflow.Error)
+            self.assertIn(caught.exception.code.split("_")[0], kind.__name__.lower())
+            self.assertTrue(str(caught.exception))
+
+    def test_inputs_out_of_range_say_the_range(self):
+        with self.assertRaisesRegex(cvtflow.ArgumentError, r"outside \[0, "):
+            cvtflow.Simulation(tiny()).set_input("clamping_driving", -1.0)
+
+
+class Cost(unittest.TestCase):
+    def test_a_thousand_simulations_leave_nothing_behind(self):
+        scene = tiny()
+        for _ in range(100):  # what allocators keep
+            cvtflow.Simulation(scene).step()
+        gc.collect()
+        before = resident()
+        for _ in range(1000):
+            cvtflow.Simulation(scene).step()
+        gc.collect()
+        # One simulation holds some 2 MiB: a leak of one in a hundred would show.
+        self.assertLess(resident() - before, 16 * 2**20)
+
+    def test_a_call_costs_less_than_two_percent_of_a_tenth_of_a_millisecond(self):
+        """All that Python adds to a call is in one that finds nothing to do: arguments, lock, clock, signals."""
+        simulation = cvtflow.Simulation(cvtflow.Scene.read(SOURCE + "/scenes/tiny.toml"))
+        simulation.advance_to(1e-4)
+
+        def least(action, calls):
+            times = []
+            for _ in range(20):
+                begin = time.perf_counter()
+                for _ in range(calls):
+                    action()
+                times.append((time.perf_counter() - begin) / calls)
+            return min(times)
+
+        nothing = least(lambda: simulation.advance_to(simulation.time), 200)
+        work = least(lambda: simulation.advance_to(simulation.time + 1e-4), 1)
+        print(f"a call {1e6 * nothing:.2f} us, 0.1 ms of tiny {1e6 * work:.0f} us: {100 * nothing / work:.3f} %")
+        self.assertLess(nothing, 0.02 * work)
+
+
+main() if __name__ == "__main__" else None

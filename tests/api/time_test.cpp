@@ -1,0 +1,32 @@
+/// Time goes forward by steps and back by states.
+
+#include <gmock/gmock.h>
+
+#include "host_fixture.hpp"
+
+namespace cvtflow::host {
+namespace {
+
+TEST(HostTime, GoesBackByAStateAndNotByAStep) {
+    Simulation simulation(tiny());
+    simulation.advance_to(-2.9e-4);
+    const State there = simulation.state();
+    simulation.advance_to(-2.6e-4);
+    const std::uint64_t hash = simulation.hash();
+    EXPECT_EQ(code_of([&] { simulation.advance_to(-2.9e-4); }), ErrorCode::argument);
+    EXPECT_THAT(error_of([&] { simulation.advance_to(-2.9e-4); }), testing::HasSubstr("to go back, set a state"));
+    EXPECT_EQ(simulation.hash(), hash);
+    simulation.set_state(there);
+    simulation.advance_to(-2.6e-4);
+    EXPECT_EQ(simulation.hash(), hash);
+}
+
+/// The last step may have ended behind the time asked for, and so behind the next one.
+TEST(HostTime, MayBeAskedForInPartsOfAStep) {
+    Simulation simulation(tiny({"run.step=1 us"}));
+    for (int k = -3000; k < -2990; ++k) simulation.advance_to(1e-7 * k);
+    EXPECT_EQ(simulation.counters().steps, 1);
+}
+
+}  // namespace
+}  // namespace cvtflow::host

@@ -1,0 +1,34 @@
+#pragma once
+/// What an FMU shows of a scene: the catalogues of inputs, channels and parameters, numbered.
+
+#include <cstdint>
+#include <cvtflow/cvtflow.hpp>
+#include <string>
+#include <vector>
+
+namespace cvtflow::tools {
+
+struct FmuVariable {
+    std::uint32_t reference = 0;
+    std::string kind;  ///< "time", "input", "output", "parameter"
+    std::string name;  ///< as importers see it; elements are name[1], …
+    std::string unit;
+    std::string description;
+    std::size_t width = 1;
+    double start = 0.0;
+    std::string source;       ///< name inside
+    std::size_t element = 0;  ///< of the source
+};
+
+struct FmuChoice {
+    std::vector<std::string> inputs;   ///< by name; empty: all that the scene has
+    std::vector<std::string> outputs;  ///< channels; empty: all of one number
+};
+
+/// @param arrays whether variables may be arrays (FMI 3), else each element is a variable. @throws UsageError for names that are not there
+[[nodiscard]] std::vector<FmuVariable> fmu_variables(Simulation& simulation, const FmuChoice& choice, bool arrays);
+
+/// The resource that an FMU reads them from (api/fmi/variables.hpp).
+[[nodiscard]] std::string variables_text(const std::vector<FmuVariable>& variables);
+
+}  // namespace cvtflow::tools
