@@ -209,7 +209,7 @@ TEST_F(Commands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {
     const Outcome other =
         run({"detail", "baseline", "--set", std::string("start.state=") + CVTFLOW_SOURCE_DIR + "/scenes/states/baseline-medium.h5"});
     EXPECT_EQ(other.status, 1);
-    EXPECT_THAT(other.err, AllOf(StartsWith("cvtflow: baseline: variants start from a settled state of full detail: start.state: "),
+    EXPECT_THAT(other.err, AllOf(StartsWith("cvtflow: baseline: variants start from a settled state of full detail: --set start.state="),
                                  HasSubstr("\n  detail.order = 3, settled with 1\n")));
     const Outcome held = run({"detail", "baseline", "--set", "detail.order=1"});
     EXPECT_EQ(held.status, 2);
