@@ -69,7 +69,7 @@ public:
     void slopes(const ChainRange& range, double* slope, LinkLoad* loads) const noexcept {
         kernels_.slopes(*this, range, slope, loads, nullptr);
     }
-    /// The same, with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) +
+    /// slopes(), with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) +
     /// part]. Accounts must be cleared before.
     void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) const noexcept {
         kernels_.observed_slopes(*this, range, slope, loads, accounts);
@@ -79,7 +79,7 @@ public:
     void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept {
         kernels_.probe(*this, state, sheaves, slip, probe);
     }
-    /// The same, bit by bit, for `links` neighbouring links. @param states their blocks   @param probes [links]
+    /// probe(), bit by bit, for `links` neighbouring links. @param states their blocks   @param probes [links]
     void probe_links(const double* states, int links, const SheaveMotion* sheaves, bool slip, TipProbe* probes) const noexcept {
         kernels_.probe_links(*this, states, links, sheaves, slip, probes);
     }

@@ -40,7 +40,7 @@ public:
     void add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum) const noexcept;
     /// Forces of the chain on the sheaves from the sums of all groups, in their order.
     [[nodiscard]] SheaveForces sheave_forces(const SheaveSum* sums) const noexcept;
-    /// The same from the links' reactions.
+    /// Forces of the chain on the sheaves from the links' reactions.
     [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept;
 
     /// Slope of everything behind the links (pulleys, control, ledger). `tail` and `tail_slope` begin at pulley_begin().

@@ -19,3 +19,5 @@ html_title = "cvtflow"
 html_show_sphinx = False
 html_copy_source = False
 html_show_copyright = False
+html_static_path = ["style"]
+html_css_files = ["wrap.css"]

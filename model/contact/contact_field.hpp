@@ -152,7 +152,7 @@ public:
     void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, LinkLoad* loads) const noexcept {
         kernels_.record(chain_, range, drift, field, loads);
     }
-    /// The same, and the accelerations of the range's links by everything but friction, in one pass over them: to rows of push, column =
+    /// record(), and the accelerations of the range's links by everything but friction, in one pass over them: to rows of push, column =
     /// link + 1.
     void record_and_push(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push,
                          LinkLoad* loads) const noexcept {
@@ -162,7 +162,7 @@ public:
     void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept {
         kernels_.slopes(*this, field, range, stage);
     }
-    /// The same for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
+    /// slopes() for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
     void steepest(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept {
         kernels_.steepest(*this, field, range, {nullptr, &slope});
     }

@@ -20,7 +20,7 @@ template <bool Observe, class Springs, class Real>
     return spring.stiffness * u + spring.damping * rate;
 }
 
-/// The same for several elements side by side.
+/// The elastic force for several elements side by side.
 template <int W, bool Observe>
 [[nodiscard]] inline Lanes<W> element_forces(const BendingLanes& springs, const Lanes<W>& u, const Lanes<W>& rate,
                                              Account* account) noexcept {
@@ -58,7 +58,7 @@ template <int P, bool Observe>
     return sum<2 * modes>(fn * along - ft * across);
 }
 
-/// The same for links side by side, mode by mode: the same sums in the same order.
+/// Bending of links side by side, mode by mode: equal sums in the same order.
 template <int P, bool Observe, int W>
 [[nodiscard]] inline Lanes<W> bending(const Coefficients& c, const LinkFrameOf<Lanes<W>>& frame, const Lanes<W>* q, const Lanes<W>* v,
                                       Lanes<W>* f, Account*) noexcept {

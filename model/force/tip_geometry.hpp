@@ -114,7 +114,7 @@ template <class Corner, class Sheave>
             {of(&Sheave::vx), of(&Sheave::vy), of(&Sheave::vz)},
             {of(&Sheave::spin_x), of(&Sheave::spin_y), of(&Sheave::spin_z)}};
 }
-/// The same for rigid pulleys.
+/// A sheave's motion at the tips for rigid pulleys.
 template <class Corner, class Sheave>
 [[nodiscard, gnu::always_inline]] inline SheaveLanes<typename Corner::Tips, Zero> rigid_sheaves_at(const Corner& at_tips,
                                                                                                    const Sheave* s) noexcept {

@@ -160,7 +160,7 @@ inline void spread_end(const Real& minus, const Real& plus, const Real& tilt_min
     if constexpr (P >= 3) f[3] += 6.0 * tilt_even;
 }
 
-/// The same for all coordinates of a half.
+/// The tips' moments on all coordinates of a half.
 template <int P, class Real>
 inline void load_end(End end, const TipPush<Real>& minus, const TipPush<Real>& plus, Real* f) noexcept {
     spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at<P>.x(end, 0));

@@ -24,14 +24,14 @@ template <int W>
     return select_greater<W>(regular, Lanes<W>(curve.full_speed), inverse, parabola);
 }
 
-/// The same for speeds v ≥ 0.
+/// g(v) for speeds v ≥ 0.
 template <int W>
 [[nodiscard]] inline Lanes<W> slip_factor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
     const Lanes<W> regular = regular_speed<W>(curve, speed);
     return slip_factor<W>(curve, regular, 1.0 / regular);
 }
 
-/// The same from v². Where no lane slips beyond the proportional speed, nothing is divided and no root taken: the factor is known, to the
+/// g(v) from v². Where no lane slips beyond the proportional speed, nothing is divided and no root taken: the factor is known, to the
 /// bit.
 template <int W>
 [[nodiscard]] inline Lanes<W> slip_factor_of_square(const FrictionCurve& curve, const Lanes<W>& square) noexcept {

@@ -66,7 +66,7 @@ struct BatchReport {
 /// SceneError
 [[nodiscard]] BatchReport run_batch(const Sweep& sweep, const BatchOptions& options);
 
-/// Cases of a shard: whole strands, the dearest first, each to the shard with the least to do so far. Ascending.
+/// Cases of a shard: whole strands, the most expensive first, each to the shard with the least to do so far. Ascending.
 [[nodiscard]] std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard);
 [[nodiscard]] std::string shard_folder(const std::string& folder, const Shard& shard);
 

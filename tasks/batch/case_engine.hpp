@@ -80,7 +80,7 @@ public:
     /// Runs a case, or goes on with it from its checkpoint. Never throws for what is wrong with the case; engine::RecordError if something
     /// cannot be written. A case that was stopped has left a checkpoint.
     [[nodiscard]] const CaseResult& run(long number);
-    /// The same from the start that the case has without continuation, with neither a record nor an end for its neighbour.
+    /// Runs a case from the start that the case has without continuation, with neither a record nor an end for its neighbour.
     [[nodiscard]] const CaseResult& run_from_own_start(long number);
     /// After run(), once its row is safe.
     void forget_checkpoint();

@@ -18,7 +18,7 @@ public:
     /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
     /// @return evaluations of the right-hand side that it took
     int estimate(double t, const double* state, const model::Phase* phases) noexcept;
-    /// The same with real() of the state brought to rest: no contact slides, so each is as stiff as its load lets it be. Which of them
+    /// estimate(), with real() of the state brought to rest: no contact slides, so each is as stiff as its load lets it be. Which of them
     /// slide changes from one microsecond to the next; at rest they are a bound for as long as loads stay. t [s], state [unknowns]
     int estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept;
 

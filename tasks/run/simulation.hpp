@@ -31,9 +31,9 @@ public:
     /// Prepares the start state: from the scene's state file, else geometric. Nothing runs yet.
     /// @throws SimulationError, engine::RecordError (state file), std::invalid_argument (the chain does not close)
     explicit Simulation(const Scene& scene);
-    /// The same with a schedule of one's own and, if wanted, time stamps of its tasks.
+    /// Prepares the start state for a schedule of one's own and, if wanted, time stamps of its tasks.
     Simulation(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
-    /// The same with schedules to choose from while it runs, serial first (see ScheduleChooser).
+    /// Prepares the start state for schedules to choose from while it runs, serial first (see ScheduleChooser).
     Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
                engine::StampRecorder* recorder = nullptr);
     ~Simulation();

@@ -222,7 +222,7 @@ private:
         return std::nullopt;
     }
 
-    /// The same number in another usual unit, if that would be in range: "8.12 mm" for 8.12 m.
+    /// A number in another usual unit, if that would be in range: "8.12 mm" for 8.12 m.
     static std::string likely_unit(double as_written, const std::string& text, const Rule& rule) {
         std::string likely;
         double least = 0.0;

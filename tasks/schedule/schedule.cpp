@@ -114,7 +114,7 @@ std::unique_ptr<engine::Executor> make_executor(const Schedule& schedule, engine
 
 namespace {
 
-/// Links that are evaluated side by side cost what the dearest of them does, however few they are.
+/// Links that are evaluated side by side cost what the most expensive of them does, however few they are.
 [[nodiscard]] double unit_cost(const std::vector<model::Phase>& phases, int first, int last, const LinkCosts& costs) noexcept {
     const auto tips = [&](int link) { return phases.begin() + model::tips_per_link * link; };
     const bool touches = std::any_of(tips(first), tips(last), [](model::Phase phase) { return phase != model::Phase::free; });

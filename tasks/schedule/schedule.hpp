@@ -60,7 +60,7 @@ struct LinkCosts {
 /// Contiguous segments of about equal cost, judged by which links touch now. @param phases [4 links]
 [[nodiscard]] Partition balanced_partition(const std::vector<model::Phase>& phases, int segments, const LinkCosts& costs = {});
 
-/// The same without memory of its own: cuts[0] = 0 < cuts[1] < … < cuts[segments] = links. @param cuts [segments + 1, out]
+/// Balanced cuts without memory of their own: cuts[0] = 0 < cuts[1] < … < cuts[segments] = links. @param cuts [segments + 1, out]
 void balance(const std::vector<model::Phase>& phases, std::span<int> cuts, const LinkCosts& costs = {}) noexcept;
 /// Cost of the most costly segment between such cuts.
 [[nodiscard]] double longest_segment(const std::vector<model::Phase>& phases, std::span<const int> cuts,

@@ -63,7 +63,7 @@ struct Comparison {
 };
 
 /// One thread, every candidate from the same start, transitions as in a run.
-/// @throws std::invalid_argument for unknown methods; SimulationError if the reference itself comes to grief
+/// @throws std::invalid_argument for unknown methods; SimulationError if the reference itself fails
 [[nodiscard]] Comparison compare(const model::Parameters& parameters, const FrozenStart& start, std::span<const Candidate> candidates,
                                  const ComparisonOptions& options, const engine::Cancellation& cancel);
 

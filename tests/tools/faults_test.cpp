@@ -115,7 +115,7 @@ protected:
 
     void expect_still_resumable(const std::string& where) const {
         const Outcome again = run({"resume", "old.checkpoint.h5", "-q", "--set", "run.max_steps=0"});
-        // The same bits (Resume.*) or a clear refusal: HDF5 does not open what was lost in the moment in which a record is completed.
+        // Equal bits (Resume.*) or a clear refusal: HDF5 does not open what was lost in the moment in which a record is completed.
         EXPECT_TRUE(again.status == 0 || (again.status == 1 && again.err.starts_with("cvtflow: ")))
             << "after: " << where << "\nthen: " << again.err;
     }

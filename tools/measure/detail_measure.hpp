@@ -1,5 +1,5 @@
 #pragma once
-/// The same operating point at many levels of detail: what each costs and what it gives.
+/// One operating point at many levels of detail: what each costs and what it gives.
 ///
 /// Every variant starts from the scene's settled state at full detail, brought over to its own coordinates, goes on for a short settling
 /// time of its own and is then averaged. What a variant would still drift by after that is noted with it: smaller differences are not the

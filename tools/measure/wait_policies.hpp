@@ -1,5 +1,5 @@
 #pragma once
-/// The same profile under every way in which threads can wait. OpenMP's runtimes read theirs from the environment when they are loaded, so
+/// One profile under every way in which threads can wait. OpenMP's runtimes read theirs from the environment when they are loaded, so
 /// this program runs again as a child for each.
 
 #include <functional>

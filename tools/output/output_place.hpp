@@ -10,8 +10,8 @@ namespace cvtflow::tools {
 /// Errors (RecordError) if `path`, or its .part, is one of the `inputs` under whatever name.
 void require_no_input(const std::string& path, const std::vector<std::filesystem::path>& inputs);
 
-/// The same, and engine::require_replaceable: for what is written as a whole and takes its name in the end. Nothing to say about an empty
-/// path.
+/// Requires that, and engine::require_replaceable: for what is written as a whole and takes its name in the end. Nothing to say about an
+/// empty path.
 void require_output(const std::string& path, const std::vector<std::filesystem::path>& inputs);
 
 /// A checkpoint's place: as require_output; not the record's, and no file that is anything else, for it is removed when the run has

@@ -15,7 +15,7 @@ namespace cvtflow::tools {
                                           const tasks::ComparisonOptions& options);
 /// Axial force of the pin on the sheave at -z over time, of the reference and all candidates that came to the end.
 [[nodiscard]] Plot pin_plot(const std::string& scene, const tasks::Comparison& comparison);
-/// The same less the reference.
+/// Axial force of the pin less that of the reference.
 [[nodiscard]] Plot pin_error_plot(const std::string& scene, const tasks::Comparison& comparison);
 /// The numbers of pin_plot(): time, reference, a column per candidate [s, N].
 [[nodiscard]] std::string pin_csv(const tasks::Comparison& comparison);

@@ -15,7 +15,7 @@ namespace cvtflow::tools {
 [[nodiscard]] std::vector<std::string> read_choice(const std::string& choice);
 /// "rk4@50ns", "rk4@auto". @throws tasks::SceneError also if there is no such method
 [[nodiscard]] tasks::Candidate read_candidate(const std::string& text);
-/// The same backwards.
+/// The text from which read_candidate() makes this candidate.
 [[nodiscard]] std::string candidate_name(const tasks::Candidate& candidate);
 
 }  // namespace cvtflow::tools

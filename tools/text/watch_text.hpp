@@ -18,7 +18,7 @@ namespace cvtflow::tools {
 /// Columns of a table in CSV, without a comma at either end.
 inline constexpr const char* watch_heading = "status,residual,suspicion,pin_periods,long_enough,mean_slip,efficiency";
 [[nodiscard]] std::string watch_csv(const tasks::Fault& fault, const tasks::RunVerdict& watch);
-/// The same as an object.
+/// The columns of watch_csv() as an object.
 [[nodiscard]] nlohmann::ordered_json watch_json(const tasks::Fault& fault, const tasks::RunVerdict& watch);
 
 }  // namespace cvtflow::tools

@@ -13,7 +13,7 @@ namespace cvtflow::engine {
 /// @throws std::invalid_argument as validate()
 [[nodiscard]] std::complex<double> stability_function(const StagePlan& plan, std::complex<double> z);
 
-/// The same, ready to be called often: the plan is compiled once. Not to be called by two threads at a time.
+/// R(z) as a function that is called often: the plan is compiled once. Not to be called by two threads at a time.
 [[nodiscard]] std::function<std::complex<double>(std::complex<double>)> stability_function(const StagePlan& plan);
 
 /// Largest r such that |R(ρ direction)| ≤ 1 + tolerance for all ρ in [0, r]: scan in steps fine enough for a Chebyshev polynomial of the

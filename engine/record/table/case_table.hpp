@@ -110,7 +110,8 @@ private:
 
 /// Writes a finished table at once: whoever looks sees the former file or the new one. Errors (RecordError).
 void write_cases(const std::string& path, const CaseTable& table);
-/// The same with rows that come a few at a time. @param fill writes rows from `first` on, as many as there is room for
+/// Writes a finished table at once from rows that come a few at a time. @param fill writes rows from `first` on, as many as there is room
+/// for
 void write_cases(const std::string& path, const CaseTable& head, std::size_t rows,
                  const std::function<void(std::size_t first, std::span<std::byte> rows)>& fill);
 

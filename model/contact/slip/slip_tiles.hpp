@@ -44,7 +44,7 @@ inline void ldl(FloatLanes* m) noexcept {
         });
     });
 }
-/// The same for any size.
+/// The factorisation for any size.
 inline void ldl(FloatLanes* m, int size) noexcept {
     for (int pivot = 0; pivot < size; ++pivot) {
         const FloatLanes inverse = 1.0f / larger(m[triangle(pivot, pivot)], 1.0f);

@@ -42,7 +42,7 @@ void apply(const Parameter& parameter, const AxisValue& value, Scene& scene);
 
 /// Where in [0, 1) `count` samples of `dimensions` numbers lie, row by row; the same on every machine.
 [[nodiscard]] std::vector<double> random_samples(std::size_t count, std::size_t dimensions, std::uint64_t seed);
-/// The same, with each of the `count` equal intervals of every dimension hit exactly once.
+/// Samples as above, with each of the `count` equal intervals of every dimension hit exactly once.
 [[nodiscard]] std::vector<double> latin_hypercube(std::size_t count, std::size_t dimensions, std::uint64_t seed);
 
 }  // namespace cvtflow::tasks

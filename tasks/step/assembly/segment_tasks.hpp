@@ -8,10 +8,10 @@ namespace cvtflow::tasks {
 /// Stage state of links first - 1 … last of a segment, as workspace.step.row combines it. @param window room for them; window [unknowns]
 void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
 
-/// The same of a state vector, as it is: at the step's end, say.
+/// The window of a state vector, as it is: at the step's end, say.
 void copy_window(const Workspace& workspace, const Segment& own, const double* state, double* window) noexcept;
 
-/// The same in the segment's own window, which is returned.
+/// The window of a state vector in the segment's own memory, which is returned.
 [[nodiscard]] const double* window_of(Workspace& workspace, const double* state, int segment) noexcept;
 
 /// The accounts of a segment's links, all zero.

@@ -35,7 +35,7 @@ struct EnergyBalance {
     [[nodiscard]] double relative() const noexcept;
     /// What a residual may be that honest steps leave [J].
     [[nodiscard]] double honest() const noexcept;
-    /// The same with what sampling may add: beyond it the residual is wrong [J].
+    /// honest(), with what sampling may add: beyond it the residual is wrong [J].
     [[nodiscard]] double tolerance() const noexcept;
     /// |residual| over its tolerance; 0 for so few samples that their noise is not known. Not a number is infinite.
     [[nodiscard]] double suspicion() const noexcept;

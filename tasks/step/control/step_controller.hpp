@@ -93,7 +93,7 @@ public:
     /// @throws std::invalid_argument if errors are asked for and the method estimates none
     StepController(Workspace& workspace, StepMethod& method, const StepSettings& settings, RunObserver& observer,
                    const engine::Cancellation& cancel);
-    /// The same with the workspace's table of stages as method.
+    /// A controller with the workspace's table of stages as method.
     StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
 
     /// Goes on from where an integration stood. Workspace and `from` hold the same state (Simulation::restore); settings.begin and the grid

@@ -61,7 +61,7 @@ public:
     HeldStep(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start);
 
     bool prepare(double h) override;  ///< h [s]
-    /// The same state with another size of disturbances: small enough for the kinks, large enough for rounding.
+    /// The state at hand with another size of disturbances: small enough for the kinks, large enough for rounding.
     bool move_on() override { return ++trial_ < trials; }
     int size() const noexcept override { return static_cast<int>(scale_.size()); }
     std::vector<double> mixed_start() const override;
