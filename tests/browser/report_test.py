@@ -191,6 +191,7 @@ class Comparison(Page):
 
     def test_curves_of_both_stand_in_one_panel(self):
         self.assertEqual(self.value("curves.charts[0].getLabels().length"), 3)
+        self.assertIn("run.h5", self.value("document.querySelector('.dygraph-legend').textContent"))  # which is which is seen at once
 
 
 class SweepReport(Page):

@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <numbers>
 #include <sstream>
 
 #include "engine/record/run/run_reader.hpp"
@@ -10,6 +12,22 @@ namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
+
+/// The points of a series of a CSV.
+std::vector<std::pair<double, double>> points_of(const std::string& csv, const std::string& series) {
+    std::vector<std::pair<double, double>> points;
+    std::istringstream lines(csv);
+    for (std::string line; std::getline(lines, line);) {
+        const std::string begin = "\"" + series + "\",\"" + series + "\",";
+        if (!line.starts_with(begin)) continue;
+        std::istringstream numbers(line.substr(begin.size()));
+        double x = 0.0, y = 0.0;
+        char comma = 0;
+        numbers >> x >> comma >> y;
+        points.emplace_back(x, y);
+    }
+    return points;
+}
 
 class PlotCommand : public Program {
 protected:
@@ -50,6 +68,23 @@ TEST_F(PlotCommand, TheCsvHasTheNumbersOfTheRecord) {
         EXPECT_NEAR(y, ratio[row], 1e-8 * ratio[row]);  // nine digits
     }
     EXPECT_FALSE(std::getline(lines, line));
+}
+
+TEST_F(PlotCommand, OrdersOfTheBaselinePeakWherePinsPassAndAtTwiceThat) {
+    const std::vector<std::string> brief{"--method", "leapfrog-chebyshev", "--step", "auto", "--until", "40 ms"};
+    ASSERT_EQ(run(std::vector<std::string>{"run", "baseline", "-o", "baseline.h5", "-q"} + brief).status, 0);
+    ASSERT_EQ(run({"plot", "baseline.h5", "tight_tension", "--orders", "-o", "p.csv"}).status, 0);
+    const std::string text = read("p.csv");
+    EXPECT_THAT(text, HasSubstr("pins pass: 14"));
+    const double pins = 2000.0 / 60.0 * 2.0 * std::numbers::pi * 54.44e-3 / 8.12e-3;  // speed times radius over pitch: 1404 Hz
+    for (const double expected : {pins, 2.0 * pins}) {
+        double largest = 0.0, at = 0.0;
+        for (const auto& [frequency, amplitude] : points_of(text, "tight_tension")) {
+            if (std::abs(frequency - expected) > 0.3 * pins || amplitude < largest) continue;
+            largest = amplitude, at = frequency;
+        }
+        EXPECT_NEAR(at, expected, 25.0);  // a line of 40 ms [Hz]
+    }
 }
 
 TEST_F(PlotCommand, SeveralRecordsStandInOnePicture) {

@@ -2,7 +2,6 @@
 
 #include <regex>
 
-#include "tasks/scene/parameter_table.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -62,6 +61,17 @@ TEST_F(ReportCommand, ShowsEveryCaseOfASweep) {
     const std::string page = read("cases.html");
     EXPECT_THAT(page, testing::AllOf(HasSubstr("<b>ok</b>: 1 of 2 cases"), HasSubstr("<b>deep_tip</b>: 1 of 2 cases"),
                                      HasSubstr("id=\"cases-table\"")));
+}
+
+TEST_F(ReportCommand, DrawsMapsOfCasesThatFormAGrid) {
+    const std::string heading = "case,status,start_ratio,load_torque,slip_mean\n",
+                      grid = "0,ok,1,10,0.1\n1,ok,1,20,0.2\n2,ok,2,10,0.3\n3,ok,2,20,0.4\n";
+    write("grid.csv", heading + grid);
+    write("twice.csv", heading + grid + "4,ok,2,20,0.5\n");
+    ASSERT_EQ(run({"report", "grid.csv"}).status, 0);
+    ASSERT_EQ(run({"report", "twice.csv"}).status, 0);
+    EXPECT_THAT(read("grid.html"), HasSubstr("slip_mean over load_torque and start_ratio"));
+    EXPECT_THAT(read("twice.html"), Not(HasSubstr("slip_mean over load_torque and start_ratio")));
 }
 
 TEST_F(ReportCommand, SaysWhatIsWrong) {

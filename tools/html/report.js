@@ -97,7 +97,7 @@ class Curves {
     const key = this.runs.indexOf(run) + name;
     if (!this.values.has(key)) {
       const curve = run.curves.get(name);
-      this.values.set(key, !curve ? null : curve.v ? unpacked(curve.v, Float32Array) : new Float32Array(run.t.length).fill(curve.c));
+      this.values.set(key, !curve ? null : curve.v ? unpacked(curve.v, Float32Array) : new Float32Array(run.t.length).fill(curve.c ?? NaN));
     }
     return this.values.get(key);
   }
@@ -186,9 +186,8 @@ class Curves {
       colors: colours,
       connectSeparatedPoints: true,
       strokeWidth: 1.2,
-      legend: "follow",
-      labelsSeparateLines: true,
-      legend: "onmouseover",
+            labelsSeparateLines: true,
+      legend: labels.length > 2 ? "always" : "onmouseover",
       xlabel: "time [ms]",
       ylabel: unit === "1" ? key : "[" + unit + "]",
       dateWindow: this.window,

@@ -18,7 +18,7 @@ class DrawnChain {
     this.shafts = motion.shafts.map((s) => ({angle: unpacked(s.angle, Float32Array), radius: unpacked(s.radius, Float32Array)}));
     this.moment = 0;
     this.pin = -1;
-    this.view = {turn: 0.45, lift: 0.5, distance: 420, x: 500 * motion.distance, y: 0};
+    this.view = {turn: 0.45, lift: 0.5, distance: 420, x: this.middle(this.x), y: this.middle(this.y)};
     this.canvas = document.getElementById("chain");
     this.build();
   }
@@ -60,6 +60,11 @@ class DrawnChain {
     return mesh;
   }
 
+  /** Of where the pins are at the first state. */
+  middle(values) {
+    const first = values.slice(0, this.motion.pins);
+    return 0.5 * (Math.min(...first) + Math.max(...first));
+  }
   pitch() {
     const dx = this.x[1] - this.x[0], dy = this.y[1] - this.y[0];
     return Math.hypot(dx, dy);

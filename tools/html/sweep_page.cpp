@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
+#include "tools/guard.hpp"
 #include "tools/html/page.hpp"
 #include "tools/text/attribute_text.hpp"
+#include "tools/view/sweep_plots.hpp"
 
 namespace cvtflow::tools {
 
@@ -57,6 +60,36 @@ nlohmann::json data_of(const SweepView& sweep) {
     return {{"sweep", std::move(data)}};
 }
 
+/// Values of a column that differ.
+std::set<std::string> values_of(const SweepView& sweep, std::size_t column) {
+    std::set<std::string> values;
+    for (const auto& row : sweep.cells) values.insert(row[column]);
+    return values;
+}
+
+/// Maps of results over the first and the last axis; nothing where the cases form no grid of those.
+std::string maps(const SweepView& sweep) {
+    constexpr std::size_t most = 6;
+    std::vector<std::string> axes, results;
+    for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
+        const SweepColumn& column = sweep.columns[c];
+        const std::size_t values = column.number ? values_of(sweep, c).size() : 0;
+        if (column.axis && values > 1) axes.push_back(column.name);
+        if (!column.axis && values > 1 && column.name != "case" && results.size() < most) results.push_back(column.name);
+    }
+    if (axes.size() < 2) return "";
+    std::string text;
+    try {
+        for (const std::string& result : results) {
+            const Plot plot = sweep_map(sweep, axes.back(), axes.front(), result);
+            if (!plot.fields.empty()) text += "<figure>" + svg(plot) + "</figure>\n";
+        }
+    } catch (const UsageError&) {  // several cases at one point: the picture above shows them all
+        return "";
+    }
+    return text;
+}
+
 std::string origin(const SweepView& sweep) {
     if (sweep.attributes.empty())
         return "<p>A CSV says nothing of where it comes from: make the report of the sweep's folder to see it.</p>\n";
@@ -80,6 +113,7 @@ std::string sweep_page(const SweepView& sweep) {
     page.lead = endings(sweep);
     page.data = data_of(sweep);
     page.scripts = {"report.js", "sweep.js"};
+    const std::string grid = maps(sweep);
     const std::string description = text_of(sweep.attributes, "description", "");
     page.sections = {
         {"map", "Picture",
@@ -89,6 +123,7 @@ std::string sweep_page(const SweepView& sweep) {
              "<p class=\"small\">Cases that did not end well are left out. Maps with contours: cvtflow plot SWEEP --x --y --colour.</p>\n"},
         {"cases", "Cases", cases_table(sweep)},
         {"provenance", "Provenance", origin(sweep)}};
+    if (!grid.empty()) page.sections.insert(page.sections.begin() + 1, {"maps", "Maps", grid});
     return text_of(page);
 }
 

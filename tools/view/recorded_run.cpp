@@ -24,16 +24,21 @@ Curve element_of(const engine::ChannelInfo& channel, const std::vector<double>& 
     return curve;
 }
 
-std::vector<Curve> envelope(const engine::ChannelInfo& channel, const std::vector<double>& all) {
+/// Rows are read a few at a time: a long run has gigabytes of them.
+std::vector<Curve> envelope(const engine::RunReader& reader, const engine::ChannelInfo& channel) {
+    constexpr std::size_t most_rows = 8192;
     std::vector<Curve> curves;
     for (const char* name : {"least", "mean", "largest"})
         curves.push_back({fmt::format("{} ({})", channel.name, name), channel.unit, channel.description, {}});
     const auto width = static_cast<std::ptrdiff_t>(channel.width);
-    for (auto row = all.begin(); row != all.end(); row += width) {
-        const auto [least, largest] = std::minmax_element(row, row + width);
-        curves[0].values.push_back(*least);
-        curves[1].values.push_back(std::accumulate(row, row + width, 0.0) / static_cast<double>(width));
-        curves[2].values.push_back(*largest);
+    for (std::size_t first = 0; first < reader.rows(); first += most_rows) {
+        const std::vector<double> some = reader.channel_rows(channel.name, first, std::min(most_rows, reader.rows() - first));
+        for (auto row = some.begin(); row != some.end(); row += width) {
+            const auto [least, largest] = std::minmax_element(row, row + width);
+            curves[0].values.push_back(*least);
+            curves[1].values.push_back(std::accumulate(row, row + width, 0.0) / static_cast<double>(width));
+            curves[2].values.push_back(*largest);
+        }
     }
     return curves;
 }
@@ -65,8 +70,8 @@ std::string RecordedRun::conditions() const {
 }
 
 std::vector<Curve> RecordedRun::curves(const engine::ChannelInfo& channel) const {
+    if (channel.width > most_single) return envelope(reader_, channel);
     const std::vector<double> all = reader_.channel(channel.name);
-    if (channel.width > most_single) return envelope(channel, all);
     std::vector<Curve> made;
     for (int number = 0; number < channel.width; ++number) made.push_back(element_of(channel, all, number));
     return made;
