@@ -21,6 +21,7 @@ const std::set<std::string> allowed{
     "LICENSE",
     "README.md",
     "SECURITY.md",  // where everybody looks for it
+    "debian",       // dpkg-buildpackage looks nowhere else
     "docs",         // what is longer than a README and no decision
     "api",          // what host programs include and link: must be found without knowing the inside
     "bench",
