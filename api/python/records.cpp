@@ -41,11 +41,11 @@ namespace {
 
 void bind_sweep(py::module_& module) {
     py::class_<SweepProgress>(module, "SweepProgress", "How far a sweep has come.")
-        .def_readonly("cases", &SweepProgress::cases, "all")
+        .def_readonly("cases", &SweepProgress::cases, "all cases")
         .def_readonly("before", &SweepProgress::before, "done in former sessions")
         .def_readonly("done", &SweepProgress::done, "done now")
         .def_readonly("failed", &SweepProgress::failed, "done now, but not ok")
-        .def_readonly("wall", &SweepProgress::wall, "[s]");
+        .def_readonly("wall", &SweepProgress::wall, "wall time [s]");
     py::class_<Sweep>(module, "SweepFile", "A sweep file, read and checked.")
         .def_static("read", &Sweep::read, py::arg("path"), "Raises SceneError with every problem in it.")
         .def_property_readonly("name", &Sweep::name, "Name of the sweep.")

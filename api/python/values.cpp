@@ -38,7 +38,7 @@ void bind_figures(py::module_& module) {
         .def_readonly("suppressed", &Counters::suppressed, "transitions put off because the tip had just changed");
     py::class_<Energy>(module, "Energy", "Whether results can be believed: the energy balance.")
         .def_readonly("residual", &Energy::residual, "change of the stored energy - work of the inputs + losses [J]")
-        .def_readonly("dissipated", &Energy::dissipated, "[J]")
+        .def_readonly("dissipated", &Energy::dissipated, "energy dissipated [J]")
         .def_readonly("suspicion", &Energy::suspicion, "|residual| over what an honest integration may leave [1]")
         .def_readonly("reliable", &Energy::reliable, "suspicion <= 1");
     py::class_<ChannelInfo>(module, "ChannelInfo", "What a channel is.")
@@ -50,7 +50,7 @@ void bind_figures(py::module_& module) {
             "description", [](const ChannelInfo& info) { return std::string(info.description); }, "one sentence")
         .def_readonly("width", &ChannelInfo::width, "number of values");
     py::class_<Transition>(module, "Transition", "A change of a tip's phase: 0 free, 1 touching, 2 sticking, 3 slipping.")
-        .def_readonly("time", &Transition::time, "[s]")
+        .def_readonly("time", &Transition::time, "time [s]")
         .def_readonly("pin", &Transition::pin, "counted from 0")
         .def_readonly("tip", &Transition::tip, "4 link + 2 (front half) + (side +z)")
         .def_property_readonly(

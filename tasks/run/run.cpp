@@ -264,7 +264,10 @@ std::string summary(const RunReport& r) {
     text += fmt::format("  kernels             {}, working set {} KiB\n", r.kernels, (r.working_set + 1023) / 1024);
     text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated,
                         r.counters.suppressed);
-    if (simulated > 0.0) text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second\n", r.wall, r.wall / simulated);
+    if (simulated > 0.0) {
+        text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second ({:.2g} x real time)\n", r.wall,
+                            r.wall / simulated, r.wall > 0.0 ? simulated / r.wall : 0.0);
+    }
     text += fmt::format("  state hash          {}\n", engine::hex(r.hash));
     return text;
 }
