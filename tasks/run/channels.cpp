@@ -226,6 +226,12 @@ std::vector<const Channel*> chosen_channels(std::span<const std::string> names, 
     return chosen;
 }
 
+std::vector<std::string> channel_names() {
+    std::vector<std::string> names;
+    for (const Channel& channel : channels()) names.emplace_back(channel.name);
+    return names;
+}
+
 std::vector<std::string> unknown_channels(std::span<const std::string> names) {
     std::vector<std::string> unknown;
     for (const std::string& name : names) {

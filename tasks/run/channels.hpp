@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
+#include "tasks/scene/channel_names.hpp"
 #include "tasks/step/control/step_controller.hpp"
 
 namespace cvtflow::tasks {
@@ -35,11 +36,8 @@ struct Channel {
 [[nodiscard]] std::span<const Channel> channels();
 
 /// What of the catalogue a record has: the usual ones and those that `names` ask for, where the machine has them.
-/// @param names of channels, or of groups ("tips/…" is "tips/*")
+/// @param names of channels, or of groups such as "tips/*"
 [[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout);
-
-/// Names that stand for no channel, in their order.
-[[nodiscard]] std::vector<std::string> unknown_channels(std::span<const std::string> names);
 
 /// Forces and figures of merit that a record has on demand.
 [[nodiscard]] std::span<const Channel> force_channels();

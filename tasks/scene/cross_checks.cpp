@@ -10,7 +10,7 @@
 #include "engine/executor/catalogue.hpp"
 #include "model/start/belt.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/scene/channel_names.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -156,10 +156,8 @@ Violation method_estimates_error(const Scene& scene) {
 Violation channels_exist(const Scene& scene) {
     const std::vector<std::string> unknown = unknown_channels(scene.run.channels);
     if (unknown.empty()) return {};
-    std::vector<std::string> names;
-    for (const Channel& channel : channels()) names.emplace_back(channel.name);
     return fmt::format("record.channels: there is no channel '{}'{} (cvtflow list channels)", unknown.front(),
-                       engine::did_you_mean(engine::closest(unknown.front(), names)));
+                       engine::did_you_mean(engine::closest(unknown.front(), channel_names())));
 }
 
 Violation executor_exists(const Scene& scene) {

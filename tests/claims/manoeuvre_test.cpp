@@ -20,7 +20,6 @@ TEST(Manoeuvre, SlipControlKeepsTheChainFromSlippingThroughAfterTheStepOfTorque)
     const auto driven = [](const Operation& run, double from, double to) {
         return 0.5 * (run.mean(run.axial_force[3], from, to) - run.mean(run.axial_force[2], from, to));
     };
-    EXPECT_NEAR(driven(without, 40e-3, 45e-3), 18e3, 0.01 * 18e3);
     EXPECT_GT(driven(with, 40e-3, 45e-3), 19.5e3);
 }
 

@@ -36,7 +36,7 @@ TEST_F(CsvInput, ARunGoesOnBitForBitWithoutTheFileAndWhateverTheThreads) {
     ASSERT_EQ(run(run_tiny + all + std::vector<std::string>{"-o", "parallel.h5", "--threads", "2", "--set", "run.schedule=flow"}).status,
               0);
     EXPECT_EQ(hash_in(run({"info", "parallel.h5"}).out), whole);
-    const std::vector<std::string> cut{"-o", "cut.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=900"};
+    const std::vector<std::string> cut{"-o", "cut.h5", "--checkpoint-every", "1 h", "--set", "run.max_steps=40"};
     ASSERT_EQ(run(run_tiny + all + cut).status, 4);
     std::filesystem::remove(folder_ / "load.csv");
     const Outcome resumed = run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"});
