@@ -19,18 +19,12 @@ const std::set<std::string> allowed{
     "CMakePresets.json",
     "LICENSE",
     "README.md",
-<<<<<<< HEAD
     "CITATION.cff",     // read there by the sites that offer to cite a repository
     "CONTRIBUTING.md",  // where everybody looks for it
     "SECURITY.md",      // likewise
+    "debian",           // dpkg-buildpackage looks nowhere else
     "docs",             // pages for users, decisions, gallery
     "api",              // what host programs include and link: must be found without knowing the inside
-=======
-    "SECURITY.md",  // where everybody looks for it
-    "debian",       // dpkg-buildpackage looks nowhere else
-    "docs",         // what is longer than a README and no decision
-    "api",          // what host programs include and link: must be found without knowing the inside
->>>>>>> h18
     "bench",
     "engine",
     "examples",  // the first thing that an author of a host program opens; a project of its own as well
