@@ -215,8 +215,8 @@ void CaseEngine::transition(const TransitionRecord& record) {
 }
 
 void CaseEngine::reduce(double time, const Workspace& workspace, const Counters& counters) {
-    const Instant instant{eye_->observe(time, workspace.states[0], workspace.tips.phases.data()), workspace, counters, scene_.run.followed_pin,
-                          *eye_};
+    const Instant instant{eye_->observe(time, workspace.states[0], workspace.tips.phases.data()), workspace, counters,
+                          scene_.run.followed_pin, *eye_};
     means_.add(instant.observation, workspace.energy.sums(time), workspace.pin_period());
     for (std::size_t i = 0; i < reducers_.size(); ++i) {
         const Scalar& scalar = sweep_.scalars[i];

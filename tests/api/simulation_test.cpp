@@ -120,7 +120,8 @@ TEST(HostSimulation, SaysWhichInputsItDoesNotTake) {
     EXPECT_EQ(error_of([&] { simulation.set_input(Input::clamping_driven, -1.0); }), "clamping.driven: -1 is outside [0, 1e7] N");
     EXPECT_EQ(code_of([&] { simulation.set_input(Input::load_torque, std::nan("")); }), ErrorCode::argument);
     EXPECT_EQ(error_of([&] { simulation.set_input(Input::drive_torque, 1.0); }), "drive.torque: needs drive.mode = \"torque\"");
-    EXPECT_EQ(error_of([&] { simulation.set_input(Input::ratio, 1.0); }), "control.ratio: needs control.enabled = true and control.quantity = \"ratio\"");
+    EXPECT_EQ(error_of([&] { simulation.set_input(Input::ratio, 1.0); }),
+              "control.ratio: needs control.enabled = true and control.quantity = \"ratio\"");
     EXPECT_EQ(error_of([&] { simulation.set_input(static_cast<Input>(17), 1.0); }), "input: there is no number 17");
 }
 

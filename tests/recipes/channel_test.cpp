@@ -14,7 +14,7 @@ const tasks::Channel strand_sum{"strands/sum",
                                 "N",
                                 "tension of both strands together",
                                 "",
-                                [](const model::ChainLayout&) { return 1; },
+                                [](const model::ChainModel&) { return 1; },
                                 [](const tasks::Instant& now, double* value) { *value = now.observation.tight + now.observation.slack; }};
 
 TEST(ChannelRecipe, ReadsWhatItSaysAndWritesItsWidth) {
@@ -22,8 +22,8 @@ TEST(ChannelRecipe, ReadsWhatItSaysAndWritesItsWidth) {
     model::Observer observer(rig.variator());
     const model::Observation& observation = observer.observe(rig.time(), rig.state(), rig.phases().data());
     double values[]{0.0, -1.0};
-    strand_sum.read({observation, rig.workspace(), rig.counters(), 0}, values);
-    EXPECT_EQ(strand_sum.width(rig.workspace().layout()), 1);
+    strand_sum.read({observation, rig.workspace(), rig.counters(), 0, observer}, values);
+    EXPECT_EQ(strand_sum.width(rig.variator().chain()), 1);
     EXPECT_EQ(values[0], observation.tight + observation.slack);
     EXPECT_EQ(values[1], -1.0);
 }

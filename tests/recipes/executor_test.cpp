@@ -19,10 +19,7 @@ public:
             if (cycle < 0 || cycle >= graph.cycles()) engine::reject_cycle(graph, cycle);
             for (int level = 0; level < graph.levels(cycle); ++level) {
                 const auto tasks = graph.level(cycle, level);
-                for (auto task = tasks.rbegin(); task != tasks.rend(); ++task) {
-                    const auto [body, item] = graph.call(*task);
-                    body(context, item);
-                }
+                for (auto task = tasks.rbegin(); task != tasks.rend(); ++task) graph.call (*task)(context);
             }
         }
     }

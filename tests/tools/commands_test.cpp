@@ -18,7 +18,7 @@ using testing::StartsWith;
 const std::vector<std::string> names{"run",    "resume", "batch",    "table",    "merge",     "settle",    "check",
                                      "info",   "plot",   "report",   "list",     "explain",   "schema",    "local-error",
                                      "method", "fit",    "compare",  "spectrum", "stability", "pin-entry", "profile",
-                                     "newton", "detail", "tradeoff", "extremes", "dot", "export", "export-fmu"};
+                                     "newton", "detail", "tradeoff", "extremes", "dot",       "export",    "export-fmu"};
 
 class Commands : public Program {};
 
@@ -155,9 +155,6 @@ TEST_F(Commands, LocalErrorShowsTheOrder) {
     EXPECT_THAT(outcome.out, AllOf(HasSubstr("\npiecewise friction\n"), HasSubstr("\nsmoothed friction\n"), HasSubstr("\n  160 ns "),
                                    HasSubstr("\n   80 ns ")));
 }
-
-const std::vector<std::string> brief_settling{"--settle", "--set",         "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms",
-                                              "--set",    "run.step=50 ns"};
 
 TEST_F(Commands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
     const Outcome outcome = run(

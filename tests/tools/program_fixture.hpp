@@ -43,6 +43,10 @@ private:
     pid_t process_ = -1;
 };
 
+/// Options that settle a scene just enough for commands that want a settled state.
+inline const std::vector<std::string> brief_settling{
+    "--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.step=50 ns"};
+
 /// Each test has an empty working directory.
 class Program : public testing::Test {
 protected:

@@ -28,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct ExportArguments {
+struct FmuArguments {
     SceneArguments scene;
     std::string output;
     FmuChoice choice;
@@ -70,7 +70,7 @@ Simulation settled(const Scene& scene) {
     return simulation;
 }
 
-std::string fmu_bytes(const ExportArguments& arguments, const tasks::Scene& wanted, Simulation& simulation) {
+std::string fmu_bytes(const FmuArguments& arguments, const tasks::Scene& wanted, Simulation& simulation) {
     const bool third = arguments.version == 3;
     const std::vector<FmuVariable> variables = fmu_variables(simulation, arguments.choice, third);
     const std::string text = simulation.scene().with("start.state=\"\"").text();
@@ -102,7 +102,7 @@ void write_whole(const std::string& path, const std::string& bytes) {
     throw engine::RecordError(fmt::format("{}: cannot write: {}", path, reason));
 }
 
-ExitStatus export_fmu(const ExportArguments& arguments) {
+ExitStatus export_fmu(const FmuArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     const std::string file = arguments.output.empty() ? loaded.scene.name + ".fmu" : arguments.output;
     require_output(file, {loaded.scene.path});
@@ -121,7 +121,7 @@ ExitStatus export_fmu(const ExportArguments& arguments) {
 }  // namespace
 
 Action declare_export_fmu(CLI::App& app) {
-    const auto arguments = std::make_shared<ExportArguments>();
+    const auto arguments = std::make_shared<FmuArguments>();
     declare_scene(app, arguments->scene);
     app.add_option("-o,--output", arguments->output,
                    "File to write, which must not be there yet (default: SCENE.fmu, replaced with a notice)")

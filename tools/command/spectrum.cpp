@@ -7,6 +7,7 @@
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/study/spectrum.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"

@@ -43,7 +43,7 @@ public:
         fault = simulation_.run(scene.run.until, *this, engine::Cancellation());
     }
     void output(double time, const Workspace& workspace, const Counters& counters) override {
-        const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.phases.data());
+        const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
         const Instant instant{now, workspace, counters, pin_, observer_};
         ++outputs_;
         for (const Channel* channel : chosen_channels(all_, workspace.layout())) {
