@@ -249,14 +249,6 @@ TEST(HostSimulation, ReportsFaultsWithCodesAndStaysAtTheLastGoodStep) {
 }
 
 /// Elasticity limits leapfrogs: h ω < 2 with the 1.23e5 Hz of the fastest oscillation, some microseconds; the trapezoidal rule is A-stable.
-TEST(HostSimulation, KnowsTheLargestStableStepOfProgramsToo) {
-    Simulation leapfrog(tiny({"run.method=leapfrog-chebyshev"})), trapezoidal(tiny({"run.method=trapezoidal-full"}));
-    for (Simulation* simulation : {&leapfrog, &trapezoidal}) simulation->advance_to(-2.9e-4);
-    EXPECT_GT(leapfrog.largest_stable_step(), 1e-6);
-    EXPECT_LT(leapfrog.largest_stable_step(), 2.0 / (2.0 * 3.14159 * 1e5));
-    EXPECT_TRUE(std::isinf(trapezoidal.largest_stable_step()));
-}
-
 TEST(HostSimulation, ReportsWhatIsWrongWithScenesAndArguments) {
     EXPECT_EQ(code_of([] { static_cast<void>(Scene::read("/nowhere.toml")); }), ErrorCode::scene);
     EXPECT_EQ(error_of([] { static_cast<void>(Scene::parse("[chain]\npins = 2\n", "host.toml")); }),

@@ -28,5 +28,13 @@ TEST(HostTime, MayBeAskedForInPartsOfAStep) {
     EXPECT_EQ(simulation.counters().steps, 1);
 }
 
+TEST(HostTime, KnowsTheLargestStableStepOfProgramsToo) {
+    Simulation leapfrog(tiny({"run.method=leapfrog-chebyshev"})), trapezoidal(tiny({"run.method=trapezoidal-full"}));
+    for (Simulation* simulation : {&leapfrog, &trapezoidal}) simulation->advance_to(-2.9e-4);
+    EXPECT_GT(leapfrog.largest_stable_step(), 1e-6);
+    EXPECT_LT(leapfrog.largest_stable_step(), 2.0 / (2.0 * 3.14159 * 1e5));
+    EXPECT_TRUE(std::isinf(trapezoidal.largest_stable_step()));
+}
+
 }  // namespace
 }  // namespace cvtflow::host

@@ -183,7 +183,7 @@ bool estimates_error(const std::string& method) {
     try {
         const Simulation simulation(settled_tiny(with(method, "20ns", {"run.step_control=report"})));
         return true;
-    } catch (const SimulationError&) {
+    } catch (const SceneError&) {  // said with all other problems of a scene
         return false;
     }
 }

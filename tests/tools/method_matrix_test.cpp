@@ -92,6 +92,13 @@ const std::vector<Row> rows{
      [](const std::string& m) { return done_or_unreliable(m, "tiny: settled for 2 us\n"); }},
     {"check", "", [](const std::string& m) { return Words{"check", "tiny", "--method", m, "--step", "50 ns"}; },
      [](const std::string& m) { return done(m + " with step 50 ns\n"); }},
+    {"plot", "",
+     [](const std::string&) {
+         return Words{"plot", "run.h5", "-o", "run.svg"};
+     },
+     [](const std::string&) { return done("run.svg\n"); }},
+    {"export-fmu", "", [](const std::string& m) { return Words{"export-fmu", "tiny", "--set", "run.method=" + m, "-o", "tiny.fmu"}; },
+     [](const std::string&) { return done("tiny.fmu: FMI 3.0"); }},
     {"explain", "",
      [](const std::string& m) { return Words{"explain", "run.method", "--scene", "tiny", "--set", "run.method=" + m} + state; },
      [](const std::string& m) { return done("tiny with " + m + " up to "); }},

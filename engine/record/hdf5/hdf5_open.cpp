@@ -104,8 +104,8 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
 }  // namespace
 
 OpenFile open_for_reading(const std::string& path, const FileKind& kind) {
+    require_memory();  // before anything of HDF5, which initialises itself at its first call
     const QuietErrors quiet;
-    require_memory();
     try {
         return open_input(path, kind);
     } catch (const InputError& error) {
