@@ -97,7 +97,8 @@ const std::vector<Row> rows{
          return Words{"plot", "run.h5", "-o", "run.svg"};
      },
      [](const std::string&) { return done("run.svg\n"); }},
-    {"export-fmu", "", [](const std::string& m) { return Words{"export-fmu", "tiny", "--set", "run.method=" + m, "-o", "tiny.fmu"}; },
+    {"export-fmu", "",
+     [](const std::string& m) { return Words{"export-fmu", "tiny", "--set", "run.method=" + m, "-o", "tiny.fmu", "--force"} + state; },
      [](const std::string&) { return done("tiny.fmu: FMI 3.0"); }},
     {"explain", "",
      [](const std::string& m) { return Words{"explain", "run.method", "--scene", "tiny", "--set", "run.method=" + m} + state; },
