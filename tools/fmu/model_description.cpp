@@ -6,30 +6,16 @@
 
 #include "engine/base/provenance.hpp"
 #include "tasks/scene/units.hpp"
+#include "tools/text/markup.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
 
-std::string escaped(const std::string& text) {
-    std::string safe;
-    for (const char letter : text) {
-        if (letter == '&')
-            safe += "&amp;";
-        else if (letter == '<')
-            safe += "&lt;";
-        else if (letter == '"')
-            safe += "&quot;";
-        else
-            safe += letter;
-    }
-    return safe;
-}
-
 std::string number(double value) { return fmt::format("{:.17g}", value); }
 
 /// ` unit="N*m"`; nothing for pure numbers.
-std::string unit_attribute(const FmuVariable& row) { return row.unit == "1" ? "" : fmt::format(" unit=\"{}\"", escaped(row.unit)); }
+std::string unit_attribute(const FmuVariable& row) { return row.unit == "1" ? "" : fmt::format(" unit=\"{}\"", html(row.unit)); }
 
 /// Of units of channels, too, which scenes do not know.
 tasks::Dimension dimension_of(const std::string& unit) {
@@ -47,7 +33,7 @@ std::string unit_definitions(const std::vector<FmuVariable>& variables) {
     std::string text = "  <UnitDefinitions>\n";
     for (const std::string& name : names) {
         const tasks::Dimension d = dimension_of(name);
-        text += fmt::format("    <Unit name=\"{}\">", escaped(name));
+        text += fmt::format("    <Unit name=\"{}\">", html(name));
         if ((d.mass | d.length | d.time | d.angle) % 2 == 0)
             text += fmt::format("<BaseUnit kg=\"{}\" m=\"{}\" s=\"{}\" rad=\"{}\"/>", d.mass / 2, d.length / 2, d.time / 2, d.angle / 2);
         text += "</Unit>\n";
@@ -59,7 +45,7 @@ std::string head(const FmuFacts& facts, const char* version, const char* token) 
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"{}\" modelName=\"{}\" {}=\"{}\" description=\"{}\" "
         "generationTool=\"cvtflow {}\" variableNamingConvention=\"flat\">\n",
-        version, escaped(facts.name), token, facts.token, escaped(facts.description), engine::current_provenance().version);
+        version, html(facts.name), token, facts.token, html(facts.description), engine::current_provenance().version);
 }
 
 std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
@@ -72,9 +58,9 @@ std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variab
 /// Attributes that both versions give a variable.
 std::string causality(const FmuVariable& row) {
     const bool parameter = row.kind == "parameter";
-    return fmt::format("name=\"{}\" valueReference=\"{}\" causality=\"{}\" variability=\"{}\" description=\"{}\"", escaped(row.name),
+    return fmt::format("name=\"{}\" valueReference=\"{}\" causality=\"{}\" variability=\"{}\" description=\"{}\"", html(row.name),
                        row.reference, row.kind == "time" ? "independent" : row.kind, parameter ? "fixed" : "continuous",
-                       escaped(row.description));
+                       html(row.description));
 }
 
 std::string start_attribute(const FmuVariable& row) {

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "tools/html/assets.hpp"
+#include "tools/text/markup.hpp"
 
 namespace cvtflow::tools {
 
@@ -42,23 +43,6 @@ std::string_view style_of(const Page& page) {
 }
 
 }  // namespace
-
-std::string html(std::string_view text) {
-    std::string safe;
-    for (const char c : text) {
-        if (c == '&')
-            safe += "&amp;";
-        else if (c == '<')
-            safe += "&lt;";
-        else if (c == '>')
-            safe += "&gt;";
-        else if (c == '"')
-            safe += "&quot;";
-        else
-            safe += c;
-    }
-    return safe;
-}
 
 std::string packed(std::span<const float> values) { return base64(std::as_bytes(values)); }
 std::string packed(std::span<const double> values) { return base64(std::as_bytes(values)); }

@@ -9,9 +9,6 @@
 
 namespace cvtflow::tools {
 
-/// A text as it may stand between tags or in an attribute.
-[[nodiscard]] std::string html(std::string_view text);
-
 /// Numbers in base64, little-endian, as typed arrays of JavaScript take them.
 [[nodiscard]] std::string packed(std::span<const float> values);
 [[nodiscard]] std::string packed(std::span<const double> values);

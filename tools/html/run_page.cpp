@@ -11,6 +11,7 @@
 #include "tools/html/curve_data.hpp"
 #include "tools/html/page.hpp"
 #include "tools/text/attribute_text.hpp"
+#include "tools/text/markup.hpp"
 #include "tools/text/scene_text.hpp"
 #include "tools/text/text.hpp"
 #include "tools/view/run_plots.hpp"

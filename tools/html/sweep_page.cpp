@@ -9,6 +9,7 @@
 #include "tools/guard.hpp"
 #include "tools/html/page.hpp"
 #include "tools/text/attribute_text.hpp"
+#include "tools/text/markup.hpp"
 #include "tools/view/sweep_plots.hpp"
 
 namespace cvtflow::tools {

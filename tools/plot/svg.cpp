@@ -9,6 +9,7 @@
 #include "tools/plot/axis_scale.hpp"
 #include "tools/plot/field.hpp"
 #include "tools/plot/plot.hpp"
+#include "tools/text/markup.hpp"
 
 namespace cvtflow::tools {
 
@@ -16,22 +17,10 @@ namespace {
 
 constexpr double letter = 6.9;  ///< mean width of a character at 12 px, to leave room [px]
 
-/// A text as it may stand between tags or in an attribute.
-std::string escaped(const std::string& text) {
-    std::string safe;
-    for (const char c : text) {
-        if (c == '&')
-            safe += "&amp;";
-        else if (c == '<')
-            safe += "&lt;";
-        else if (c == '>')
-            safe += "&gt;";
-        else if (c == '"')
-            safe += "&quot;";
-        else if (static_cast<unsigned char>(c) >= 0x20)
-            safe += c;  // XML knows no control characters
-    }
-    return safe;
+/// A text as it may stand in the picture.
+std::string escaped(std::string text) {
+    std::erase_if(text, [](char c) { return static_cast<unsigned char>(c) < 0x20; });  // XML knows no control characters
+    return html(text);
 }
 
 /// Characters of a text in UTF-8.

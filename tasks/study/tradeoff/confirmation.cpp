@@ -10,6 +10,7 @@
 
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tasks/study/tradeoff/error_measure.hpp"
 
 namespace cvtflow::tasks {
 
@@ -47,19 +48,10 @@ Confirmation::Confirmation(Scene scene, ConfirmSettings settings, const engine::
         take_reference();
 }
 
-Scene Confirmation::prepared(std::span<const std::string> settings) const {
-    Scene scene = scene_;
-    std::vector<std::string> all{fmt::format("run.output_interval={:.17g}", settings_.interval),
-                                 fmt::format("run.state_interval={:.17g}", settings_.interval)};
-    all.insert(all.end(), settings.begin(), settings.end());
-    set_values(scene, all);
-    return scene;
-}
-
 LongRun Confirmation::run(std::span<const std::string> settings) const { return run(settings, nullptr, nullptr); }
 
 LongRun Confirmation::run(std::span<const std::string> settings, FrozenStart* begin, FrozenStart* end) const {
-    Simulation simulation(prepared(settings));
+    Simulation simulation(with_outputs(scene_, settings_.interval, settings));
     if (simulation.needs_settling())
         throw SimulationError(
             fmt::format("{}: the start is not settled, nothing can be measured from there (cvtflow settle)", scene_.name));
@@ -94,7 +86,7 @@ Confirmed Confirmation::judged(const LongRun& run) const {
 }
 
 double Confirmation::stable_step(std::span<const std::string> settings) {
-    const Scene scene = prepared(settings);
+    const Scene scene = with_outputs(scene_, settings_.interval, settings);
     const auto known = stable_.find(scene.run.method);
     if (known != stable_.end()) return known->second;
     double step = std::numeric_limits<double>::infinity();
@@ -103,7 +95,7 @@ double Confirmation::stable_step(std::span<const std::string> settings) {
 }
 
 bool Confirmation::beyond_stability(std::span<const std::string> settings) {
-    const RunSettings run = prepared(settings).run;
+    const RunSettings run = with_outputs(scene_, settings_.interval, settings).run;
     if (run.step.automatic() || run.step_control == StepControl::error) return false;
     const double taken = run.output_interval / std::ceil(run.output_interval / run.step * (1.0 - 1e-12));
     return taken > stable_step(settings);
@@ -119,14 +111,15 @@ Confirmed Confirmation::check(std::span<const std::string> settings) {
 void Confirmation::take_reference() {
     FrozenStart begin, end;
     reference_ = run(settings_.reference, &begin, &end);
-    reference_text_ = fmt::format("{} at {:.3g} s", prepared(settings_.reference).run.method, reference_.step);
+    reference_text_ =
+        fmt::format("{} at {:.3g} s", with_outputs(scene_, settings_.interval, settings_.reference).run.method, reference_.step);
     if (reference_.fault)
         throw SimulationError(
             fmt::format("{}: the reference of the confirmation did not get through: {}", scene_.name, reference_.fault.message()));
     if (!reference_.watch.reliable())
         throw SimulationError(
             fmt::format("{}: the reference of the confirmation is unreliable: its energy balance does not close", scene_.name));
-    const Scene scene = prepared(settings_.reference);
+    const Scene scene = with_outputs(scene_, settings_.interval, settings_.reference);
     ends_.clear();
     variator_ = std::make_unique<model::Variator>(scene.parameters);
     for (const FrozenStart& at : {begin, end}) ends_.emplace_back(*variator_, scene.parameters, at);
@@ -138,7 +131,7 @@ void Confirmation::refine_reference() {
     const auto settings = [&](double step) {
         return std::vector<std::string>{"run.method=" + method, fmt::format("run.step={:.17g}", step), "run.step_control=fixed"};
     };
-    const double automatic = Simulation(prepared(settings(1e-6)), Schedule{}).automatic_step();
+    const double automatic = Simulation(with_outputs(scene_, settings_.interval, settings(1e-6)), Schedule{}).automatic_step();
     settings_.reference = settings(0.5 * automatic);
     take_reference();
     Confirmed half;

@@ -66,7 +66,6 @@ public:
     [[nodiscard]] const std::string& reference_text() const noexcept { return reference_text_; }
 
 private:
-    [[nodiscard]] Scene prepared(std::span<const std::string> settings) const;
     [[nodiscard]] LongRun run(std::span<const std::string> settings, FrozenStart* begin, FrozenStart* end) const;
     void take_reference();
     void refine_reference();

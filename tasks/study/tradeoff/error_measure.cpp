@@ -109,23 +109,22 @@ ErrorReport compare(const Trajectory& run, const Trajectory& reference) {
     return report;
 }
 
+Scene with_outputs(const Scene& scene, double interval, std::span<const std::string> settings) {
+    std::vector<std::string> all{fmt::format("run.output_interval={:.17g}", interval), fmt::format("run.state_interval={:.17g}", interval)};
+    all.insert(all.end(), settings.begin(), settings.end());
+    Scene changed = scene;
+    set_values(changed, all);
+    return changed;
+}
+
 ErrorMeasure::ErrorMeasure(Scene scene, MeasureSettings settings, const engine::Cancellation& cancel)
     : scene_(std::move(scene)), settings_(std::move(settings)), cancel_(cancel), reference_(run(settings_.reference)) {
     if (reference_.fault)
         throw SimulationError(fmt::format("{}: the reference did not get through: {}", scene_.name, reference_.fault.message()));
 }
 
-Scene ErrorMeasure::prepared(std::span<const std::string> settings) const {
-    Scene scene = scene_;
-    std::vector<std::string> all{fmt::format("run.output_interval={:.17g}", settings_.interval),
-                                 fmt::format("run.state_interval={:.17g}", settings_.interval)};
-    all.insert(all.end(), settings.begin(), settings.end());
-    set_values(scene, all);
-    return scene;
-}
-
 Trajectory ErrorMeasure::run(std::span<const std::string> settings) const {
-    const Scene scene = prepared(settings);
+    const Scene scene = with_outputs(scene_, settings_.interval, settings);
     Trajectory best = observed(scene, settings_.duration, cancel_);
     for (int repeat = 1; repeat < settings_.repeats; ++repeat) {
         const Trajectory again = observed(scene, settings_.duration, cancel_);

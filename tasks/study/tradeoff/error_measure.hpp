@@ -64,6 +64,10 @@ struct MeasureSettings {
     double steady = 4e-3;
 };
 
+/// The scene with outputs and states every `interval` [s], then with `settings` (key=value), which may say otherwise.
+/// @throws SceneError
+[[nodiscard]] Scene with_outputs(const Scene& scene, double interval, std::span<const std::string> settings);
+
 class ErrorMeasure {
 public:
     /// Runs the reference. The scene starts from its state file.
@@ -79,8 +83,6 @@ public:
     [[nodiscard]] ErrorReport errors(const Trajectory& run) const { return compare(run, reference_); }
 
 private:
-    [[nodiscard]] Scene prepared(std::span<const std::string> settings) const;
-
     Scene scene_;
     MeasureSettings settings_;
     const engine::Cancellation& cancel_;
