@@ -161,7 +161,9 @@ void compare(const Extreme& row, const Scene& scene, const IntegrationState& set
              ExtremeCase& result) {
     const Account after = account_of(coarse.simulation());
     Trial fine(row, scene, settled, result.step, 0.5 * result.step, span);
-    result.fault = fine.run(span);
+    result.fault = fine.run(0.5 * span);
+    const Account halfway = account_of(fine.simulation());
+    if (!result.fault) result.fault = fine.run(0.5 * span);
     if (result.fault) {
         result.ending = Ending::fault;
         result.message = "at half the step: " + result.fault.message();
@@ -173,7 +175,9 @@ void compare(const Extreme& row, const Scene& scene, const IntegrationState& set
         return;
     }
     result.balance = imbalance(before, after);
-    const double moved = std::max(distance(finer.unknowns, before.unknowns), 1e-9 * length(before.unknowns));
+    // An oscillation that is back where it began at the end was elsewhere before.
+    const double moved =
+        std::max({distance(finer.unknowns, before.unknowns), distance(halfway.unknowns, before.unknowns), 1e-9 * length(before.unknowns)});
     result.refinement = moved > 0.0 ? distance(after.unknowns, finer.unknowns) / moved : 0.0;
     result.message = objection(row, result, coarse.simulation().counters().detected);
     const bool beyond = result.step > beyond_stability * result.stable_step;
