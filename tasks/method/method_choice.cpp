@@ -64,6 +64,12 @@ std::optional<engine::StagePlan> plan_for(std::string_view method) {
     return plan;
 }
 
+engine::StagePlan required_plan(std::string_view method) {
+    std::optional<engine::StagePlan> plan = plan_for(method);
+    if (!plan) throw MethodRefused(no_method(method));
+    return std::move(*plan);
+}
+
 bool may_be_method(std::string_view name) {
     return find_program(name) != nullptr || engine::family_of(name) != nullptr || engine::find_method(name) != nullptr;
 }

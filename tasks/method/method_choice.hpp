@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,6 +16,12 @@ namespace cvtflow::tasks {
 class LinearChain;
 class StepMap;
 struct ProgramStability;
+
+/// The method cannot be used with these parameters, or does not exist.
+class MethodRefused final : public std::invalid_argument {
+public:
+    using std::invalid_argument::invalid_argument;
+};
 
 /// A method that is a program: what `list methods` says of it, the slots it needs, and how it is made.
 struct MethodProgram {
@@ -41,6 +48,8 @@ struct MethodProgram {
 /// Table whose slots a workspace for this method needs: the method's own, or one that holds a program's slots. nullopt: no method of that
 /// name.
 [[nodiscard]] std::optional<engine::StagePlan> plan_for(std::string_view method);
+/// The same for a name that has to be one. @throws MethodRefused with no_method()
+[[nodiscard]] engine::StagePlan required_plan(std::string_view method);
 /// Whether there is a method or a family of that name. Whether a family has the member is known when it is made, which may take a tenth of
 /// a second.
 [[nodiscard]] bool may_be_method(std::string_view name);

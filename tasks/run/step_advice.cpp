@@ -5,11 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/linear/eigenvalues.hpp"
 #include "engine/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
-#include "model/basis/portable_math.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tasks/method/stability/krylov_space.hpp"
 #include "tasks/method/stability/step_limit.hpp"
 
 namespace cvtflow::tasks {
@@ -43,7 +42,6 @@ public:
         const Eigen::VectorXd shift = length * scale_.cwiseProduct(direction);
         return ((slope(centre_ + shift, above_) - slope(centre_ - shift, below_)) / (2.0 * length)).cwiseQuotient(scale_);
     }
-    [[nodiscard]] Eigen::Index size() const noexcept { return centre_.size(); }
 
 private:
     [[nodiscard]] const Eigen::VectorXd& slope(const Eigen::VectorXd& at, Eigen::VectorXd& out) {
@@ -59,14 +57,6 @@ private:
     Eigen::VectorXd scale_, above_, below_;
 };
 
-/// A start that has a share of every eigenvector, the same every time.
-[[nodiscard]] Eigen::VectorXd mixed(Eigen::Index size) {
-    Eigen::VectorXd start(size);
-    for (Eigen::Index k = 0; k < size; ++k)
-        start[k] = model::portable_sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
-    return start.normalized();
-}
-
 constexpr double least_damping = 1e-3;
 
 [[nodiscard]] std::complex<double> direction_of(std::complex<double> value) {
@@ -80,30 +70,16 @@ constexpr double least_damping = 1e-3;
 std::vector<std::complex<double>> extreme_eigenvalues(const model::Variator& variator, double t, const double* state,
                                                       const std::vector<model::Phase>& phases, int directions) {
     Linearised jacobian(variator, t, state, phases);
-    const Eigen::Index most = std::min<Eigen::Index>(directions, jacobian.size());
-    Eigen::MatrixXd basis(jacobian.size(), most + 1);
-    Eigen::MatrixXd hessenberg = Eigen::MatrixXd::Zero(most + 1, most);
-    basis.col(0) = mixed(jacobian.size());
-    Eigen::Index done = 0;
-    while (done < most) {
-        Eigen::VectorXd next = jacobian(basis.col(done));
-        if (!next.allFinite()) return {};
-        for (int pass = 0; pass < 2; ++pass) {  // twice is enough
-            const Eigen::VectorXd shares = basis.leftCols(done + 1).transpose() * next;
-            next -= basis.leftCols(done + 1) * shares;
-            hessenberg.col(done).head(done + 1) += shares;
-        }
-        const double rest = next.norm();
-        hessenberg(done + 1, done) = rest;
-        ++done;
-        if (!(rest > 0.0)) break;  // an invariant space: its eigenvalues are exact
-        basis.col(done) = next / rest;
+    const int size = variator.layout().size();
+    KrylovSpace space(size, directions);
+    const LinearMap map = [&](const double* from, double* to) {
+        Eigen::Map<Eigen::VectorXd>(to, size) = jacobian(Eigen::Map<const Eigen::VectorXd>(from, size));
+        return true;
+    };
+    while (!space.full()) {
+        if (!space.grow(map)) return {};
     }
-    const Eigen::MatrixXd square = hessenberg.topLeftCorner(done, done);
-    std::vector<std::complex<double>> values;
-    for (const std::complex<double>& value : engine::dense_eigenvalues(square.data(), static_cast<int>(done))) {
-        if (value.imag() >= 0.0) values.push_back(value);
-    }
+    std::vector<std::complex<double>> values = space.values();
     std::sort(values.begin(), values.end(), [](const auto& a, const auto& b) { return std::abs(a) > std::abs(b); });
     return values;
 }

@@ -3,17 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "tasks/method/method_choice.hpp"
-
 namespace cvtflow::tasks {
 
 namespace {
-
-engine::StagePlan plan_of(const std::string& method) {
-    auto plan = plan_for(method);
-    if (!plan) throw MethodRefused(no_method(method));
-    return std::move(*plan);
-}
 
 std::unique_ptr<StepMethod> method_of(const std::string& name, Workspace& workspace) {
     try {
@@ -28,7 +20,7 @@ std::unique_ptr<StepMethod> method_of(const std::string& name, Workspace& worksp
 Integrator::Integrator(const model::Parameters& parameters, std::string method, const std::vector<Schedule>& candidates,
                        const ChooserOptions& options, engine::StampRecorder* recorder)
     : name_(std::move(method)),
-      workspace_(parameters, plan_of(name_), Partition::equal(parameters.chain.pins, candidates.front().segments)),
+      workspace_(parameters, required_plan(name_), Partition::equal(parameters.chain.pins, candidates.front().segments)),
       method_(method_of(name_, workspace_)),
       runner_(workspace_, *method_, candidates, options, recorder) {}
 

@@ -2,21 +2,15 @@
 /// What takes steps, wired once: the memory of the step loop, the method, the graph of its tasks and who runs it.
 
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "tasks/method/method_choice.hpp"
 #include "tasks/schedule/schedule_runner.hpp"
 #include "tasks/step/frozen_start.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
-
-/// The method cannot be used with these parameters, or does not exist.
-class MethodRefused final : public std::invalid_argument {
-public:
-    using std::invalid_argument::invalid_argument;
-};
 
 class Integrator {
 public:

@@ -10,16 +10,6 @@
 
 namespace cvtflow::tasks {
 
-namespace {
-
-engine::StagePlan plan_of(const std::string& method) {
-    auto plan = plan_for(method);
-    if (!plan) throw std::invalid_argument("there is no method '" + method + "'");
-    return std::move(*plan);
-}
-
-}  // namespace
-
 MethodRun::MethodRun(const model::Parameters& parameters, const std::string& method, const Schedule& schedule)
     : integrator_(parameters, method, {schedule}) {}
 
@@ -57,7 +47,7 @@ std::vector<double> one_step(MethodRun& method, const FrozenStart& start, double
 std::vector<LocalError> local_errors(const model::Parameters& parameters, const std::string& method, const FrozenStart& start,
                                      std::span<const double> steps) {
     const model::Variator variator(parameters);
-    if (find_program(method) == nullptr) return local_errors(variator, plan_of(method), start, steps);
+    if (find_program(method) == nullptr) return local_errors(variator, required_plan(method), start, steps);
     MethodRun coarse(parameters, method), fine(parameters, "rk4");
     std::vector<LocalError> errors;
     for (const double h : steps) {

@@ -2,13 +2,11 @@
 /// How fast the fastest of all disturbances grows in one application of a linear map, by Arnoldi's method.
 
 #include <complex>
-#include <functional>
 #include <vector>
 
-namespace cvtflow::tasks {
+#include "tasks/method/stability/krylov_space.hpp"
 
-/// to = map(from), both [size]; false: it cannot be applied.
-using LinearMap = std::function<bool(const double* from, double* to)>;
+namespace cvtflow::tasks {
 
 struct Growth {
     double factor = 0.0;                  ///< spectral radius; infinite where the map cannot be applied or is not finite [1]
