@@ -1,5 +1,5 @@
-/// Power cuts: what was not synced is lost, or part of it. A run and a sweep go on from what is left to the bits of an undisturbed one, or
-/// say clearly that they cannot, and nothing has a final name that is not whole.
+/// Power cuts: what was not synced is lost, or part of it. A run and a sweep go on from what is left to the bits of an undisturbed one, or,
+/// of a run, say clearly that they cannot, and nothing has a final name that is not whole.
 
 #include <gmock/gmock.h>
 
@@ -126,6 +126,7 @@ void PowerCut::sweep(int cuts) {
         went_on_ += begun && outcome.status == 0;
         return outcome;
     });
+    EXPECT_EQ(same_, cuts);  // rows of a torn table are found without HDF5
 }
 
 TEST_F(PowerCut, OfARunLeavesWhatLeadsToTheSameBits) {
@@ -135,7 +136,7 @@ TEST_F(PowerCut, OfARunLeavesWhatLeadsToTheSameBits) {
 
 TEST_F(PowerCut, OfASweepLeavesWhatLeadsToTheSameBits) {
     sweep(20);
-    EXPECT_GE(same_, 10);
+    EXPECT_GE(went_on_, 5);
 }
 
 using NightlyPowerCut = PowerCut;

@@ -76,23 +76,6 @@ Fate fate_of(const std::string& path, const Reader& reader) {
     }
 }
 
-CaseTable example_cases() {
-    CaseTable table{RowLayout({{"case", "1", "number", CaseColumnType::integer},
-                               {"slip", "1", "", CaseColumnType::real},
-                               {"status", "", "", CaseColumnType::text, 16}}),
-                    {{"sweep", std::string("s")}, {"cases", std::int64_t{9}}},
-                    {}};
-    table.rows.resize(9 * table.layout.bytes());
-    for (std::size_t i = 0; i < 9; ++i) {
-        const auto row = std::span(table.rows).subspan(i * table.layout.bytes(), table.layout.bytes());
-        table.layout.put(row, 0, static_cast<std::int64_t>(i));
-        table.layout.put(row, 1, 0.5 * static_cast<double>(i));
-        table.layout.put(row, 2, std::string_view("ok"));
-        table.layout.seal(row);
-    }
-    return table;
-}
-
 class Hdf5MutantTest : public RecordTest {
 protected:
     Hdf5MutantTest() : notes_(new (mmap(nullptr, sizeof(Notes), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) Notes) {}
