@@ -79,21 +79,7 @@ std::string contents_of(const std::filesystem::path& record) {
 }
 
 void PowerCut::single_run(int cuts) {
-    const std::vector<std::string> order{"run",
-                                         "tiny",
-                                         "-q",
-                                         "-o",
-                                         "run.h5",
-                                         "--until",
-                                         "0.2 ms",
-                                         "--step",
-                                         "50 ns",
-                                         "--set",
-                                         "start.settling_time=100us",
-                                         "--set",
-                                         "start.ramp_time=50us",
-                                         "--set",
-                                         "run.schedule=serial"};
+    const std::vector<std::string> order = run_to_be_ended("run.h5");
     const std::vector<Change> changes = logged(order + std::vector<std::string>{"--checkpoint-every", "3 ms"});
     const std::string whole = contents_of(work_ / "run.h5");
     cut_and_go_on(changes, cuts, [&] {
