@@ -174,6 +174,7 @@ protected:
             read += fates[Fate::ok];
             refused += fates[Fate::refused];
         }
+        std::fflush(stdout);  // the next ones take minutes
         EXPECT_EQ(read + refused, count);
         EXPECT_GT(refused, count / 10);  // the mutants are some
     }
