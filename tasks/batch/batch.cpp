@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <optional>
 
 #include "engine/executor/tbb/job_pool.hpp"
 #include "tasks/batch/continuation_error.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/batch/results/torn_results.hpp"
 #include "tasks/schedule/schedule.hpp"
 
 namespace cvtflow::tasks {
@@ -75,10 +77,11 @@ private:
     engine::CaseTable read_or_begin() {
         engine::CaseTable begin = empty_table(sweep_);
         begin.set({"shard", fmt::format("{}/{}", options_.shard.number, options_.shard.of)});
+        set_mark(begin);
         done_.assign(static_cast<std::size_t>(sweep_.cases()), 0);
         std::error_code missing;
         if (!fs::exists(file_, missing)) return begin;
-        engine::CaseTable table = read_results(file_);
+        engine::CaseTable table = read_or_recover(begin);
         require_same_sweep(file_, table, begin);
         if (table.attribute("shard") != begin.attribute("shard"))
             throw SimulationError(
@@ -86,6 +89,19 @@ private:
         keep_done(table, options_.part.attempt == 0 ? options_.retry : std::vector<std::string>{}, done_);
         table.set({"status", "running"});
         return table;
+    }
+
+    /// What is there; of a table that a power cut has torn, the rows that are whole.
+    engine::CaseTable read_or_recover(const engine::CaseTable& begin) {
+        try {
+            return read_results(file_);
+        } catch (const engine::RecordError& error) {
+            std::optional<engine::CaseTable> left = recover_results(file_, begin);
+            if (!left) throw;
+            if (options_.notice)
+                options_.notice(fmt::format("{}; rows that are whole are kept: {}; the other cases run again", error.what(), left->size()));
+            return *std::move(left);
+        }
     }
 
     /// Runs what is left. Jobs are strands of cases; without continuation, single cases.

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 
 #include <csignal>
+#include <filesystem>
 
+#include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tests/tools/batch_fixture.hpp"
 
@@ -81,6 +83,64 @@ TEST_F(Sweeps, ThatCannotWriteItsCheckpointsStopsAndBlamesNoCase) {
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, testing::StartsWith("cvtflow: out/checkpoints"));
     EXPECT_EQ(run({"table", "out", "--status", "bad_parameters", "--csv"}).out.find("bad_parameters"), std::string::npos);
+}
+
+/// A table of twelve rows as a power cut may leave it while it grows.
+class TornSweep : public Sweeps {
+protected:
+    void SetUp() override {
+        write_sweep();
+        whole_ = batch();
+        ASSERT_EQ(whole_.status, 0) << whole_.err;
+        std::string bytes = read("out/cases.h5");
+        const auto hash = bytes.find(column("hash").at(5));
+        ASSERT_NE(hash, std::string::npos);
+        bytes[hash] = bytes[hash] == 'f' ? '0' : 'f';
+        bytes.resize(bytes.size() - engine::seal_size);
+        write("out/cases.h5", bytes);  // one row is damaged
+        bytes.replace(0, 48, 48, '\0');
+        torn_ = bytes;  // nor does HDF5 find the others
+    }
+
+    Outcome whole_;
+    std::string torn_;
+};
+
+TEST_F(TornSweep, GoesOnWithTheRowsThatAreWhole) {
+    const Outcome outcome = run({"resume", "out"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.err, HasSubstr("cvtflow: out/cases.h5: row 5 is damaged: it does not have the check that it was written with; rows "
+                                       "that are whole are kept: 11; the other cases run again\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("1 now"));
+    EXPECT_EQ(hash_in(outcome.out), hash_in(whole_.out));
+}
+
+TEST_F(TornSweep, GoesOnWithThemWhereHdf5FindsNone) {
+    write("out/cases.h5", torn_);
+    const Outcome resumed = run({"resume", "out"});
+    EXPECT_EQ(resumed.status, 1);
+    EXPECT_EQ(resumed.err,
+              "cvtflow: out/cases.h5: not an HDF5 file\n"
+              "  to go on with the rows that are whole: cvtflow batch SWEEP -o out\n");
+    EXPECT_EQ(read("out/cases.h5"), torn_);
+    const Outcome outcome = batch();
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.err,
+                HasSubstr("cvtflow: out/cases.h5: not an HDF5 file; rows that are whole are kept: 11; the other cases run again\n"));
+    EXPECT_THAT(outcome.out, HasSubstr("1 now"));
+    EXPECT_EQ(hash_in(outcome.out), hash_in(whole_.out));
+}
+
+TEST_F(TornSweep, IsRefusedByAnotherSweepOrAnotherShard) {
+    write("out/cases.h5", torn_);
+    write_sweep("\"6 N*m\", \"12 N*m\", \"18 N*m\"", "50 us");
+    EXPECT_EQ(batch().err, "cvtflow: out/cases.h5: not an HDF5 file\n");
+    EXPECT_EQ(read("out/cases.h5"), torn_);
+    write_sweep();
+    std::filesystem::create_directory(folder_ / "out/shard-0001-of-0002");
+    write("out/shard-0001-of-0002/cases.h5", torn_);
+    EXPECT_EQ(batch({"--shard", "1/2"}).err, "cvtflow: out/shard-0001-of-0002/cases.h5: not an HDF5 file\n");
+    EXPECT_EQ(read("out/shard-0001-of-0002/cases.h5"), torn_);
 }
 
 }  // namespace

@@ -10,8 +10,6 @@
 namespace cvtflow::tools {
 namespace {
 
-using Words = std::vector<std::string>;
-
 struct Mistake {
     Words arguments;
     int status;

@@ -1,5 +1,5 @@
-/// Power cuts: what was not synced is lost, or part of it. A run and a sweep go on from what is left to the bits of an undisturbed one, or
-/// say clearly that they cannot, and nothing has a final name that is not whole.
+/// Power cuts: what was not synced is lost, or part of it. A run and a sweep go on from what is left to the bits of an undisturbed one, or,
+/// of a run, say clearly that they cannot, and nothing has a final name that is not whole.
 
 #include <gmock/gmock.h>
 
@@ -79,21 +79,7 @@ std::string contents_of(const std::filesystem::path& record) {
 }
 
 void PowerCut::single_run(int cuts) {
-    const std::vector<std::string> order{"run",
-                                         "tiny",
-                                         "-q",
-                                         "-o",
-                                         "run.h5",
-                                         "--until",
-                                         "0.2 ms",
-                                         "--step",
-                                         "50 ns",
-                                         "--set",
-                                         "start.settling_time=100us",
-                                         "--set",
-                                         "start.ramp_time=50us",
-                                         "--set",
-                                         "run.schedule=serial"};
+    const std::vector<std::string> order = run_to_be_ended("run.h5");
     const std::vector<Change> changes = logged(order + std::vector<std::string>{"--checkpoint-every", "3 ms"});
     const std::string whole = contents_of(work_ / "run.h5");
     cut_and_go_on(changes, cuts, [&] {
@@ -126,6 +112,7 @@ void PowerCut::sweep(int cuts) {
         went_on_ += begun && outcome.status == 0;
         return outcome;
     });
+    EXPECT_EQ(same_, cuts);  // rows of a torn table are found without HDF5
 }
 
 TEST_F(PowerCut, OfARunLeavesWhatLeadsToTheSameBits) {
@@ -135,7 +122,7 @@ TEST_F(PowerCut, OfARunLeavesWhatLeadsToTheSameBits) {
 
 TEST_F(PowerCut, OfASweepLeavesWhatLeadsToTheSameBits) {
     sweep(20);
-    EXPECT_GE(same_, 10);
+    EXPECT_GE(went_on_, 5);
 }
 
 using NightlyPowerCut = PowerCut;

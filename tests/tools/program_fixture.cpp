@@ -75,6 +75,13 @@ Outcome Child::wait() {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), contents(out_), contents(err_)};
 }
 
+Words run_to_be_ended(const std::string& record) {
+    const std::vector<std::string> settings{"start.settling_time=100us", "start.ramp_time=50us", "run.schedule=serial"};
+    Words words{"run", "tiny", "-o", record, "-q", "--until", "0.2 ms", "--step", "50 ns"};
+    for (const std::string& setting : settings) words.insert(words.end(), {"--set", setting});
+    return words;
+}
+
 Program::Program() : folder_(fs::temp_directory_path() / unique_name("test")) { fs::create_directory(folder_); }
 
 Program::~Program() {
@@ -91,6 +98,18 @@ Outcome Program::run_briefly(const std::vector<std::string>& more) const {
         "run", "tiny", "--until", "20 us", "--step", "50 ns", "--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments);
+}
+
+Words Program::commands() const {
+    std::istringstream help(run({"--help"}).out);
+    Words names;
+    bool listed = false;
+    for (std::string line; std::getline(help, line);) {
+        if (listed && line.empty()) break;
+        if (listed && line.starts_with("  ") && line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
+        listed = listed || line.starts_with("Subcommands:");
+    }
+    return names;
 }
 
 std::string Program::draw(const std::vector<std::string>& arguments, int columns) const {

@@ -18,8 +18,10 @@ struct Outcome {
     std::string err;  ///< stderr
 };
 
-/// Words of a command line, one list after the other.
-[[nodiscard]] inline std::vector<std::string> operator+(std::vector<std::string> words, const std::vector<std::string>& more) {
+using Words = std::vector<std::string>;  ///< of a command line
+
+/// One list after the other.
+[[nodiscard]] inline Words operator+(Words words, const Words& more) {
     words.insert(words.end(), more.begin(), more.end());
     return words;
 }
@@ -47,6 +49,9 @@ private:
 inline const std::vector<std::string> brief_settling{
     "--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.step=50 ns"};
 
+/// A run of tiny for 0.2 ms, 4,000 steps, after settling for 0.1 ms: long enough to be ended at any moment. @param record  its file
+[[nodiscard]] Words run_to_be_ended(const std::string& record);
+
 /// Each test has an empty working directory.
 class Program : public testing::Test {
 protected:
@@ -56,6 +61,8 @@ protected:
     Outcome run(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {}) const;
     /// run() with the scene tiny, settling and running for 20 us; a fraction of a second.
     Outcome run_briefly(const std::vector<std::string>& more = {}) const;
+    /// Every command of the program, as its help lists them.
+    [[nodiscard]] Words commands() const;
     /// What run() draws on a terminal of that width, stdout included.
     [[nodiscard]] std::string draw(const std::vector<std::string>& arguments, int columns) const;
     void write(const std::string& name, const std::string& text) const;

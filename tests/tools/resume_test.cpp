@@ -15,25 +15,6 @@ using testing::StartsWith;
 
 class Resume : public Program {
 protected:
-    [[nodiscard]] std::vector<std::string> arguments(const std::string& record, const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> all{"run",
-                                     "tiny",
-                                     "-o",
-                                     record,
-                                     "-q",
-                                     "--until",
-                                     "0.2 ms",
-                                     "--step",
-                                     "50 ns",
-                                     "--set",
-                                     "start.settling_time=100us",
-                                     "--set",
-                                     "start.ramp_time=50us",
-                                     "--set",
-                                     "run.schedule=serial"};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
-    }
     /// Of a record that is being written; 0 before it can be read.
     [[nodiscard]] std::size_t rows_in(const std::string& record) const {
         try {
@@ -61,12 +42,12 @@ protected:
 
 int Resume::killed_and_resumed(int kills) const {
     const auto begun = std::chrono::steady_clock::now();
-    EXPECT_EQ(run(arguments("whole.h5")).status, 0);
+    EXPECT_EQ(run(run_to_be_ended("whole.h5")).status, 0);
     const auto whole = std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - begun).count();
     std::mt19937 moments(7);
     int resumed = 0;
     for (int kill = 0; kill < kills; ++kill) {
-        Child child(arguments("cut.h5", {"--checkpoint-every", "5 ms"}), folder_);
+        Child child(run_to_be_ended("cut.h5") + Words{"--checkpoint-every", "5 ms"}, folder_);
         std::this_thread::sleep_for(std::chrono::microseconds(static_cast<long>(moments() % static_cast<std::uint32_t>(whole))));
         child.send(SIGKILL);
         (void)child.wait();
@@ -75,7 +56,7 @@ int Resume::killed_and_resumed(int kills) const {
             EXPECT_EQ(outcome.status, 0) << outcome.err;
             ++resumed;
         } else if (!exists("cut.h5")) {
-            EXPECT_EQ(run(arguments("cut.h5")).status, 0);  // killed before there was anything to go on from
+            EXPECT_EQ(run(run_to_be_ended("cut.h5")).status, 0);  // killed before there was anything to go on from
         }
         expect_same("whole.h5", "cut.h5");
         EXPECT_FALSE(exists("cut.checkpoint.h5"));
@@ -92,8 +73,8 @@ using NightlyResume = Resume;
 TEST_F(NightlyResume, AfterAHundredKillsGivesTheUndisturbedRecord) { EXPECT_GE(killed_and_resumed(100), 25); }
 
 TEST_F(Resume, AfterCtrlCGoesOnWithTheRecord) {
-    ASSERT_EQ(run(arguments("whole.h5", {"--until", "0.6 ms"})).status, 0);
-    Child child(arguments("cut.h5", {"--until", "0.6 ms", "--checkpoint-every", "1 h"}), folder_);
+    ASSERT_EQ(run(run_to_be_ended("whole.h5") + Words{"--until", "0.6 ms"}).status, 0);
+    Child child(run_to_be_ended("cut.h5") + Words{"--until", "0.6 ms", "--checkpoint-every", "1 h"}, folder_);
     ASSERT_TRUE(eventually([&] { return exists("cut.h5.part"); }));
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     child.send(SIGINT);
@@ -105,7 +86,7 @@ TEST_F(Resume, AfterCtrlCGoesOnWithTheRecord) {
 }
 
 TEST_F(Resume, RefusesAnotherSceneAndNamesTheDifference) {
-    ASSERT_EQ(run(arguments("cut.h5", {"--checkpoint-every", "1 h", "--set", "run.max_steps=500"})).status, 4);
+    ASSERT_EQ(run(run_to_be_ended("cut.h5") + Words{"--checkpoint-every", "1 h", "--set", "run.max_steps=500"}).status, 4);
     ASSERT_TRUE(exists("cut.checkpoint.h5"));
     const std::string before = read("cut.checkpoint.h5");
     const Outcome outcome = run({"resume", "cut.checkpoint.h5", "--set", "tip.radius=2 m", "--set", "run.method=dumka3-p4"});
@@ -114,12 +95,12 @@ TEST_F(Resume, RefusesAnotherSceneAndNamesTheDifference) {
     EXPECT_THAT(outcome.err, HasSubstr("\n  run.method = \"dumka3-p4\", the checkpoint has \"rk4\"\n"));
     EXPECT_EQ(read("cut.checkpoint.h5"), before);
     EXPECT_EQ(run({"resume", "cut.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);
-    ASSERT_EQ(run(arguments("whole.h5")).status, 0);
+    ASSERT_EQ(run(run_to_be_ended("whole.h5")).status, 0);
     expect_same("whole.h5", "cut.h5");
 }
 
 TEST_F(Resume, RefusesACheckpointOfWhichAnyByteHasChanged) {
-    ASSERT_EQ(run(arguments("cut.h5", {"--checkpoint-every", "1 h", "--set", "run.max_steps=500"})).status, 4);
+    ASSERT_EQ(run(run_to_be_ended("cut.h5") + Words{"--checkpoint-every", "1 h", "--set", "run.max_steps=500"}).status, 4);
     const std::string good = read("cut.checkpoint.h5");
     for (std::size_t k = 0; k < 40; ++k) {
         std::string bad = good;
@@ -134,7 +115,7 @@ TEST_F(Resume, RefusesACheckpointOfWhichAnyByteHasChanged) {
 }
 
 TEST_F(Resume, RefusesARecordWhoseRowsHaveChanged) {
-    Child child(arguments("cut.h5", {"--until", "1 ms", "--checkpoint-every", "5 ms"}), folder_);
+    Child child(run_to_be_ended("cut.h5") + Words{"--until", "1 ms", "--checkpoint-every", "5 ms"}, folder_);
     ASSERT_TRUE(eventually([&] { return exists("cut.checkpoint.h5") && rows_in("cut.h5.part") > 5; }));
     child.send(SIGINT);  // leaves checkpoint and record at the same place
     ASSERT_EQ(child.wait().status, 130);
@@ -156,7 +137,7 @@ TEST_F(Resume, RefusesARecordWhoseRowsHaveChanged) {
 
 TEST_F(Resume, LeavesNoHalfWrittenCheckpointBehind) {
     write("cut.checkpoint.h5.part", "what a kill left");
-    ASSERT_EQ(run(arguments("cut.h5", {"--checkpoint-every", "1 h"})).status, 0);
+    ASSERT_EQ(run(run_to_be_ended("cut.h5") + Words{"--checkpoint-every", "1 h"}).status, 0);
     EXPECT_FALSE(exists("cut.checkpoint.h5.part"));
 }
 

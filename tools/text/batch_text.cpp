@@ -7,7 +7,9 @@
 #include <chrono>
 #include <filesystem>
 
+#include "engine/record/table/torn_table.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/batch/results/torn_results.hpp"
 #include "tasks/schedule/schedule.hpp"
 #include "tools/guard.hpp"
 #include "tools/output/interrupt.hpp"
@@ -70,7 +72,15 @@ tasks::Sweep load_sweep(const std::string& path) {
 std::string sweep_of(const std::string& folder) {
     std::error_code unreadable;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, unreadable)) {
-        if (entry.path().filename() == "cases.h5") return engine::CaseReader(entry.path().string()).head().attribute("sweep_path");
+        if (entry.path().filename() != "cases.h5") continue;
+        const std::string file = entry.path().string();
+        try {
+            return engine::CaseReader(file).head().attribute("sweep_path");
+        } catch (const engine::RecordError& error) {
+            if (!engine::torn_while_growing(file, tasks::mark_of_a_sweep)) throw;
+            throw engine::RecordError(
+                fmt::format("{}\n  to go on with the rows that are whole: cvtflow batch SWEEP -o {}", error.what(), folder));
+        }
     }
     throw tasks::SimulationError(folder + ": no sweep has written into it");
 }

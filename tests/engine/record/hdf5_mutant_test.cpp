@@ -1,14 +1,11 @@
-/// Every reader against files that lie: thousands of mutants, each read in a child process that may neither crash, nor take over 5 s or 1
-/// GB.
+/// Every reader against files that lie: thousands of mutants, each read in a child process that may neither crash, nor take over 5 s of
+/// processor time, 60 s by the clock, or 1 GB.
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/time.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -19,6 +16,7 @@
 #include "engine/record/run/state_file.hpp"
 #include "engine/record/table/case_table.hpp"
 #include "tests/engine/record/hdf5_mutant_fixture.hpp"
+#include "tests/engine/record/reader_limits_fixture.hpp"
 #include "tests/engine/record/record_fixture.hpp"
 
 namespace cvtflow::engine {
@@ -54,11 +52,6 @@ void read_run(const std::string& path) {
     }
 }
 
-void end_in(long seconds) {
-    const itimerval time{{0, 0}, {seconds, 0}};
-    setitimer(ITIMER_REAL, &time, nullptr);
-}
-
 struct Reader {
     std::string_view of;
     void (*read)(const std::string& path);
@@ -72,7 +65,7 @@ const Reader readers[] = {{"run", read_run},
 
 /// @return refused if the mutant is not taken
 Fate fate_of(const std::string& path, const Reader& reader) {
-    end_in(5);
+    end_after(reader_limits);
     try {
         reader.read(path);
         return Fate::ok;
@@ -81,23 +74,6 @@ Fate fate_of(const std::string& path, const Reader& reader) {
     } catch (const std::bad_alloc&) {
         return Fate::memory;
     }
-}
-
-CaseTable example_cases() {
-    CaseTable table{RowLayout({{"case", "1", "number", CaseColumnType::integer},
-                               {"slip", "1", "", CaseColumnType::real},
-                               {"status", "", "", CaseColumnType::text, 16}}),
-                    {{"sweep", std::string("s")}, {"cases", std::int64_t{9}}},
-                    {}};
-    table.rows.resize(9 * table.layout.bytes());
-    for (std::size_t i = 0; i < 9; ++i) {
-        const auto row = std::span(table.rows).subspan(i * table.layout.bytes(), table.layout.bytes());
-        table.layout.put(row, 0, static_cast<std::int64_t>(i));
-        table.layout.put(row, 1, 0.5 * static_cast<double>(i));
-        table.layout.put(row, 2, std::string_view("ok"));
-        table.layout.seal(row);
-    }
-    return table;
 }
 
 class Hdf5MutantTest : public RecordTest {
@@ -151,7 +127,7 @@ protected:
         setrlimit(RLIMIT_CORE, &none);
         try_files_first();  // as the program does
         for (; notes_->next < count; ++notes_->next) {
-            end_in(60);  // making some of them means writing many megabytes
+            end_after({60, 600});  // making some of them means writing many megabytes
             const auto number = static_cast<std::uint64_t>(notes_->next);
             const std::string mutant = path("mutant.h5");
             std::filesystem::remove(mutant);  // file systems write out at once what is cut and written anew
@@ -169,13 +145,13 @@ protected:
         ASSERT_LE(count, static_cast<long>(std::size(notes_->fate)));
         const std::vector<std::string> files = originals();
         *notes_ = {};
-        long late = -1;  // a mutant that took too long: once more, since the machine may be busy elsewhere
+        long late = -1;  // a mutant that took too long by the clock: once more, since the disk may be busy elsewhere
         while (notes_->next < count) {
             const int status = wait_for(start_child([&] { work(files, seed, count, seal_anew); }));
             if (status == 0) break;
-            if (status == 128 + SIGALRM && std::exchange(late, notes_->next) != notes_->next) continue;
+            if (took_its_clock_time(status) && std::exchange(late, notes_->next) != notes_->next) continue;
             const auto number = static_cast<std::size_t>(notes_->next++);
-            notes_->fate[number] = status == 128 + SIGALRM ? Fate::hang : Fate::crash;
+            notes_->fate[number] = took_its_clock_time(status) || took_its_processor_time(status) ? Fate::hang : Fate::crash;
             const std::string kept = "cvtflow_mutant_" + std::to_string(seed) + "_" + std::to_string(number) + ".h5";
             std::filesystem::copy_file(path("mutant.h5"), std::filesystem::temp_directory_path() / kept,
                                        std::filesystem::copy_options::overwrite_existing);
@@ -198,12 +174,29 @@ protected:
             read += fates[Fate::ok];
             refused += fates[Fate::refused];
         }
+        std::fflush(stdout);  // the next ones take minutes
         EXPECT_EQ(read + refused, count);
         EXPECT_GT(refused, count / 10);  // the mutants are some
     }
 
     Notes* notes_;
 };
+
+TEST(ReaderLimits, EndWhatComputesAndWhatSleepsButNotWhatWaitsForItsTurn) {
+    const auto status_of = [](const TimeLimits& limits, void (*read)()) {
+        return wait_for(start_child([&] {
+            end_after(limits);
+            read();
+        }));
+    };
+    EXPECT_TRUE(took_its_processor_time(status_of({1, 600}, [] {
+        while (getpid() != 0) {}
+    })));
+    EXPECT_TRUE(took_its_clock_time(status_of({600, 1}, [] {
+        while (getpid() != 0) pause();
+    })));
+    EXPECT_EQ(status_of({1, 600}, [] { usleep(1'500'000); }), 0);  // on a busy machine the clock runs, too, and processor time does not
+}
 
 TEST_F(Hdf5MutantTest, EveryReaderSurvivesThemAsTheyCome) {
     run_children(1, 1500, false);

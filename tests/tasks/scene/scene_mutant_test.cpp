@@ -1,10 +1,9 @@
-/// Any text is a scene or a SceneError: mutants of the ready scenes, read in a child process that may neither crash, nor take over 5 s for
-/// one or 1 GB, nor say what only the standard library would say.
+/// Any text is a scene or a SceneError: mutants of the ready scenes, read in a child process that may neither crash, nor take over 5 s
+/// of processor time for one or 1 GB, nor say what only the standard library would say.
 
 #include <gtest/gtest.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -22,6 +21,7 @@
 #include <vector>
 
 #include "tasks/scene/scene.hpp"
+#include "tests/engine/record/reader_limits_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -165,8 +165,7 @@ void SceneMutant::work(std::uint64_t seed, long count) const {
 #endif
     setrlimit(RLIMIT_CORE, &none);
     for (; tally_->next < count; ++tally_->next) {
-        const itimerval five{{0, 0}, {5, 0}};
-        setitimer(ITIMER_REAL, &five, nullptr);
+        engine::end_after(engine::reader_limits);
         const std::string text = mutant(seed * 1'000'003 + static_cast<std::uint64_t>(tally_->next), tally_->mutation);
         ++tally_->of[static_cast<std::size_t>(tally_->mutation)][static_cast<std::size_t>(read(text))];
     }

@@ -1,0 +1,96 @@
+#include "engine/record/table/torn_table.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/engine/record/record_fixture.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+class TornTable : public RecordTest {
+protected:
+    /// The nine rows of the example, as a kill leaves them while the table grows. @return the file's bytes
+    [[nodiscard]] std::string growing() const {
+        EXPECT_EQ(wait_for(start_child([&] {
+                      CaseTable begin = table_;
+                      begin.rows.resize(3 * table_.layout.bytes());
+                      CaseWriter writer(file_, begin);
+                      for (std::size_t i = 3; i < table_.size(); ++i) writer.append(table_.row(i));
+                      _exit(0);
+                  })),
+                  0);
+        return read_text_file(file_);
+    }
+    void write(const std::string& bytes) const {
+        std::filesystem::remove(file_);
+        std::ofstream(file_, std::ios::binary) << bytes;
+    }
+    /// Cases of the rows that are found.
+    [[nodiscard]] std::vector<std::int64_t> found() const {
+        CaseTable left{table_.layout, {}, whole_rows(file_, table_.layout, [&](std::span<const std::byte> row) {
+                           const std::int64_t of_case = table_.layout.integer(row, 0);
+                           return of_case >= 0 && of_case < 9 && table_.layout.text(row, 2) == "ok";
+                       })};
+        std::vector<std::int64_t> cases;
+        for (std::size_t i = 0; i < left.size(); ++i) cases.push_back(left.layout.integer(left.row(i), 0));
+        return cases;
+    }
+
+    const CaseTable table_ = example_cases();
+    const std::string file_ = path("cases.h5");
+    const std::vector<std::int64_t> all_{0, 1, 2, 3, 4, 5, 6, 7, 8};
+};
+
+TEST_F(TornTable, HasItsRowsWhereHdf5FindsNone) {
+    std::string bytes = growing();
+    bytes.replace(0, 48, 48, '\0');  // HDF5's first block, without which nothing is found
+    write(bytes);
+    EXPECT_EQ(error_of([&] { (void)read_cases(file_); }), file_ + ": not an HDF5 file");
+    EXPECT_EQ(found(), all_);
+}
+
+TEST_F(TornTable, LosesTheRowOfWhichAnyByteHasChangedAndNoOther) {
+    const std::string bytes = growing();
+    const auto row = table_.row(4);
+    const auto begin = bytes.find(std::string_view(reinterpret_cast<const char*>(row.data()), row.size()));
+    ASSERT_NE(begin, std::string::npos);
+    for (std::size_t i = 0; i < row.size(); ++i) {
+        std::string changed = bytes;
+        changed[begin + i] = static_cast<char>(changed[begin + i] ^ 1);
+        write(changed);
+        EXPECT_EQ(found(), (std::vector<std::int64_t>{0, 1, 2, 3, 5, 6, 7, 8})) << "byte " << i;
+    }
+    write(bytes.substr(0, begin + row.size() - 1));  // cut within
+    EXPECT_EQ(found(), (std::vector<std::int64_t>{0, 1, 2, 3}));
+}
+
+TEST_F(TornTable, IsSearchedToItsEndWhereverRowsLie) {
+    const auto* rows = reinterpret_cast<const char*>(table_.rows.data());
+    const std::size_t size = table_.layout.bytes();
+    for (std::size_t before = 0; before <= size; ++before) {  // rows at every place about the end of a mebibyte, and at the file's end
+        std::string bytes((std::size_t{1} << 20U) - before, '\0');
+        bytes.append(rows, 4 * size).append(1'500'000, '\0').append(rows + 4 * size, 5 * size);
+        write(bytes);
+        EXPECT_EQ(found(), all_) << before;
+    }
+}
+
+TEST_F(TornTable, IsKnownByItsTextUnlessItWasFinished) {
+    const std::string bytes = growing();
+    EXPECT_TRUE(torn_while_growing(file_, "cvtflow cases"));
+    EXPECT_FALSE(torn_while_growing(file_, "cvtflow causes"));
+    EXPECT_FALSE(torn_while_growing(path("nothing.h5"), "cvtflow cases"));
+    write_cases(file_, table_);
+    EXPECT_FALSE(torn_while_growing(file_, "cvtflow cases"));
+    std::string changed = read_text_file(file_);
+    changed[changed.size() / 2] = static_cast<char>(changed[changed.size() / 2] ^ 1);
+    write(changed);
+    EXPECT_FALSE(torn_while_growing(file_, "cvtflow cases"));
+}
+
+}  // namespace
+}  // namespace cvtflow::engine
