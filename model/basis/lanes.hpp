@@ -41,7 +41,7 @@ struct Lanes {
 
 /// One vector of the processor.
 template <int W>
-requires(W <= native_lanes) struct Lanes<W> {
+requires(W > 0 && W <= native_lanes) struct Lanes<W> {
     using Vector = typename NativeVector<W>::Type;
     Vector v;
 
@@ -145,6 +145,12 @@ template <int W>
         return {select_greater<W / 2>(a.low, b.low, chosen.low, otherwise.low),
                 select_greater<W / 2>(a.high, b.high, chosen.high, otherwise.high)};
     }
+}
+
+/// One lane of `from` to the same lane of `to`.
+template <int W>
+inline void take(const Lanes<W>& from, std::size_t lane, Lanes<W>& to) noexcept {
+    to.set(lane, from[lane]);
 }
 
 /// The larger of both; b if a is NaN.

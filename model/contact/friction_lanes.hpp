@@ -176,7 +176,7 @@ private:
         for (int j = 0; j < field_.components.plates; ++j) {
             const double xi = c_.plates.position[static_cast<std::size_t>(j)];
             const V sliding = gap_z + xi * gap_e;
-            const V slide = contact(field_.components.plate(j), own) * held<W, Steepest>(c_.plate_friction, sliding);
+            const V slide = contact(field_.components.plate(j), own) * sliding_share<W, Steepest>(c_.plate_friction, sliding);
             fz += slide;
             fe += xi * slide;
         }

@@ -2,20 +2,17 @@
 /// Forces at single points - a plate, a point of a joint, a tip - in any number type, for their derivatives. The same formulas as the
 /// kernels of model/force, lane by lane; a test holds their values against each other. (model/EQUATIONS.md sections 4 to 6)
 
-#include "model/jacobian/dual.hpp"
+#include "model/basis/dual_lanes.hpp"
+#include "model/law/friction.hpp"
 #include "model/machine/coefficients.hpp"
 
 namespace cvtflow::model {
+namespace {
 
-/// g(|v|) of a friction curve from |v|², which has a derivative at rest.
+/// 1/a.
 template <class T>
-[[nodiscard]] inline T slip_factor_of_square(const FrictionCurve& curve, const T& square) noexcept {
-    const double v0 = curve.saturation_speed, d = curve.smoothing;
-    if (square.value <= v0 * v0 * (1.0 - d) * (1.0 - d)) return T(1.0 / v0);
-    const T speed = sqrt(square);
-    if (d == 0.0 || speed.value >= v0 * (1.0 + d)) return inverse(speed);
-    const T above = (1.0 + d) - speed * (1.0 / v0);
-    return (1.0 - above * above * (0.25 / d)) * inverse(speed);
+[[nodiscard]] inline T inverse(const T& a) noexcept {
+    return 1.0 / a;
 }
 
 template <class T>
@@ -122,4 +119,5 @@ template <class T>
     return effect;
 }
 
+}  // namespace
 }  // namespace cvtflow::model

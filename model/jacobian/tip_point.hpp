@@ -5,6 +5,7 @@
 #include "model/jacobian/contact_points.hpp"
 
 namespace cvtflow::model {
+namespace {
 
 /// What a tip depends on.
 template <class T>
@@ -119,4 +120,5 @@ template <class T>
              -(a.x * friction.y - a.y * friction.x)}};
 }
 
+}  // namespace
 }  // namespace cvtflow::model

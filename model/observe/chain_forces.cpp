@@ -1,5 +1,7 @@
 #include "model/observe/chain_forces.hpp"
 
+#include <algorithm>
+
 #include "model/kernels/chain_parts.hpp"
 
 namespace cvtflow::model {

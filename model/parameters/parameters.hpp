@@ -3,7 +3,9 @@
 /// Ranges, units, sources and meanings for users live in the parameter table (tasks/scene/parameter_table.cpp), which is tested against
 /// this struct.
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace cvtflow::model {
@@ -28,6 +30,7 @@ struct TimeTable {
 enum class PlateDetail { each, lumped };
 enum class PulleyDetail { elastic, rigid, absent };
 enum class FrictionLaw { piecewise, smoothed };
+inline constexpr std::array<std::string_view, 2> friction_law_names{"piecewise", "smoothed"};
 enum class JointLaw { linear, palmgren };
 enum class DriveMode { speed, torque };
 enum class ControlledQuantity { ratio, slip };

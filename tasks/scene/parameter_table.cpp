@@ -33,7 +33,7 @@ const std::vector<Parameter>& rows() {
     {"detail.pulleys", "", 0, 0, {"elastic", "rigid", "absent"},
      "Elastic shafts and sheaves, rigid ones, or none (a free ring).",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.detail.pulleys; }},
-    {"detail.friction", "", 0, 0, {"piecewise", "smoothed"},
+    {"detail.friction", "", 0, 0, {model::friction_law_names.begin(), model::friction_law_names.end()},
      "Friction law: linear up to saturation and constant beyond, or with the corner smoothed.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.detail.friction; }},
     {"detail.smoothing", "1", 1e-6, 1, {},

@@ -1,42 +1,57 @@
-/// Recipe "a friction law": three functions of the slip over the saturation speed, and what they owe each other.
+/// Recipe "a friction law": a struct with the functions of model/law/friction_laws.hpp. As the only law of a list it goes through
+/// everything that kernels, the slip solver and the exact Jacobian call; in the program, it would be one more name in FrictionLaws.
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include "tests/model/law/law_properties.hpp"
 
 namespace cvtflow::recipes {
 namespace {
 
-/// Share of the saturated force at slip u = v/v0 ≥ 0 [1], its secant s/u and its tangent ds/du. Rises from 0 to 1 without a corner.
+using model::FrictionCurve;
+using model::Lanes;
+
+/// s = u/(1 + u): rises without a corner and is never quite full.
 struct RationalLaw {
-    static double share(double u) { return u / (1.0 + u); }
-    static double secant(double u) { return 1.0 / (1.0 + u); }
-    static double tangent(double u) { return 1.0 / ((1.0 + u) * (1.0 + u)); }
+    static constexpr model::FrictionLaw law = model::FrictionLaw::piecewise;  // an enumerator of its own, were it in the program
+
+    static double proportional(double) noexcept { return 0.0; }
+    static double full(double) noexcept { return std::numeric_limits<double>::infinity(); }
+    static double shape(double, double) noexcept { return 0.0; }
+
+    template <int W>
+    static Lanes<W> divisor(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
+        return curve.saturation_speed + speed;
+    }
+    template <int W>
+    static Lanes<W> secant(const FrictionCurve&, const Lanes<W>&, const Lanes<W>& inverse) noexcept {
+        return inverse;
+    }
+    template <int W>
+    static Lanes<W> tangent(const FrictionCurve& curve, const Lanes<W>& speed) noexcept {
+        const Lanes<W> inverse = 1.0 / divisor<W>(curve, speed);
+        return curve.saturation_speed * (inverse * inverse);
+    }
+    template <int W>
+    static Lanes<W> share(const FrictionCurve& curve, const Lanes<W>& velocity) noexcept {
+        return velocity * (1.0 / divisor<W>(curve, abs(velocity)));
+    }
 };
 
-TEST(LawRecipe, ShareStartsAtZeroRisesAndSaturates) {
-    EXPECT_EQ(RationalLaw::share(0.0), 0.0);
-    double before = 0.0;
-    for (double u = 0.1; u < 1e6; u *= 2.0) {
-        EXPECT_GT(RationalLaw::share(u), before) << u;
-        before = RationalLaw::share(u);
-        EXPECT_LT(before, 1.0);
-    }
-    EXPECT_NEAR(RationalLaw::share(1e9), 1.0, 1e-9);  // 1 - share is 1/(1 + u)
+/// What FrictionCurve's constructor makes of a law in the program's list.
+FrictionCurve rational(double v0) {
+    FrictionCurve curve({0.09, v0}, {});
+    curve.proportional_speed = 1e-30 * v0;
+    curve.full_speed = RationalLaw::full(0.0);
+    curve.surely_proportional = 0.0;
+    return curve;
 }
 
-TEST(LawRecipe, SecantAndTangentBelongToTheShare) {
-    for (const double u : {0.01, 0.3, 1.0, 5.0}) {
-        constexpr double step = 1e-6;
-        EXPECT_NEAR(RationalLaw::secant(u) * u, RationalLaw::share(u), 1e-15);  // an ulp of 1
-        const double difference = (RationalLaw::share(u + step) - RationalLaw::share(u - step)) / (2.0 * step);
-        EXPECT_NEAR(RationalLaw::tangent(u), difference, 1e-9);  // central differences: step² and rounding over step
-        EXPECT_LE(RationalLaw::tangent(u), RationalLaw::secant(u)) << "a concave law: implicit friction then has one solution";
-    }
-}
+TEST(LawRecipe, TheToyOwesWhatAllLawsOwe) { model::expect_a_law<model::LawList<RationalLaw>>(rational(0.01)); }
 
-TEST(LawRecipe, FrictionNeverDrives) {
-    for (const double v : {-3.0, -1e-3, 0.0, 2.0}) EXPECT_LE(-RationalLaw::secant(std::abs(v)) * v * v, 0.0);
+TEST(LawRecipe, TheToyIsTheOneThatWasMeant) {
+    for (const double u : model::law_speeds)
+        EXPECT_NEAR((model::share_at<model::LawList<RationalLaw>>(rational(0.01), 0.01 * u)), u / (1.0 + u), 1e-15) << u;
 }
 
 }  // namespace

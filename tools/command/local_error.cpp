@@ -44,11 +44,12 @@ std::vector<double> read_steps(const std::string& list) {
 }
 
 /// Friction laws to measure with, by their names.
-std::vector<std::pair<model::FrictionLaw, std::string>> laws_of(const std::string& wanted, model::FrictionLaw own) {
+std::vector<std::pair<model::FrictionLaw, std::string>> laws_of(const std::string& asked, model::FrictionLaw of_scene) {
     std::vector<std::pair<model::FrictionLaw, std::string>> chosen;
-    for (const auto& [law, name] :
-         {std::pair{model::FrictionLaw::piecewise, "piecewise"}, std::pair{model::FrictionLaw::smoothed, "smoothed"}}) {
-        if (wanted.empty() ? law == own : wanted == name || wanted == "both") chosen.emplace_back(law, name);
+    for (std::size_t number = 0; number < model::friction_law_names.size(); ++number) {
+        const auto law = static_cast<model::FrictionLaw>(number);
+        const std::string name(model::friction_law_names[number]);
+        if (asked.empty() ? law == of_scene : asked == name || asked == "both") chosen.emplace_back(law, name);
     }
     return chosen;
 }
@@ -67,7 +68,8 @@ void write_files(OutputFolder& folder, const std::vector<ErrorCurve>& curves, co
     using tasks::LocalError;
     folder.write("local-error.csv", error_csv(curves));
     folder.write("local-error.json", error_json(curves, scene));
-    for (const char* friction : {"piecewise", "smoothed"}) {
+    for (const std::string_view name : model::friction_law_names) {
+        const std::string friction(name);
         if (std::none_of(curves.begin(), curves.end(), [&](const ErrorCurve& curve) { return curve.friction == friction; })) continue;
         folder.write(fmt::format("local-error-axial-force-{}.svg", friction),
                      svg(error_plot(curves, friction, &LocalError::axial_force, "axial force of all tips", scene)));
@@ -109,9 +111,11 @@ Action declare_local_error(CLI::App& app) {
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     app.add_option("--methods", arguments->methods, "Several methods, separated by commas")->type_name("LIST")->delimiter(',');
     app.add_option("--steps", arguments->steps, "Step lengths, separated by commas")->type_name("LIST")->capture_default_str();
+    std::vector<std::string> names(model::friction_law_names.begin(), model::friction_law_names.end());
+    names.emplace_back("both");
     app.add_option("--friction", arguments->friction, "Friction law: piecewise, smoothed or both (default: the scene's)")
         ->type_name("LAW")
-        ->check(CLI::IsMember({"piecewise", "smoothed", "both"}));
+        ->check(CLI::IsMember(names));
     declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);
     app.footer(

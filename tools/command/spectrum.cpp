@@ -91,7 +91,7 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
     const model::Variator variator(scene.parameters);
     SpectrumResult result;
     result.scene = scene.name;
-    result.friction = scene.parameters.detail.friction == model::FrictionLaw::piecewise ? "piecewise" : "smoothed";
+    result.friction = model::friction_law_names[static_cast<std::size_t>(scene.parameters.detail.friction)];
     result.time = start.time;
     result.touching = touching_tips(start);
     result.method = scene.run.method;

@@ -47,30 +47,16 @@ private:
         return isotropic<Rooted>(this->c_.joint.friction, grip, w, V(0.0));
     }
 
-    /// Secant and tangent of s(v/v0) over speed.
-    struct Slopes {
-        V secant, tangent;
-    };
-    [[nodiscard]] static Slopes slopes(const FrictionCurve& curve, const V& speed) noexcept {
-        return {slip_factor<slip_lanes>(curve, speed),
-                tangent_of(curve, speed, larger<slip_lanes>(speed - curve.proportional_speed, V(0.0)))};
-    }
-    /// @param beyond the proportional speed
-    [[nodiscard]] static V tangent_of(const FrictionCurve& curve, const V& speed, const V& beyond) noexcept {
-        return select_greater<slip_lanes>(speed, V(curve.full_speed), V(0.0),
-                                          curve.inverse_saturation_speed - 2.0 * curve.curvature * beyond);
-    }
-
     /// Along the slip the tangent counts, across it the secant.
     template <bool Rooted>
     [[nodiscard]] static SlipLaw isotropic(const FrictionCurve& curve, const V& grip, const V* w, const V& sticks) noexcept {
         const V speed = sqrt(w[0] * w[0] + w[1] * w[1]), half(0.5);
-        Slopes s = slopes(curve, speed);
-        s.secant = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.secant);
-        s.tangent = select_greater<slip_lanes>(sticks, half, V(curve.inverse_saturation_speed), s.tangent);
-        const V held = grip * s.secant;
+        const V at_rest(curve.inverse_saturation_speed);
+        const V secant = select_greater<slip_lanes>(sticks, half, at_rest, slip_factor<slip_lanes>(curve, speed));
+        const V tangent = select_greater<slip_lanes>(sticks, half, at_rest, slip_tangent<slip_lanes>(curve, speed));
+        const V held = grip * secant;
         if constexpr (!Rooted) return {{held * w[0], held * w[1]}, {}};
-        const FloatLanes along = sqrt(narrow(grip * s.tangent)), across = sqrt(narrow(held)), rough = narrow(speed), least(1e-30f);
+        const FloatLanes along = sqrt(narrow(grip * tangent)), across = sqrt(narrow(held)), rough = narrow(speed), least(1e-30f);
         const FloatLanes inverse = 1.0f / larger(rough, least);
         const FloatLanes x = select_greater(rough, least, inverse * narrow(w[0]), 1.0f),
                          y = select_greater(rough, least, inverse * narrow(w[1]), 0.0f);
@@ -92,11 +78,8 @@ private:
             const double xi = this->c_.plates.position[static_cast<std::size_t>(plate)];
             const V sliding = w[0] + xi * w[1];
             const V grip = get(this->g_.plates, plate);
-            const V speed = abs(sliding), beyond = larger<slip_lanes>(speed - curve.proportional_speed, V(0.0));
-            const V rising = curve.inverse_saturation_speed * speed - curve.curvature * (beyond * beyond);  // s, without a division
-            const V share = select_greater<slip_lanes>(speed, V(curve.full_speed), V(1.0), rising);
-            const V force = grip * select_greater<slip_lanes>(sliding, V(0.0), share, -share),
-                    tangent = grip * tangent_of(curve, speed, beyond);
+            const V force = grip * friction_share<slip_lanes>(curve, sliding),
+                    tangent = grip * slip_tangent<slip_lanes>(curve, abs(sliding));
             all.force[0] += force;
             all.force[1] += xi * force;
             if constexpr (!Rooted) continue;

@@ -45,15 +45,6 @@ SlipGroup::SlipGroup(const ChainModel& model, const SlipStretches& stretches, in
 
 namespace {
 
-/// The law of a tip: where its branch is that of its phase, nothing is smoothed.
-FrictionCurve curve_of_tips(const Coefficients& c, bool by_phase) {
-    FrictionCurve curve = c.tip.friction;
-    if (!by_phase) return curve;
-    curve.smoothing = curve.curvature = 0.0;
-    curve.proportional_speed = curve.full_speed = curve.saturation_speed;
-    return curve;
-}
-
 /// dᵀ A⁻¹ d' of all pairs of directions (columns). In long double, which has no vectors: the same bits whatever processor this is compiled
 /// for.
 std::vector<double> gram(const Eigen::MatrixXd& directions, const MirroredInverse& inverse) {
@@ -104,7 +95,7 @@ Eigen::MatrixXd axial_directions(const Coefficients& c, const SlipContacts& cont
 SlipSpace::SlipSpace(const ChainModel& chain, bool by_phase)
     : friction_(chain, by_phase),
       contacts_{chain.coefficients().joint_points.count},
-      tip_curve_(curve_of_tips(chain.coefficients(), by_phase)),
+      tip_curve_(by_phase ? chain.coefficients().tip.friction.piecewise() : chain.coefficients().tip.friction),
       lateral_gram_(gram(lateral_directions(chain.coefficients(), contacts_), friction_.lateral_inverse())),
       axial_gram_(gram(axial_directions(chain.coefficients(), contacts_), friction_.axial_inverse())),
       kernels_(kernels_of(chain.isa()).slip(chain.layout().order, contacts_.points)) {}
