@@ -50,8 +50,7 @@ std::string machine_text(const tasks::Profile& result) {
     return field("machine",
                  fmt::format("{}, {}, {} usable", here.cpu, plural(here.cores, "core"), plural(tasks::usable_threads(), "thread"))) +
            field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
-           field("flags", tasks::compiler_flags()) +
-           field("libraries", fmt::format("oneTBB {}; OpenMP {}", engine::tbb_version(), engine::openmp_version())) +
+           field("flags", tasks::compiler_flags()) + field("libraries", engine::runtime_versions()) +
            field("load average", fmt::format("{:.2f} before, {:.2f} after", result.load_before, result.load_after)) +
            (result.crowded() ? field("crowded", fmt::format("got {:.2f} of {} at most: others are busy, compare with care",
                                                             result.processors_got(), plural(result.processors_wanted(), "processor")))

@@ -23,10 +23,8 @@ Kind kind_of(const std::string& name, const AssemblyOptions& usual) {
     const std::string executor = name.substr(0, colon), assembly = colon == std::string::npos ? "" : name.substr(colon + 1);
     const engine::ExecutorRow* row = engine::find_executor(executor);
     if (row == nullptr) {
-        std::vector<std::string> names;
-        for (const engine::ExecutorRow& each : engine::executors()) names.emplace_back(each.name);
-        throw SceneError(fmt::format("--schedules: there is no executor '{}'{} (cvtflow list executors)", executor,
-                                     engine::did_you_mean(engine::closest(executor, names))));
+        throw SceneError(
+            fmt::format("--schedules: there is no executor '{}'{} (cvtflow list executors)", executor, engine::missing_executor(executor)));
     }
     if (colon == std::string::npos) return {row, usual};
     try {
