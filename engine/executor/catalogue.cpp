@@ -2,11 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <vector>
 
+#include "engine/base/spelling.hpp"
+#include "engine/executor/asio/asio_pool.hpp"
 #include "engine/executor/openmp/omp_fork.hpp"
 #include "engine/executor/openmp/omp_region.hpp"
+#include "engine/executor/openmp/omp_tasks.hpp"
 #include "engine/executor/reference/barrier.hpp"
 #include "engine/executor/reference/serial.hpp"
+#include "engine/executor/std_par/std_par.hpp"
+#include "engine/executor/taskflow/taskflow_graph.hpp"
 #include "engine/executor/tbb/flow.hpp"
 #include "engine/executor/tbb/flow_messages.hpp"
 #include "engine/executor/tbb/flow_per_cycle.hpp"
@@ -16,31 +23,85 @@ namespace cvtflow::engine {
 
 namespace {
 
+using Make = std::unique_ptr<Executor> (*)(const ExecutorOptions& options);
+
 template <class Kind>
 std::unique_ptr<Executor> make(const ExecutorOptions& options) {
     return std::make_unique<Kind>(options);
 }
 
-constexpr std::array all{
-    ExecutorRow{"serial", "one task after the other, on the calling thread", false, make<Serial>},
-    ExecutorRow{"flow", "resident workers in a oneTBB flow graph; shares the machine well", true, make<Flow>},
-    ExecutorRow{"flow_messages", "oneTBB flow graph for the whole run, messages from cycle to cycle", true, make<FlowMessages>},
-    ExecutorRow{"flow_per_cycle", "oneTBB flow graph, started and waited for in every cycle", true, make<FlowPerCycle>},
-    ExecutorRow{"tbb_loop", "oneTBB parallel_for at every level", true, make<TbbLoop>},
+/// nullptr for a kind whose source is not compiled.
+template <class Kind, bool compiled>
+constexpr Make make_if() {
+    if constexpr (compiled)
+        return make<Kind>;
+    else
+        return nullptr;
+}
+
 #ifdef _OPENMP
-    ExecutorRow{"omp_fork", "OpenMP parallel for at every level", true, make<OmpFork>},
-    ExecutorRow{"omp_region", "one OpenMP region for the whole run, barriers inside", true, make<OmpRegion>},
+constexpr bool has_openmp = true;
+#else
+constexpr bool has_openmp = false;
 #endif
-    ExecutorRow{"barrier", "own threads that meet at a barrier after every level", true, make<Barrier>},
+constexpr bool has_std_par = CVTFLOW_HAS_STD_PAR, has_asio = CVTFLOW_HAS_ASIO, has_taskflow = CVTFLOW_HAS_TASKFLOW;
+
+constexpr std::string_view openmp = "OpenMP";
+constexpr std::string_view algorithms = "a standard library whose parallel algorithms run on oneTBB";
+constexpr std::string_view asio = "Boost.Asio (Debian: libboost-dev)";
+constexpr std::string_view taskflow = "Taskflow's headers (-DCVTFLOW_TASKFLOW=PATH)";
+
+constexpr std::array rows{
+    ExecutorRow{"serial", "one task after the other, on the calling thread", false, Waiting::fixed, "", make<Serial>},
+    ExecutorRow{"flow", "resident workers in a oneTBB flow graph; shares the machine well", true, Waiting::own, "", make<Flow>},
+    ExecutorRow{"flow_messages", "oneTBB flow graph for the whole run, messages from cycle to cycle", true, Waiting::fixed, "",
+                make<FlowMessages>},
+    ExecutorRow{"flow_per_cycle", "oneTBB flow graph, started and waited for in every cycle", true, Waiting::fixed, "", make<FlowPerCycle>},
+    ExecutorRow{"tbb_loop", "oneTBB parallel_for at every level", true, Waiting::fixed, "", make<TbbLoop>},
+    ExecutorRow{"std_par", "std::for_each(std::execution::par) at every level", true, Waiting::fixed, algorithms,
+                make_if<StdPar, has_std_par>()},
+    ExecutorRow{"omp_fork", "OpenMP parallel for at every level", true, Waiting::environment, openmp, make_if<OmpFork, has_openmp>()},
+    ExecutorRow{"omp_region", "one OpenMP region for the whole run, barriers inside", true, Waiting::environment, openmp,
+                make_if<OmpRegion, has_openmp>()},
+    ExecutorRow{"omp_tasks", "OpenMP tasks with depend, created anew in every cycle", true, Waiting::environment, openmp,
+                make_if<OmpTasks, has_openmp>()},
+    ExecutorRow{"asio_pool", "Boost.Asio: a pool of threads, tasks posted when they are ready", true, Waiting::fixed, asio,
+                make_if<AsioPool, has_asio>()},
+    ExecutorRow{"taskflow", "a Taskflow graph for the whole run, a condition task from cycle to cycle", true, Waiting::fixed, taskflow,
+                make_if<TaskflowGraph, has_taskflow>()},
+    ExecutorRow{"barrier", "own threads that meet at a barrier after every level", true, Waiting::own, "", make<Barrier>},
 };
+
+constexpr bool is_present(const ExecutorRow& row) { return row.make != nullptr; }
+constexpr std::size_t present = static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), is_present));
+
+/// Those that are present first, else in the order above.
+constexpr auto all = [] {
+    auto sorted = rows;
+    std::size_t here = 0, away = present;
+    for (const ExecutorRow& row : rows) sorted[is_present(row) ? here++ : away++] = row;
+    return sorted;
+}();
 
 }  // namespace
 
-std::span<const ExecutorRow> executors() noexcept { return all; }
+std::span<const ExecutorRow> executors() noexcept { return std::span(all).first(present); }
+
+std::span<const ExecutorRow> absent_executors() noexcept { return std::span(all).subspan(present); }
 
 const ExecutorRow* find_executor(std::string_view name) noexcept {
-    const auto found = std::find_if(all.begin(), all.end(), [&](const ExecutorRow& row) { return row.name == name; });
-    return found == all.end() ? nullptr : &*found;
+    const auto there = executors();
+    const auto found = std::find_if(there.begin(), there.end(), [&](const ExecutorRow& row) { return row.name == name; });
+    return found == there.end() ? nullptr : &*found;
+}
+
+std::string missing_executor(std::string_view name, std::span<const std::string_view> others) {
+    for (const ExecutorRow& row : absent_executors()) {
+        if (row.name == name) return ": it needs " + std::string(row.needs) + ", which was not found when this program was built";
+    }
+    std::vector<std::string> names(others.begin(), others.end());
+    for (const ExecutorRow& row : executors()) names.emplace_back(row.name);
+    return did_you_mean(closest(std::string(name), names));
 }
 
 }  // namespace cvtflow::engine

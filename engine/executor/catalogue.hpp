@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "engine/executor/executor.hpp"
@@ -10,18 +11,34 @@
 
 namespace cvtflow::engine {
 
+/// What decides how an executor's threads wait for each other.
+enum class Waiting {
+    own,          ///< ExecutorOptions::wait
+    environment,  ///< OMP_WAIT_POLICY and its relatives, read when the program is loaded
+    fixed,        ///< the runtime, without a switch
+};
+
 struct ExecutorRow {
     std::string_view name;
     std::string_view description;  ///< one line for users
     bool parallel;                 ///< whether more than one thread is of use
+    Waiting waiting;
+    std::string_view needs;  ///< what has to be found when the program is built; empty: nothing that it does not need anyway
+    /// nullptr: what it needs was not found.
     /// @throws std::invalid_argument for less than one thread or a recorder with fewer tracks than threads
     std::unique_ptr<Executor> (*make)(const ExecutorOptions& options);
 };
 
-/// Without OpenMP at compile time its rows are missing.
+/// Those that are in this program.
 [[nodiscard]] std::span<const ExecutorRow> executors() noexcept;
+/// Those that are not, because what they need was not found when it was built.
+[[nodiscard]] std::span<const ExecutorRow> absent_executors() noexcept;
 
-/// The row of that name, or nullptr.
+/// The row of that name among executors(), or nullptr.
 [[nodiscard]] const ExecutorRow* find_executor(std::string_view name) noexcept;
+
+/// Why there is no executor of that name, as the end of a sentence: ": it needs Taskflow …" for one that is absent, else the nearest name:
+/// ` (did you mean "flow"?)`, or nothing. @param others words that may be said instead of a name
+[[nodiscard]] std::string missing_executor(std::string_view name, std::span<const std::string_view> others = {});
 
 }  // namespace cvtflow::engine

@@ -53,6 +53,11 @@ private:
     int rejected_ = Controller::stop;
 };
 
+/// The cycle `first` and all that follow, one task after the other, on the calling thread.
+inline void run_serially(Run& run, int first) noexcept {
+    for (int cycle = first; cycle != Controller::stop; cycle = run.decide(0)) run.tasks(run.graph().topological(cycle), 0);
+}
+
 /// Checks, first decision and stamps that all executors share. `execute` runs the cycle `first` and all that follow.
 class RunningExecutor : public Executor {
 public:

@@ -1,6 +1,7 @@
 #include "tasks/scene/cross_checks.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -163,10 +164,9 @@ Violation channels_exist(const Scene& scene) {
 Violation executor_exists(const Scene& scene) {
     const std::string& name = scene.run.schedule;
     if (name == "auto" || engine::find_executor(name) != nullptr) return {};
-    std::vector<std::string> names{"auto"};
-    for (const engine::ExecutorRow& row : engine::executors()) names.emplace_back(row.name);
+    constexpr std::array<std::string_view, 1> others{"auto"};
     return fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", name,
-                       engine::did_you_mean(engine::closest(name, names)));
+                       engine::missing_executor(name, others));
 }
 
 }  // namespace

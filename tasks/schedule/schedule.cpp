@@ -90,7 +90,8 @@ Schedule schedule_of(const RunSettings& run, int links) {
     schedule.balanced = run.partition == PartitionKind::balanced;
     if (run.schedule == "auto") return schedule;
     if (engine::find_executor(run.schedule) == nullptr) {
-        throw SceneError(fmt::format("run.schedule: there is no executor '{}' (cvtflow list executors; or auto)", run.schedule));
+        throw SceneError(fmt::format("run.schedule: there is no executor '{}'{} (cvtflow list executors; or auto)", run.schedule,
+                                     engine::missing_executor(run.schedule)));
     }
     schedule.executor = run.schedule;
     if (run.schedule == "serial") {

@@ -55,6 +55,9 @@ Names permitted(const SourceFile& file) {
     if (file.path.starts_with("api/fmi/")) return {"fmt"};  // compiled in
     if (file.part() == "api") return {};
     if (file.path.starts_with("engine/record/")) return {"Eigen", "fmt", "HDF5"};
+    if (file.path.starts_with("engine/executor/taskflow/")) return {"taskflow"};
+    if (file.path.starts_with("engine/executor/asio/")) return {"boost"};
+    if (file.path == "engine/executor/runtimes.cpp") return {"oneTBB", "boost", "taskflow"};  // their versions
     if (file.path.starts_with("engine/executor/") || file.path.starts_with("engine/thread/")) return {"Eigen", "fmt", "oneTBB", "OpenMP"};
     return {"Eigen", "fmt"};
 }

@@ -8,6 +8,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "engine/executor/catalogue.hpp"
+#include "engine/executor/runtimes.hpp"
 #include "engine/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method_choice.hpp"
@@ -81,7 +82,11 @@ std::string executors() {
     Table table({{"executor"}, {"threads"}, {"description"}});
     for (const engine::ExecutorRow& row : engine::executors())
         table.add({std::string(row.name), row.parallel ? "many" : "one", std::string(row.description)});
-    return table.text();
+    std::string absent;
+    for (const engine::ExecutorRow& row : engine::absent_executors())
+        absent += fmt::format("  {:<12}{}\n  {:<12}needs {}\n", row.name, row.description, "", row.needs);
+    return table.text() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) +
+           (absent.empty() ? "" : fmt::format("\nNot in this program:\n{}", absent));
 }
 
 std::string keys() {

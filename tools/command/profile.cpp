@@ -14,7 +14,9 @@
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 #include "tools/measure/wait_policies.hpp"
+#include "tools/output/output_folder.hpp"
 #include "tools/output/output_place.hpp"
+#include "tools/report/profile_report.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text/profile_text.hpp"
 #include "tools/text/text.hpp"
@@ -29,6 +31,7 @@ struct ProfileArguments {
     tasks::MeasureOptions measure;
     double round_milliseconds = 60.0;
     std::string csv, json, trace, stages, curves;
+    OutputArguments output;
     std::string wait = "balanced";
     bool policies = false;
     bool quiet = false;
@@ -50,12 +53,10 @@ std::string machine_text(const tasks::Profile& result) {
     return field("machine",
                  fmt::format("{}, {}, {} usable", here.cpu, plural(here.cores, "core"), plural(tasks::usable_threads(), "thread"))) +
            field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
-           field("flags", tasks::compiler_flags()) +
-           field("libraries", fmt::format("oneTBB {}; OpenMP {}", engine::tbb_version(), engine::openmp_version())) +
+           field("flags", tasks::compiler_flags()) + field("libraries", engine::runtime_versions()) +
            field("load average", fmt::format("{:.2f} before, {:.2f} after", result.load_before, result.load_after)) +
-           (result.crowded() ? field("crowded", fmt::format("got {:.2f} of {} at most: others are busy, compare with care",
-                                                            result.processors_got(), plural(result.processors_wanted(), "processor")))
-                             : "");
+           field(result.crowded() ? "crowded" : "quiet",
+                 crowding_text(result) + (result.crowded() ? ": others are busy, compare with care" : ""));
 }
 
 tasks::MeasureOptions options_of(const ProfileArguments& arguments) {
@@ -87,23 +88,48 @@ std::vector<std::string> repeated(const ProfileArguments& arguments, const tasks
     return words;
 }
 
-void write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const tasks::MeasureOptions& options,
-                 const tasks::Profile& result, const std::vector<PolicyResult>& policies) {
+/// Tables, JSON and pictures of -o; @return which were written
+std::string write_folder(const ProfileArguments& arguments, const tasks::Scene& scene, const tasks::Profile& result, const std::string& csv,
+                         const std::string& json) {
+    OutputFolder folder(arguments.output);
+    folder.write("profile.csv", csv);
+    folder.write("stages.csv", tasks::profile_stages_csv(scene, result));
+    folder.write("profile.json", json);
+    folder.write("stages.svg", svg(stages_plot(scene.name, result)));
+    folder.write("loads.svg", svg(loads_plot(scene.name, result)));
+    if (result.predicts()) {
+        folder.write("curves.csv", tasks::profile_curves_csv(scene, result));
+        folder.write("curves.svg", svg(curves_plot(scene.name, result)));
+    }
+    return folder.written();
+}
+
+/// @return what -o has written
+std::string write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const tasks::MeasureOptions& options,
+                        const tasks::Profile& result, const std::vector<PolicyResult>& policies) {
     std::string rows;
     auto list = nlohmann::ordered_json::array();
     for (const PolicyResult& each : policies) {
         rows += each.csv_rows;
         list.push_back({{"policy", each.name}, {"profile", each.json}});
     }
-    write_file(arguments.csv, tasks::profile_csv(scene, result) + rows);
-    if (!arguments.json.empty()) {
-        auto json = nlohmann::ordered_json::parse(tasks::profile_json(scene, options, result));
-        json["policies"] = list;
-        write_file(arguments.json, json.dump(2) + "\n");
-    }
+    const std::string csv = tasks::profile_csv(scene, result) + rows;
+    auto json = nlohmann::ordered_json::parse(tasks::profile_json(scene, options, result));
+    json["policies"] = list;
+    write_file(arguments.csv, csv);
+    write_file(arguments.json, json.dump(2) + "\n");
     if (!arguments.trace.empty()) write_file(arguments.trace, tasks::profile_trace(result));
     write_file(arguments.stages, tasks::profile_stages_csv(scene, result));
-    write_file(arguments.curves, tasks::profile_curves_csv(scene, result));
+    if (result.predicts()) write_file(arguments.curves, tasks::profile_curves_csv(scene, result));
+    return write_folder(arguments, scene, result, csv, json.dump(2) + "\n");
+}
+
+/// Whether everything that was asked for is there, with a line for what is not.
+ExitStatus verdict(const ProfileArguments& arguments, const tasks::Profile& result) {
+    for (const std::string& line : result.differences) print_error(fmt::format("states differ: {}", line));
+    const bool refused = !arguments.curves.empty() && !result.predicts();
+    if (refused) print_error(fmt::format("{}: not written, there is no prediction: {}", arguments.curves, crowding_text(result)));
+    return result.differences.empty() && !refused ? ExitStatus::finished : ExitStatus::error;
 }
 
 ExitStatus profile(const ProfileArguments& arguments) {
@@ -131,9 +157,8 @@ ExitStatus profile(const ProfileArguments& arguments) {
         policies = measure_policies(repeated(arguments, options), arguments.choice.names, progress);
         fmt::print("\n{}", policies_text(policies));
     }
-    write_files(arguments, scene, options, result, policies);
-    for (const std::string& line : result.differences) print_error(fmt::format("states differ: {}", line));
-    return result.differences.empty() ? ExitStatus::finished : ExitStatus::error;
+    fmt::print("{}", write_files(arguments, scene, options, result, policies));
+    return verdict(arguments, result);
 }
 
 constexpr const char* profile_explanation =
@@ -153,6 +178,11 @@ constexpr const char* profile_explanation =
     "  least task   METG: task length at which half the time is lost: the loss per level of the graph [us]\n"
     "  imbalance    longest over mean task time of the threads\n"
     "  recording    what recording added to the step time in its own pass\n"
+    "On a crowded machine nothing is predicted: a calibration before, amid and after (each thread counts pieces of arithmetic for 50 ms) "
+    "has "
+    "to get nine tenths\n"
+    "of the processors, and so have the schedules. -o writes profile.csv, stages.csv, curves.csv, profile.json, stages.svg, loads.svg, "
+    "curves.svg.\n"
     "The critical path takes of every cycle the slowest segment, the controller and the synchronisation a + b M.\n"
     "--policies starts this program again for each way of waiting, because OpenMP's runtimes read OMP_WAIT_POLICY, GOMP_SPINCOUNT and "
     "KMP_BLOCKTIME when they\n"
@@ -166,6 +196,8 @@ void declare_waits_and_files(CLI::App& app, ProfileArguments& arguments) {
         ->capture_default_str();
     app.add_flag("--pin", arguments.choice.pin, "Each thread on one processor");
     app.add_flag("--policies", arguments.policies, "Measure again under every wait policy, pinned and not");
+    app.add_flag("--predict", arguments.measure.predict_crowded, "Predict also where others are busy");
+    app.add_option("-o,--output", arguments.output.folder, "Folder for tables, JSON and pictures")->type_name("DIR");
     app.add_option("--csv", arguments.csv, "Table to write, one row per schedule and load")->type_name("FILE");
     app.add_option("--json", arguments.json, "Everything, with provenance")->type_name("FILE");
     app.add_option("--trace", arguments.trace, "Recorded passes for chrome://tracing or ui.perfetto.dev")->type_name("FILE");

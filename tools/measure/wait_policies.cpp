@@ -14,6 +14,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "engine/executor/catalogue.hpp"
 #include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -105,8 +106,13 @@ std::vector<WaitPolicy> wait_policies() {
     const char* spin = "GOMP_SPINCOUNT";
     const char* counts[] = {"0", "3000", "infinity"};
 #endif
-    const std::vector<std::string> openmp{"omp_fork", "omp_region"}, own{"flow", "barrier"};
-    const std::vector<std::string> all{"flow", "flow_messages", "flow_per_cycle", "tbb_loop", "barrier", "omp_fork", "omp_region"};
+    std::vector<std::string> all, openmp, own;
+    for (const engine::ExecutorRow& row : engine::executors()) {
+        if (!row.parallel) continue;
+        all.emplace_back(row.name);
+        if (row.waiting == engine::Waiting::environment) openmp.emplace_back(row.name);
+        if (row.waiting == engine::Waiting::own) own.emplace_back(row.name);
+    }
     std::vector<WaitPolicy> policies{{"usual", all, {}, {}}, {"pinned", all, {}, {"--pin"}}};
     for (const char* policy : {"active", "passive"})
         policies.push_back({fmt::format("OMP_WAIT_POLICY={}", policy), openmp, {{"OMP_WAIT_POLICY", policy}}, {}});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "engine/thread/crowding.hpp"
 #include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -199,7 +200,15 @@ std::string costs_text(const tasks::Profile& profile) {
 
 }  // namespace
 
+std::string crowding_text(const tasks::Profile& profile) {
+    if (profile.calibrated < 0.0) return {};
+    return fmt::format("calibration got {:.2f} of {} processors, the schedules {:.2f}; {:.2f} are needed", profile.calibrated,
+                       profile.processors_wanted(), profile.processors_got(), engine::crowded_below * profile.processors_wanted());
+}
+
 std::string model_text(const tasks::Profile& profile) {
+    if (!profile.predicts())
+        return fmt::format("No prediction: {}. Others are busy (--predict predicts all the same).\n", crowding_text(profile));
     std::string text = "Critical path (fused, a thread per segment):\n" + costs_text(profile);
     Table table(
         {right("M"), right("ideal"), right("N/N_max"), right("Amdahl"), right("critical path"), right("bounds"), right("measured")});
@@ -221,6 +230,7 @@ std::string model_text(const tasks::Profile& profile) {
 }
 
 std::string predictions_text(const tasks::Profile& profile) {
+    if (!profile.predicts()) return {};
     Table table({{"schedule"}, right("threads"), right("segments"), right("predicted"), right("measured"), right("error")});
     for (const ScheduleResult& result : profile.results) {
         const LoadResult& load = result.loads.front();

@@ -15,7 +15,9 @@ namespace cvtflow::tools {
 [[nodiscard]] std::string stages_text(const tasks::Profile& profile);
 /// Where sequential time goes: the serial staged run by stage, or the fused one if that was not measured.
 [[nodiscard]] std::string serial_text(const tasks::Profile& profile);
-/// Costs, three curves and the critical path beside what was measured.
+/// What the calibrations got of the processors, beside what a prediction needs; empty if there was none.
+[[nodiscard]] std::string crowding_text(const tasks::Profile& profile);
+/// Costs, three curves and the critical path beside what was measured; why there are none on a crowded machine.
 [[nodiscard]] std::string model_text(const tasks::Profile& profile);
 
 /// Predicted speed-up of every schedule beside the measured one.

@@ -2,8 +2,6 @@
 
 namespace cvtflow::engine {
 
-void Serial::execute(Run& run, int first) {
-    for (int cycle = first; cycle != Controller::stop; cycle = run.decide(0)) run.tasks(run.graph().topological(cycle), 0);
-}
+void Serial::execute(Run& run, int first) { run_serially(run, first); }
 
 }  // namespace cvtflow::engine

@@ -21,6 +21,7 @@ struct MeasureOptions {
     long steps = 0;                        ///< steps of a round; 0: chosen
     double patience = 2.0;                 ///< a schedule with a longer round is dropped [s]
     std::vector<int> neighbours{0, 1, 2};  ///< busy threads beside; ascending, 0 first
+    bool predict_crowded = false;          ///< predictions also where others are busy
 };
 
 /// One schedule beside so many busy neighbours.

@@ -8,6 +8,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "engine/executor/catalogue.hpp"
+#include "engine/thread/crowding.hpp"
 
 namespace cvtflow::tasks {
 
@@ -23,10 +24,8 @@ Kind kind_of(const std::string& name, const AssemblyOptions& usual) {
     const std::string executor = name.substr(0, colon), assembly = colon == std::string::npos ? "" : name.substr(colon + 1);
     const engine::ExecutorRow* row = engine::find_executor(executor);
     if (row == nullptr) {
-        std::vector<std::string> names;
-        for (const engine::ExecutorRow& each : engine::executors()) names.emplace_back(each.name);
-        throw SceneError(fmt::format("--schedules: there is no executor '{}'{} (cvtflow list executors)", executor,
-                                     engine::did_you_mean(engine::closest(executor, names))));
+        throw SceneError(
+            fmt::format("--schedules: there is no executor '{}'{} (cvtflow list executors)", executor, engine::missing_executor(executor)));
     }
     if (colon == std::string::npos) return {row, usual};
     try {
@@ -109,7 +108,26 @@ int Profile::processors_wanted() const noexcept {
     return most;
 }
 
+bool Profile::crowded() const noexcept {
+    const double needed = engine::crowded_below * processors_wanted();
+    return processors_got() < needed || (calibrated >= 0.0 && calibrated < needed);
+}
+
 namespace {
+
+constexpr double calibration_seconds = 0.05;
+
+/// Keeps the least of all calibrations.
+void calibrate(Profile& profile, int threads) {
+    const double got = engine::processors_got(threads, calibration_seconds);
+    profile.calibrated = profile.calibrated < 0.0 ? got : std::min(profile.calibrated, got);
+}
+
+int most_threads(const std::vector<Schedule>& schedules) {
+    int most = 1;
+    for (const Schedule& schedule : schedules) most = std::max(most, std::min(schedule.threads, usable_threads()));
+    return most;
+}
 
 /// By number of threads, median over the results.
 std::vector<ThreadCost> bare_barriers(const std::vector<ScheduleResult>& results) {
@@ -130,7 +148,9 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
         if (progress) progress(line);
     };
     Profile profile;
+    const int threads = most_threads(schedules);
     profile.load_before = load_average();
+    calibrate(profile, threads);
     say("starting, comparing states");
     std::uint64_t short_hash = 0;
     std::vector<Lane> lanes = start_lanes(scene, schedules, options.patience, short_hash);
@@ -139,13 +159,17 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
         say(fmt::format("timing beside {} busy neighbours", neighbours));
         measure_load(lanes, options, neighbours);
         if (neighbours != options.neighbours.front()) continue;
+        calibrate(profile, threads);
         say("recording stages");
         for (Lane& lane : lanes) record_lane(scene, lane, options, profile.stages);
     }
-    say("model");
+    calibrate(profile, threads);
     for (Lane& lane : lanes) profile.results.push_back(std::move(lane.result));
     profile.bare = bare_barriers(profile.results);
-    profile.model = measure_model(scene, profile.results, options);
+    if (!profile.crowded() || options.predict_crowded) {
+        say("model");
+        profile.model = measure_model(scene, profile.results, options);
+    }
     profile.load_after = load_average();
     profile.differences = hash_differences(profile.results, short_hash);
     return profile;

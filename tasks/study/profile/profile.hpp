@@ -32,11 +32,16 @@ struct Profile {
 
     /// Fused schedule with the best speed-up on so many threads; nullptr: none was measured.
     [[nodiscard]] const ScheduleResult* best_fused(int threads) const noexcept;
+    double calibrated = -1.0;  ///< least that calibrations before, amid and after got of processors_wanted(); -1: none [1]
+
     /// Processors that the hungriest schedule kept busy, and how many it could have.
     [[nodiscard]] double processors_got() const noexcept;
     [[nodiscard]] int processors_wanted() const noexcept;
-    /// Whether it got less than nine tenths: what threads bring cannot be seen on such a machine. (Waiting threads burn time too.)
-    [[nodiscard]] bool crowded() const noexcept { return processors_got() < 0.9 * processors_wanted(); }
+    /// Whether it, or the calibration, got less than nine tenths: what threads bring cannot be seen on such a machine. (Waiting threads
+    /// burn time too, which only a calibration tells apart.)
+    [[nodiscard]] bool crowded() const noexcept;
+    /// Whether there is a model with its predictions: not on a crowded machine, unless that was asked for.
+    [[nodiscard]] bool predicts() const noexcept { return !model.curves.empty(); }
 };
 
 /// @param progress called with one line before every part; may be empty

@@ -43,6 +43,7 @@ ordered_json provenance_json() {
             {"instruction_set", here.instruction_set},
             {"tbb", engine::tbb_version()},
             {"openmp", engine::openmp_version()},
+            {"runtimes", engine::runtime_versions()},
             {"cpu", here.cpu},
             {"cores", here.cores},
             {"usable_threads", usable_threads()},
@@ -200,6 +201,8 @@ std::string profile_json(const Scene& scene, const MeasureOptions& options, cons
                            {"KMP_BLOCKTIME", environment("KMP_BLOCKTIME")}};
     json["load_average"] = {{"before", profile.load_before}, {"after", profile.load_after}};
     json["crowded"] = profile.crowded();
+    json["processors"] = {
+        {"wanted", profile.processors_wanted()}, {"got_by_schedules", profile.processors_got()}, {"calibrated", profile.calibrated}};
     json["schedules"] = results;
     json["bare_barrier"] = thread_costs(profile.bare);
     json["model"] = model_json(profile.model);

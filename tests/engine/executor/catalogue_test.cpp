@@ -24,5 +24,16 @@ TEST(ExecutorCatalogue, NamesAreUniqueAndFound) {
     EXPECT_EQ(find_executor("magic"), nullptr);
 }
 
+TEST(ExecutorCatalogue, AbsentOnesSayWhatTheyNeedAndAreNotFound) {
+    for (const ExecutorRow& row : absent_executors()) {
+        EXPECT_FALSE(row.needs.empty()) << row.name << " is absent for no reason";
+        EXPECT_EQ(row.make, nullptr) << row.name;
+        EXPECT_EQ(find_executor(row.name), nullptr) << row.name;
+        EXPECT_NE(missing_executor(row.name).find("it needs " + std::string(row.needs)), std::string::npos) << row.name;
+    }
+    EXPECT_EQ(missing_executor("fow"), " (did you mean \"flow\"?)");
+    EXPECT_EQ(missing_executor("quite another thing"), "");
+}
+
 }  // namespace
 }  // namespace cvtflow::engine

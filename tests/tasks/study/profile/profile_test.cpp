@@ -54,6 +54,17 @@ TEST(Profile, IsCrowdedIfNoScheduleGotItsProcessors) {
     EXPECT_TRUE(profile.crowded());
 }
 
+TEST(Profile, IsCrowdedIfItsCalibrationGotLessThanNineTenths) {
+    Profile profile;
+    profile.results.resize(1);
+    profile.results[0].loads = {{0, {}, 0.0, 1.0, 1.0, 5, ""}};
+    for (const auto& [calibrated, crowded] : {std::pair{-1.0, false}, {0.91, false}, {0.89, true}}) {
+        profile.calibrated = calibrated;
+        EXPECT_EQ(profile.crowded(), crowded) << calibrated;
+    }
+    EXPECT_FALSE(profile.predicts()) << "no model was made";
+}
+
 TEST(Trial, EndsWhenPatienceDoes) {
     Trial trial(ready_tiny(), Schedule{});
     const TrialSample sample = trial.run(1000000, 0.001);

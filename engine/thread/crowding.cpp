@@ -1,0 +1,67 @@
+#include "engine/thread/crowding.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <latch>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engine/thread/worker_grant.hpp"
+
+namespace cvtflow::engine {
+
+namespace {
+
+using PieceClock = std::chrono::steady_clock;
+
+/// What one thread did.
+struct alignas(128) Pieces {
+    long count = 0;
+    double least = 1e9;  ///< time of the quickest piece [s]
+    double value = 1.0;
+};
+
+/// Arithmetic that depends on itself (about 10 us): neither wider vectors nor a sibling on the same core change its time much.
+void piece(Pieces& own) noexcept {
+    double x = own.value;
+    for (int i = 0; i < 3000; ++i) x = x * 0.999999 + 1e-6;
+    own.value = x;
+}
+
+void count_pieces(Pieces& own, PieceClock::time_point end) noexcept {
+    for (auto begin = PieceClock::now(); begin < end;) {
+        piece(own);
+        const auto now = PieceClock::now();
+        own.least = std::min(own.least, std::chrono::duration<double>(now - begin).count());
+        ++own.count;
+        begin = now;
+    }
+}
+
+}  // namespace
+
+double processors_got(int threads, double seconds) {
+    if (startable_threads(threads - 1) < threads - 1)
+        throw std::runtime_error("a calibration wants " + std::to_string(threads) + " threads, and the system does not give them");
+    std::vector<Pieces> all(static_cast<std::size_t>(threads));
+    const auto begin = PieceClock::now();
+    const auto end = begin + std::chrono::duration_cast<PieceClock::duration>(std::chrono::duration<double>(seconds));
+    {
+        std::vector<std::jthread> others;
+        for (std::size_t thread = 1; thread < all.size(); ++thread) others.emplace_back([&, thread] { count_pieces(all[thread], end); });
+        count_pieces(all.front(), end);
+    }
+    const double passed = std::max(seconds, std::chrono::duration<double>(PieceClock::now() - begin).count());
+    double least = 1e9;
+    long count = 0;
+    for (const Pieces& own : all) {
+        least = std::min(least, own.least);
+        count += own.count;
+    }
+    return std::min(static_cast<double>(threads), static_cast<double>(count) * least / passed);
+}
+
+}  // namespace cvtflow::engine

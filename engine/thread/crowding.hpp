@@ -1,0 +1,15 @@
+#pragma once
+/// How much of a machine is ours just now: what every measurement of threads has to know.
+
+namespace cvtflow::engine {
+
+/// Processors that so many threads get, from the work that they do for `seconds`: each counts short pieces of arithmetic, and the number of
+/// pieces times the time of the quickest is the time that its thread had a processor of full speed to itself. `threads` on a quiet machine;
+/// less where others run, where a host takes time away, or where there are fewer processors. [1]
+/// @throws std::runtime_error if the system has no threads for it
+[[nodiscard]] double processors_got(int threads, double seconds);
+
+/// A part of the processors wanted below which a machine counts as crowded [1]: what threads bring cannot be seen on it.
+inline constexpr double crowded_below = 0.9;
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,31 @@
+#include "engine/thread/crowding.hpp"
+
+#include <gtest/gtest.h>
+
+#include "engine/thread/busy_neighbours.hpp"
+#include "engine/thread/pinning.hpp"
+
+namespace cvtflow::engine {
+namespace {
+
+TEST(Crowding, OneThreadGetsOneProcessorAtMost) {
+    const double got = processors_got(1, 0.02);
+    EXPECT_GT(got, 0.0);
+    EXPECT_LE(got, 1.0);
+}
+
+TEST(Crowding, ThreadsCannotGetMoreThanThereIs) {
+    const int processors = Processors().count();
+    EXPECT_LE(processors_got(2 * processors, 0.05), 1.15 * processors);  // pieces run at different speeds where processors differ
+}
+
+/// Beside twice as many threads that do nothing but spin, a third of the machine is left. Half would be a lot: time slices are some
+/// milliseconds.
+TEST(Crowding, BusyNeighboursShow) {
+    const int processors = Processors().count();
+    const BusyNeighbours neighbours(2 * processors);
+    EXPECT_LT(processors_got(processors, 0.3), 0.75 * processors);
+}
+
+}  // namespace
+}  // namespace cvtflow::engine
