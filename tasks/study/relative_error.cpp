@@ -1,5 +1,6 @@
 #include "tasks/study/relative_error.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -28,6 +29,10 @@ double relative_error(std::span<const double> is, std::span<const double> should
     RelativeError error;
     error.add(is, should);
     return error.value();
+}
+
+double relative_difference(double is, double should, double least) noexcept {
+    return std::abs(is - should) / std::max(std::abs(should), least);
 }
 
 }  // namespace cvtflow::tasks

@@ -20,6 +20,13 @@ private:
     double difference_ = 0.0, reference_ = 0.0;  ///< sums of squares
 };
 
+/// Slip below this is compared with this [1]: creep of less than a ten-thousandth is nobody's question.
+inline constexpr double least_slip = 1e-4;
+
+/// |is - should| over |should|, or over `least` where that is less: the error of a single figure, such as a mean. is, should, least [the
+/// same unit]
+[[nodiscard]] double relative_difference(double is, double should, double least) noexcept;
+
 [[nodiscard]] double relative_error(std::span<const double> is, std::span<const double> should) noexcept;
 
 }  // namespace cvtflow::tasks

@@ -136,7 +136,14 @@ const std::map<std::string, std::vector<Names>> floors{
      {{"engine/base", "engine/linear"},
       {"engine/graph", "engine/event", "engine/thread"},
       {"engine/method", "engine/executor", "engine/record"}}},
-    {"tasks", {{"tasks/step"}, {"tasks/method"}, {"tasks/scene"}, {"tasks/schedule"}, {"tasks/run"}, {"tasks/batch", "tasks/study"}}},
+    {"tasks",
+     {{"tasks/step"},
+      {"tasks/method"},
+      {"tasks/scene"},
+      {"tasks/schedule"},
+      {"tasks/run"},
+      {"tasks/batch", "tasks/study"},
+      {"tasks/tuning"}}},
 };
 
 /// -1 for rooms that stand nowhere.

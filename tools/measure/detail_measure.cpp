@@ -11,8 +11,8 @@
 
 #include "model/observe/observation.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tasks/study/detail_state.hpp"
 #include "tools/guard.hpp"
-#include "tools/measure/detail_state.hpp"
 #include "tools/output/interrupt.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text/watch_text.hpp"
@@ -183,7 +183,7 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted
     outcome.variant = variant;
     tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.settle);
     const double settle = scene.run.until, length = scene_of(arguments_, scene_, variant, arguments_.average).run.until;
-    const StateFile start(brought_over(settled_, reference_, scene.parameters));
+    const tasks::StateFile start(tasks::brought_over(settled_, reference_, scene.parameters));
     scene.state_file = start.path();
     tasks::Simulation simulation(scene);
     outcome.coordinates = simulation.variator().layout().coordinates();
@@ -198,9 +198,9 @@ void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, Det
     tasks::Scene scene = scene_of(
         arguments_, scene_, variant, arguments_.control,
         {"control.enabled=true", fmt::format("control.ratio={:.6f}", wanted), "control.proportional=1 MN", "control.integral=5e7 N/s"});
-    engine::SavedState settled = brought_over(settled_, reference_, scene.parameters);
+    engine::SavedState settled = tasks::brought_over(settled_, reference_, scene.parameters);
     settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));  // the controller's integral begins at zero
-    const StateFile start(settled);
+    const tasks::StateFile start(settled);
     scene.state_file = start.path();
     tasks::Simulation simulation(scene);
     const double found = simulation.time() + 0.8 * scene.run.until, until = simulation.time() + scene.run.until;

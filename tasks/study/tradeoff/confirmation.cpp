@@ -10,6 +10,7 @@
 
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tasks/study/relative_error.hpp"
 #include "tasks/study/tradeoff/error_measure.hpp"
 
 namespace cvtflow::tasks {
@@ -31,10 +32,6 @@ public:
 private:
     model::Observer observer_;
 };
-
-double relative_difference(double value, double reference, double least) {
-    return std::abs(value - reference) / std::max(std::abs(reference), least);
-}
 
 std::string percent(double share) { return fmt::format("{:.2g} %", 100.0 * share); }
 
@@ -72,7 +69,7 @@ Confirmed Confirmation::judged(const LongRun& run) const {
     found.ran = true;
     found.run = run;
     const RunVerdict &is = run.watch, &should = reference_.watch;
-    found.slip_error = relative_difference(is.means.slip, should.means.slip, settings_.least_slip);
+    found.slip_error = relative_difference(is.means.slip, should.means.slip, least_slip);
     found.loss_error = relative_difference(is.loss, should.loss, std::numeric_limits<double>::min());
     if (run.fault)
         found.objection = run.fault.name();

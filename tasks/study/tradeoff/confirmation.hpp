@@ -20,10 +20,9 @@
 namespace cvtflow::tasks {
 
 struct ConfirmSettings {
-    double duration = 20e-3;   ///< from the scene's start [s]
-    double interval = 12e-6;   ///< between outputs [s]
-    double tolerance = 0.01;   ///< of mean slip and losses [1]
-    double least_slip = 1e-4;  ///< slip below this is compared with this [1]
+    double duration = 20e-3;  ///< from the scene's start [s]
+    double interval = 12e-6;  ///< between outputs [s]
+    double tolerance = 0.01;  ///< of mean slip and losses [1]
     std::vector<std::string>
         reference;  ///< settings; empty: the default method at a quarter of its automatic step, refined until it agrees with itself
 };

@@ -6,7 +6,7 @@
 #include "engine/record/run/state_file.hpp"
 #include "model/parameters/parameters.hpp"
 
-namespace cvtflow::tools {
+namespace cvtflow::tasks {
 
 /// Coordinates that both have are copied, new ones begin at zero: Legendre coordinates of higher order, elastic displacements of sheaves.
 /// Rigid pulleys take angles from the shafts and the movable sheaves' positions against their shafts, and give them back. Phases stay.
@@ -26,4 +26,4 @@ private:
     std::string path_;
 };
 
-}  // namespace cvtflow::tools
+}  // namespace cvtflow::tasks

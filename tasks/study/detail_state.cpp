@@ -1,4 +1,4 @@
-#include "tools/measure/detail_state.hpp"
+#include "tasks/study/detail_state.hpp"
 
 #include <unistd.h>
 
@@ -7,7 +7,7 @@
 
 #include "model/parameters/chain_layout.hpp"
 
-namespace cvtflow::tools {
+namespace cvtflow::tasks {
 
 namespace {
 
@@ -80,4 +80,4 @@ StateFile::~StateFile() {
     std::filesystem::remove(path_, ignored);
 }
 
-}  // namespace cvtflow::tools
+}  // namespace cvtflow::tasks

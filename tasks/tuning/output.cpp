@@ -1,0 +1,123 @@
+#include "tasks/tuning/output.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/base/spelling.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/study/relative_error.hpp"
+
+namespace cvtflow::tasks {
+
+std::span<const Figure> figures() noexcept {
+    using M = FigureMeans;
+    constexpr double any = std::numeric_limits<double>::min();
+    static constexpr std::array rows{
+        Figure{"slip", "mean slip of both pulleys together; below 1e-4 it is compared with that", least_slip, true, true,
+               [](const M& m) { return m.span.slip; }},
+        Figure{"efficiency", "1 - losses/input over whole pin periods; its error counts in percentage points", 1.0, true, true,
+               [](const M& m) { return m.span.efficiency; }},
+        Figure{"losses", "losses/input over whole pin periods", any, false, true, [](const M& m) { return 1.0 - m.span.efficiency; }},
+        Figure{"tight_tension", "mean tension of the tight strand", any, true, false, [](const M& m) { return m.span.tight; }},
+        Figure{"slack_tension", "mean tension of the slack strand", any, false, false, [](const M& m) { return m.span.slack; }},
+        Figure{"tips", "largest axial force of a tip, mean over time", any, true, true, [](const M& m) { return m.tip; }},
+        Figure{"ratio", "mean speed ratio", any, false, true, [](const M& m) { return m.span.ratio; }},
+        Figure{"thrust_ratio", "mean of both clamping forces' ratio; under control what the controller finds", any, false, true,
+               [](const M& m) { return m.thrust; }},
+    };
+    return rows;
+}
+
+double TunedOutput::error(double is, double should) const noexcept {
+    const double error = relative_difference(is, should, least);
+    return std::isnan(error) ? std::numeric_limits<double>::infinity() : error;
+}
+
+namespace {
+
+const Figure* figure_named(const std::string& name) {
+    const auto rows = figures();
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const Figure& row) { return row.name == name; });
+    return found == rows.end() ? nullptr : &*found;
+}
+
+TunedOutput of_figure(const Figure& figure) { return {std::string(figure.name), figure.least, &figure}; }
+
+TunedOutput of_scalar(const std::string& text) {
+    std::vector<Problem> problems;
+    const Scalar scalar = parse_scalar(text, {}, problems);
+    if (problems.empty()) return {scalar.text, std::numeric_limits<double>::min(), nullptr, scalar};
+    std::vector<std::string> names;
+    for (const Figure& figure : figures()) names.emplace_back(figure.name);
+    throw SceneError(fmt::format("outputs: {} is not one of {}{}, nor a scalar such as \"slip median\"", text, fmt::join(names, ", "),
+                                 engine::did_you_mean(engine::closest(text, names))));
+}
+
+}  // namespace
+
+std::vector<TunedOutput> tuned_outputs(const std::vector<std::string>& names, bool has_pulleys) {
+    std::vector<TunedOutput> outputs;
+    for (const std::string& name : names) {
+        const Figure* figure = figure_named(name);
+        if (figure != nullptr && figure->needs_pulleys && !has_pulleys)
+            throw SceneError(fmt::format("outputs: {} needs pulleys, and this scene has none", name));
+        outputs.push_back(figure != nullptr ? of_figure(*figure) : of_scalar(name));
+    }
+    if (!outputs.empty()) return outputs;
+    for (const Figure& figure : figures()) {
+        if (figure.usual && (has_pulleys || !figure.needs_pulleys)) outputs.push_back(of_figure(figure));
+    }
+    return outputs;
+}
+
+std::vector<TunedOutput> tuned_outputs(std::span<const Scalar> scalars) {
+    std::vector<TunedOutput> outputs;
+    for (const Scalar& scalar : scalars) outputs.push_back({scalar.text, std::numeric_limits<double>::min(), nullptr, scalar});
+    return outputs;
+}
+
+OutputReader::OutputReader(const model::Variator& variator, std::span<const TunedOutput> outputs, int followed_pin, double from)
+    : observer_(variator), outputs_(outputs), followed_pin_(followed_pin), from_(from), reducers_(outputs.size()) {}
+
+void OutputReader::output(double time, const Workspace& workspace, const Counters& counters) {
+    if (time < from_ - 1e-12 * std::abs(from_)) return;
+    const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
+    watch_.add(now, workspace);
+    double tip = 0.0;
+    for (const double axial : now.tip_axial) tip = std::max(tip, std::abs(axial));
+    tip_ += tip;
+    thrust_ += now.clamping[0] / now.clamping[1];
+    ++count_;
+    const Instant instant{now, workspace, counters, followed_pin_, observer_};
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        if (outputs_[i].figure == nullptr) reduce(i, time, instant);
+    }
+}
+
+void OutputReader::reduce(std::size_t output, double time, const Instant& instant) {
+    const Scalar& scalar = outputs_[output].scalar;
+    for (std::size_t term = 0; term < scalar.terms.size(); ++term) {
+        const Channel& channel = *scalar.terms[term].channel;
+        const int width = channel.width(instant.workspace.variator.chain());
+        if (scalar.terms[term].element >= width) throw SimulationError(fmt::format("{}: there are only {} numbers", scalar.text, width));
+        numbers_.resize(static_cast<std::size_t>(width));
+        channel.read(instant, numbers_.data());
+        reducers_[output].add(scalar, term, time, numbers_);
+    }
+}
+
+std::vector<double> OutputReader::values() const {
+    const double n = count_ > 0 ? static_cast<double>(count_) : std::numeric_limits<double>::quiet_NaN();
+    const FigureMeans means{watch_.means().all(), tip_ / n, thrust_ / n};
+    std::vector<double> values;
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        const TunedOutput& output = outputs_[i];
+        values.push_back(output.figure != nullptr ? output.figure->read(means) : reducers_[i].result(output.scalar));
+    }
+    return values;
+}
+
+}  // namespace cvtflow::tasks

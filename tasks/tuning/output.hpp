@@ -1,0 +1,76 @@
+#pragma once
+/// What a run is reduced to when its accuracy is asked for, and what an error of that is.
+
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tasks/batch/sweep/scalar.hpp"
+#include "tasks/run/run_watch.hpp"
+
+namespace cvtflow::tasks {
+
+/// What figures are read of: means over the outputs of the part of a run that counts.
+struct FigureMeans {
+    SpanMeans span;
+    double tip = 0.0;     ///< mean of the largest axial force of a tip [N]
+    double thrust = 0.0;  ///< mean of S_1/S_2 [1]
+};
+
+/// A row of the catalogue.
+struct Figure {
+    std::string_view name, meaning;
+    double least;  ///< an error is |is - should| over |should|, or over this where that is less [unit of the figure]
+    bool usual;    ///< looked at unless somebody says otherwise
+    bool needs_pulleys;
+    double (*read)(const FigureMeans& means);
+};
+/// All there are.
+[[nodiscard]] std::span<const Figure> figures() noexcept;
+
+/// A figure, or a scalar as in a sweep ("slip median", "tips/axial_force[*] max").
+struct TunedOutput {
+    std::string name;
+    double least = std::numeric_limits<double>::min();  ///< see Figure::least [unit of the output]
+    const Figure* figure = nullptr;                     ///< nullptr: the scalar
+    Scalar scalar{};
+
+    [[nodiscard]] double error(double is, double should) const noexcept;  ///< is, should [unit of the output]; relative [1]
+};
+
+/// Outputs by their names; none: the usual figures that the machine has.
+/// @throws SceneError for a name that is neither figure nor scalar, or a figure of pulleys where there are none
+[[nodiscard]] std::vector<TunedOutput> tuned_outputs(const std::vector<std::string>& names, bool has_pulleys);
+/// The scalars of a sweep.
+[[nodiscard]] std::vector<TunedOutput> tuned_outputs(std::span<const Scalar> scalars);
+
+/// Reads outputs of a run, from a time on.
+class OutputReader final : public RunObserver {
+public:
+    /// from [s]. Both must outlive it.
+    OutputReader(const model::Variator& variator, std::span<const TunedOutput> outputs, int followed_pin, double from);
+
+    void output(double time, const Workspace& workspace, const Counters& counters) override;
+    void transition(const TransitionRecord&) override {}
+
+    /// Of every output, in its unit; not a number where nothing counted.
+    [[nodiscard]] std::vector<double> values() const;
+    [[nodiscard]] const RunWatch& watch() const noexcept { return watch_; }
+
+private:
+    void reduce(std::size_t output, double time, const Instant& instant);
+
+    model::Observer observer_;
+    std::span<const TunedOutput> outputs_;
+    int followed_pin_;
+    double from_;  ///< [s]
+    RunWatch watch_;
+    double tip_ = 0.0, thrust_ = 0.0;  ///< sums [N], [1]
+    long count_ = 0;
+    std::vector<Reducer> reducers_;
+    std::vector<double> numbers_;  ///< of one channel
+};
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,186 @@
+#include "tasks/tuning/point_measure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+
+#include "tasks/run/saved_start.hpp"
+#include "tasks/study/detail_state.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+/// Processor time of this thread [s]: what others do on the machine does not count.
+double processor_time() {
+    timespec now{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+std::string percent_of(double share) { return fmt::format("{:.2g} %", 100.0 * share); }
+
+/// What a run cost since it began.
+void book(const Simulation& simulation, double began, double simulated, PointRun& run) {
+    run.seconds = (processor_time() - began) / simulated;
+    run.work = static_cast<double>(simulation.counters().evaluations) * simulation.workspace().layout().size() / simulated;
+}
+
+}  // namespace
+
+std::string TuneChoice::text() const {
+    const std::string step = share == 1.0 ? "automatic step" : fmt::format("1/{:g} of the automatic step", 1.0 / share);
+    return fmt::format("{}, {}, {}", detail.empty() ? "own detail" : detail, method, step);
+}
+
+Scene chosen_scene(const Scene& scene, const TuneChoice& choice, double step) {
+    Scene chosen = scene;
+    if (!choice.detail.empty()) apply_detail(chosen, choice.detail);
+    chosen.run.method = choice.method;
+    chosen.run.step = AutoNumber(step);
+    chosen.run.step_control = StepControl::fixed;
+    return chosen;
+}
+
+double largest(const std::vector<double>& errors) noexcept {
+    return errors.empty() ? 0.0 : *std::max_element(errors.begin(), errors.end());
+}
+
+PointMeasure::PointMeasure(OperatingPoint point, std::string finest, std::span<const TunedOutput> outputs,
+                           const engine::Cancellation& cancel)
+    : point_(std::move(point)), finest_(std::move(finest)), outputs_(outputs), cancel_(cancel) {
+    point_.scene.run.schedule = "serial";
+    point_.scene.run.threads = 1;
+    point_.scene.run.max_steps = 0;
+    point_.scene.run.max_wall = 0.0;
+}
+
+/// The scene's state, or that of its finest detail after settling with automatic steps.
+void PointMeasure::settle_finest() {
+    if (settled_) return;
+    if (!point_.scene.state_file.empty()) {
+        settled_ = *saved_start(point_.scene);
+        settled_with_ = point_.scene;
+        if (suspicion_of(*settled_) > 1.0)
+            throw SimulationError(point_.scene.state_file + " is unreliable: the balance of its settling did not close");
+        return;
+    }
+    settled_with_ = chosen_scene(point_.scene, {finest_, RunSettings{}.method}, 0.0);
+    Simulation simulation(settled_with_, Schedule{});
+    SilentObserver nobody;
+    if (simulation.needs_settling()) {
+        if (const Fault fault = simulation.settle(nobody, cancel_)) throw SimulationError("settling: " + fault.message());
+        if (simulation.suspicion() > 1.0) throw SimulationError("settling: its energy balance does not close");
+    }
+    settled_ = simulation.saved_state();
+}
+
+engine::SavedState PointMeasure::start(const Scene& scene) {
+    settle_finest();
+    if (model::layout_of(settled_with_.parameters) == model::layout_of(scene.parameters)) return *settled_;
+    engine::SavedState state = brought_over(*settled_, settled_with_.parameters, scene.parameters);
+    state.attributes.clear();
+    return state;
+}
+
+/// A simulation at its start, with the step that the choice means there. A start that does not settle by itself is the common one.
+std::unique_ptr<Simulation> PointMeasure::begin(const TuneChoice& choice, Scene& scene, bool settled, PointRun& run) {
+    Scene geometric = scene;
+    geometric.state_file.clear();
+    auto simulation = std::make_unique<Simulation>(geometric, Schedule{});
+    const engine::SavedState state = settled ? start(scene) : engine::SavedState{};
+    if (settled) simulation->reset(geometric, &state);
+    if (choice.share == 1.0) return simulation;
+    run.step = choice.share * simulation->automatic_step();
+    geometric.run.step = scene.run.step = AutoNumber(run.step);
+    simulation->reset(geometric, settled ? &state : nullptr);
+    return simulation;
+}
+
+PointRun PointMeasure::run(const TuneChoice& choice) { return measured(choice, !point_.settles, nullptr); }
+PointRun PointMeasure::run(const TuneChoice& choice, engine::SavedState& state) { return measured(choice, !point_.settles, &state); }
+
+PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::SavedState* state) {
+    PointRun run;
+    Scene scene = chosen_scene(point_.scene, choice, 0.0);
+    const std::unique_ptr<Simulation> simulation = begin(choice, scene, settled, run);
+    OutputReader reader(simulation->variator(), outputs_, scene.run.followed_pin, point_.from);
+    SilentObserver nobody;
+    Fault fault;
+    if (simulation->needs_settling()) fault = simulation->settle(nobody, cancel_);
+    if (!fault && point_.from > simulation->time()) fault = simulation->run(point_.from, nobody, cancel_);
+    const double before = simulation->suspicion();
+    if (!fault && state != nullptr) *state = simulation->saved_state();
+    const double began = processor_time(), begin = simulation->time();
+    if (!fault) fault = simulation->run(point_.until, reader, cancel_);
+    book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
+    run.values = reader.values();
+    if (fault)
+        run.objection = fault.message();
+    else if (std::max(before, simulation->suspicion()) > 1.0)
+        run.objection = "unreliable: its energy balance does not close";
+    return run;
+}
+
+PointRun PointMeasure::trial(const TuneChoice& choice, double duration) {
+    PointRun run;
+    Scene scene = chosen_scene(point_.scene, choice, 0.0);
+    const std::unique_ptr<Simulation> simulation = begin(choice, scene, true, run);
+    Scene fixed = scene;  // looking at the spectrum, often in the beginning, would count too much
+    fixed.state_file.clear();
+    fixed.run.step = AutoNumber(run.step > 0.0 ? run.step : simulation->automatic_step());
+    const engine::SavedState state = simulation->saved_state();
+    simulation->reset(fixed, &state);
+    SilentObserver nobody;
+    const double began = processor_time(), begin = simulation->time();
+    const Fault fault = simulation->run(begin + duration, nobody, cancel_);
+    book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
+    if (fault) run.objection = fault.message();
+    return run;
+}
+
+std::vector<double> PointMeasure::errors(const PointRun& run, const PointRun& should) const {
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        const bool lost = !run.objection.empty() || run.values.size() != outputs_.size();
+        errors.push_back(lost ? std::numeric_limits<double>::infinity() : outputs_[i].error(run.values[i], should.values[i]));
+    }
+    return errors;
+}
+
+const PointRun* PointMeasure::reference(double agreement) {
+    if (reference_ != nullptr && agreement_ <= agreement) return reference_;
+    if (!objection_.empty() && references_.empty()) return nullptr;
+    double off = 0.0;
+    for (const double share : {0.5, 0.25, 0.125, 0.0625}) {
+        if (!references_.contains(share)) {
+            try {
+                references_[share] = measured({finest_, RunSettings{}.method, share}, true, nullptr);
+            } catch (const SimulationError& error) {
+                objection_ = error.what();
+                return nullptr;
+            }
+        }
+        const PointRun& now = references_[share];
+        if (!now.objection.empty()) {
+            objection_ = fmt::format("the reference ({} at {:g} of its automatic step): {}", finest_, share, now.objection);
+            return nullptr;
+        }
+        if (share == 0.5) continue;
+        off = largest(errors(references_[2.0 * share], now));
+        if (!(off <= agreement)) continue;
+        agreement_ = off;
+        reference_text_ = fmt::format("{}, {} at {:g} of its automatic step; twice that is off by {}", finest_, RunSettings{}.method, share,
+                                      percent_of(off));
+        objection_.clear();
+        return reference_ = &now;
+    }
+    objection_ =
+        fmt::format("{} at a sixteenth of its automatic step does not agree with itself: twice that is off by {}, not by {} at most",
+                    finest_, percent_of(off), percent_of(agreement));
+    return nullptr;
+}
+
+}  // namespace cvtflow::tasks

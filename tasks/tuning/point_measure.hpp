@@ -1,0 +1,86 @@
+#pragma once
+/// One operating point: what a choice of detail, method and step gives there, what that costs, and what it should be.
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/executor/cancellation.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/tuning/operating_point.hpp"
+#include "tasks/tuning/output.hpp"
+
+namespace cvtflow::tasks {
+
+/// What may be chosen for a scene.
+struct TuneChoice {
+    std::string detail;  ///< a preset; empty: the scene's own
+    std::string method;
+    double share = 1.0;  ///< of the automatic step; 1: automatic steps [1]
+
+    /// "medium, leapfrog-chebyshev, 1/2 of the automatic step"
+    [[nodiscard]] std::string text() const;
+    bool operator==(const TuneChoice&) const = default;
+};
+
+/// The scene with a choice applied. @param step fixed, 0: automatic [s]   @throws SceneError
+[[nodiscard]] Scene chosen_scene(const Scene& scene, const TuneChoice& choice, double step);
+
+/// A run of a choice at a point.
+struct PointRun {
+    std::vector<double> values;  ///< of the outputs
+    std::string objection;       ///< why they are none: a fault, an energy balance that does not close; empty: nothing speaks against them
+    double step = 0.0;           ///< fixed one; 0: automatic [s]
+    double seconds = 0.0;        ///< processor time per simulated second [s/s]
+    double work = 0.0;  ///< evaluations of the right-hand side times unknowns, per simulated second: the same on every machine [1/s]
+};
+
+class PointMeasure {
+public:
+    /// @param finest preset that references have   @param outputs must outlive it
+    PointMeasure(OperatingPoint point, std::string finest, std::span<const TunedOutput> outputs, const engine::Cancellation& cancel);
+
+    /// @throws SimulationError, engine::RecordError: no run can begin here
+    [[nodiscard]] PointRun run(const TuneChoice& choice);
+    /// The same, and the state with which outputs begin to count. state: untouched where it did not come to that
+    [[nodiscard]] PointRun run(const TuneChoice& choice, engine::SavedState& state);
+    /// A short run from the start, for what it costs. duration [s]
+    [[nodiscard]] PointRun trial(const TuneChoice& choice, double duration);
+
+    /// What outputs should be: the finest detail with the default method at a quarter of its automatic step, or less, so that twice that
+    /// step is off by `agreement` at most. Made when it is first asked for, or more is asked.
+    /// @return nothing: there is none, objection() says why. agreement [1]
+    [[nodiscard]] const PointRun* reference(double agreement);
+    [[nodiscard]] const std::string& objection() const noexcept { return objection_; }
+    /// How the reference came about, and by how much one with twice its step is off.
+    [[nodiscard]] const std::string& reference_text() const noexcept { return reference_text_; }
+
+    /// Of every output, relative; infinite where the run gave none.
+    [[nodiscard]] std::vector<double> errors(const PointRun& run, const PointRun& should) const;
+    [[nodiscard]] const OperatingPoint& point() const noexcept { return point_; }
+
+private:
+    [[nodiscard]] engine::SavedState start(const Scene& scene);
+    [[nodiscard]] std::unique_ptr<Simulation> begin(const TuneChoice& choice, Scene& scene, bool settled, PointRun& run);
+    [[nodiscard]] PointRun measured(const TuneChoice& choice, bool settled, engine::SavedState* state);
+    void settle_finest();
+
+    OperatingPoint point_;
+    std::string finest_;
+    std::span<const TunedOutput> outputs_;
+    const engine::Cancellation& cancel_;
+    std::optional<engine::SavedState> settled_;  ///< at the finest detail, or the scene's own state
+    Scene settled_with_;                         ///< what its numbers mean
+    std::map<double, PointRun> references_;      ///< by share of the automatic step
+    double agreement_ = 0.0;                     ///< of the reference at hand [1]
+    const PointRun* reference_ = nullptr;
+    std::string objection_, reference_text_;
+};
+
+/// Largest of all; 0 for none.
+[[nodiscard]] double largest(const std::vector<double>& errors) noexcept;
+
+}  // namespace cvtflow::tasks

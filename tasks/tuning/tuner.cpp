@@ -1,0 +1,264 @@
+#include "tasks/tuning/tuner.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "tasks/method/method_choice.hpp"
+#include "tasks/study/tradeoff/pareto.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+using WallClock = std::chrono::steady_clock;
+
+constexpr double shares[] = {1.0, 0.5, 0.25};  ///< of the automatic step
+constexpr std::size_t most_methods = 3;
+constexpr double method_reach = 2.0;    ///< methods so many times as dear as the cheapest are left out
+constexpr double method_trial = 50e-6;  ///< [s]
+constexpr double cost_trial = 1e-3;     ///< [s]
+constexpr int rounds = 3;
+constexpr double alike = 1.1;              ///< costs within this factor are ranked by work
+constexpr double gained_by_halving = 4.0;  ///< at most, by a method of second order
+
+double seconds_since(WallClock::time_point then) { return std::chrono::duration<double>(WallClock::now() - then).count(); }
+
+/// The dials that a level of detail turns, as they are in a scene.
+auto dials(const Scene& scene) {
+    const model::Detail& detail = scene.parameters.detail;
+    return std::tuple(detail.order, detail.plates, detail.joint_points, detail.pulleys, model::layout_of(scene.parameters));
+}
+
+/// Levels of detail, the scene's own among them if it is none of those with a name.
+std::vector<std::string> levels_for(const Scene& scene) {
+    std::vector<std::string> levels;
+    bool named = false;
+    for (const DetailPreset& preset : detail_presets()) {
+        Scene at = scene;
+        apply_detail(at, preset.name);
+        named = named || dials(at) == dials(scene);
+        levels.emplace_back(preset.name);
+    }
+    if (!named) levels.emplace_back();
+    return levels;
+}
+
+double median_of(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+/// Costs that differ by less than a tenth fall into one bin, or into neighbouring ones.
+long bin_of(double seconds) { return std::lround(std::log(seconds) / std::log(alike)); }
+
+}  // namespace
+
+Tuner::Tuner(const Scene& scene, TuneSettings settings, const engine::Cancellation& cancel)
+    : scene_(scene), settings_(std::move(settings)), cancel_(cancel), finest_(detail_presets().back().name) {
+    outputs_ = tuned_outputs(settings_.outputs, scene.parameters.detail.pulleys != model::PulleyDetail::absent);
+    for (const OperatingPoint& point : points_of(scene, settings_.times)) points_.emplace_back(point, finest_, outputs_, cancel);
+}
+
+Tuner::Tuner(const Sweep& sweep, TuneSettings settings, const engine::Cancellation& cancel)
+    : scene_(sweep.scene), settings_(std::move(settings)), cancel_(cancel), finest_(detail_presets().back().name) {
+    settings_.same_everywhere = true;
+    outputs_ = tuned_outputs(sweep.scalars);
+    for (const long number : corner_cases(sweep)) points_.emplace_back(point_of_case(sweep, number), finest_, outputs_, cancel);
+    if (points_.empty()) throw SceneError(sweep.name + ": no case at the corners of its axes has values that agree: nothing to tune at");
+}
+
+void Tuner::say(const std::string& what) const {
+    if (settings_.progress) settings_.progress(what);
+}
+
+void Tuner::require_going_on() const {
+    if (cancel_.requested()) throw SimulationError("interrupted");
+}
+
+/// The cheapest methods of the catalogue, each at its automatic step, by a short run with the scene's own detail.
+void Tuner::find_methods() {
+    const std::string usual = RunSettings{}.method;
+    if (settings_.same_everywhere) {
+        methods_ = {usual};
+        methods_left_out_ = {fmt::format("all methods but {}: which of them is cheapest depends on the machine", usual)};
+        return;
+    }
+    say("methods");
+    std::vector<std::pair<double, std::string>> costs;
+    for (const std::string& name : method_names()) {
+        require_going_on();
+        try {
+            const PointRun run = points_.front().trial({"", name}, method_trial);
+            if (run.objection.empty())
+                costs.emplace_back(run.seconds, name);
+            else
+                methods_left_out_.push_back(fmt::format("{}: {}", name, run.objection));
+        } catch (const std::exception& error) {  // a method that cannot be used with the scene
+            methods_left_out_.push_back(fmt::format("{}: {}", name, error.what()));
+        }
+    }
+    std::stable_sort(costs.begin(), costs.end());
+    for (const auto& [seconds, name] : costs) {
+        const double over = seconds / costs.front().first;
+        const bool taken = name == usual || (methods_.size() < most_methods && over <= method_reach);
+        if (taken)
+            methods_.push_back(name);
+        else
+            methods_left_out_.push_back(fmt::format("{}: {:.3g} times as dear as {}", name, over, costs.front().second));
+    }
+}
+
+/// Every level with every method, in turns; shares of the step cost in proportion.
+void Tuner::find_costs() {
+    say("costs");
+    std::vector<TunedChoice> bases;
+    for (const std::string& level : levels_for(scene_)) {
+        for (const std::string& method : methods_) bases.emplace_back().choice = {level, method};
+    }
+    std::vector<std::vector<double>> seconds(bases.size());
+    for (int round = 0; round < rounds; ++round) {
+        for (std::size_t i = 0; i < bases.size(); ++i) {
+            require_going_on();
+            const PointRun run = points_.front().trial(bases[i].choice, cost_trial);
+            seconds[i].push_back(run.seconds);
+            bases[i].work = run.work;
+        }
+    }
+    for (std::size_t i = 0; i < bases.size(); ++i) {
+        const auto [least, most] = std::minmax_element(seconds[i].begin(), seconds[i].end());
+        bases[i].seconds = median_of(seconds[i]);
+        bases[i].spread = (*most - *least) / bases[i].seconds;
+        for (const double share : shares) {
+            TunedChoice& made = ranked_.emplace_back(bases[i]);
+            made.choice.share = share;
+            made.seconds /= share;
+            made.work /= share;
+        }
+    }
+    std::stable_sort(ranked_.begin(), ranked_.end(), [this](const TunedChoice& a, const TunedChoice& b) {
+        if (settings_.same_everywhere) return a.work < b.work;
+        return std::pair(bin_of(a.seconds), a.work) < std::pair(bin_of(b.seconds), b.work);
+    });
+}
+
+void Tuner::prepare() {
+    if (!ranked_.empty()) return;
+    find_methods();
+    find_costs();
+}
+
+void Tuner::find_references(double accuracy, TuneResult& result) {
+    judged_.clear();
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        PointMeasure& point = points_[i];
+        say("reference at " + point.point().name);
+        require_going_on();
+        if (point.reference(reference_share * accuracy / tuning_margin) == nullptr) {
+            require_going_on();
+            result.left_out.push_back(fmt::format("{}: {}", point.point().name, point.objection()));
+            continue;
+        }
+        judged_.push_back(i);
+        result.points.push_back(point.point().name);
+        result.references.push_back(point.reference_text());
+    }
+    if (!judged_.empty()) return;
+    throw SimulationError(fmt::format("{}: no operating point has a reference that an accuracy of {:g} % can be measured against:\n  {}",
+                                      scene_.name, 100.0 * accuracy, fmt::join(result.left_out, "\n  ")));
+}
+
+/// Half the step helps only where the step decides.
+bool Tuner::worth_trying(const TunedChoice& candidate, const TuneResult& result) const {
+    if (candidate.choice.share == 1.0) return true;
+    TuneChoice longer = candidate.choice;
+    longer.share *= 2.0;
+    const auto found = std::find_if(result.choices.begin(), result.choices.end(), [&](const TunedChoice& c) { return c.choice == longer; });
+    return found != result.choices.end() && found->tried && found->error() * tuning_margin <= gained_by_halving * result.accuracy;
+}
+
+/// Until it fails at one of them.
+void Tuner::try_at_points(TunedChoice& candidate, double allowed) {
+    for (const std::size_t i : judged_) {
+        require_going_on();
+        say(fmt::format("{} at {}", candidate.choice.text(), points_[i].point().name));
+        const auto key = std::pair(candidate.choice.text(), i);
+        if (!runs_.contains(key)) runs_[key] = points_[i].run(candidate.choice);
+        const PointRun& run = runs_.at(key);
+        require_going_on();
+        const std::vector<double> errors = points_[i].errors(run, *points_[i].reference(1e300));
+        if (!candidate.tried || largest(errors) > candidate.error()) candidate.worst = points_[i].point().name;
+        candidate.errors.resize(errors.size(), 0.0);
+        for (std::size_t k = 0; k < errors.size(); ++k) candidate.errors[k] = std::max(candidate.errors[k], errors[k]);
+        if (!candidate.tried) candidate.step = run.step;
+        candidate.tried = true;
+        if (!run.objection.empty()) {
+            candidate.standing = fmt::format("{} at {}", run.objection, points_[i].point().name);
+            return;
+        }
+        if (!(candidate.error() <= allowed)) {
+            const auto worst = std::max_element(candidate.errors.begin(), candidate.errors.end()) - candidate.errors.begin();
+            candidate.standing = fmt::format("{} off by {:.2g} % at {}", outputs_[static_cast<std::size_t>(worst)].name,
+                                             100.0 * candidate.error(), candidate.worst);
+            return;
+        }
+    }
+    candidate.standing = "chosen";
+}
+
+TuneResult Tuner::tune(double accuracy) {
+    const auto began = WallClock::now();
+    TuneResult result;
+    result.scene = scene_.name;
+    result.accuracy = accuracy;
+    for (const TunedOutput& output : outputs_) result.outputs.push_back(output.name);
+    prepare();
+    find_references(accuracy, result);
+    result.left_out.insert(result.left_out.end(), methods_left_out_.begin(), methods_left_out_.end());
+    for (const TunedChoice& ranked : ranked_) {
+        TunedChoice& candidate = result.choices.emplace_back(ranked);
+        if (result.chosen)
+            candidate.standing = "dearer than the one chosen";
+        else if (settings_.budget > 0.0 && seconds_since(began) > settings_.budget)
+            candidate.standing = "the budget was used up";
+        else if (!worth_trying(candidate, result))
+            candidate.standing = "a shorter step would not be enough";
+        else
+            try_at_points(candidate, accuracy / tuning_margin);
+        if (candidate.standing == "chosen") result.chosen = result.choices.size() - 1;
+    }
+    std::vector<TradeoffPoint> points;
+    for (const TunedChoice& c : result.choices)
+        points.push_back({c.choice.text(), c.tried ? c.error() : std::numeric_limits<double>::infinity(), c.seconds});
+    const std::vector<bool> front = pareto_front(points);
+    for (std::size_t i = 0; i < front.size(); ++i) result.choices[i].front = front[i];
+    result.wall = seconds_since(began);
+    return result;
+}
+
+std::vector<double> Tuner::errors_at(const TuneChoice& choice, OperatingPoint point, double accuracy, std::string& why) {
+    PointMeasure measure(std::move(point), finest_, outputs_, cancel_);
+    const PointRun* should = measure.reference(reference_share * accuracy);
+    require_going_on();
+    if (should == nullptr) {
+        why = measure.objection();
+        return {};
+    }
+    const PointRun run = measure.run(choice);
+    require_going_on();
+    why = run.objection;
+    return measure.errors(run, *should);
+}
+
+engine::SavedState Tuner::settled_state(const TuneChoice& choice) {
+    engine::SavedState state;
+    const PointRun run = points_.front().run(choice, state);
+    require_going_on();
+    if (!run.objection.empty()) throw SimulationError(run.objection);
+    state.time = 0.0;
+    return state;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,103 @@
+#pragma once
+/// Finds the cheapest detail, method and step with which outputs are as accurate as somebody wants, by measuring.
+///
+/// Choices (levels of detail x methods x shares of the automatic step) are tried in the order of what they cost, at every operating point,
+/// against a reference of the finest detail that passes a test of its own. The first one whose errors, times a margin, stay within the
+/// target everywhere is taken; nothing that ended early or whose energy balance does not close ever is.
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tasks/tuning/point_measure.hpp"
+
+namespace cvtflow::tasks {
+
+/// Errors at a point that nobody has tried may be larger than at those that were: within this factor of them the target is met there, too.
+inline constexpr double tuning_margin = 2.0;
+/// By which share of what is allowed a reference may differ from one with twice its step [1].
+inline constexpr double reference_share = 0.25;
+
+struct TuneSettings {
+    double accuracy = 0.01;            ///< of every output [1]
+    std::vector<std::string> outputs;  ///< figures or scalars; none: the usual figures
+    double budget = 0.0;               ///< wall time after which no further choice is tried; 0: no limit [s]
+    /// Rank by work alone and by the default method, so that every machine and every run chooses the same.
+    bool same_everywhere = false;
+    PointTimes times;
+    std::function<void(const std::string&)> progress;  ///< may be empty
+};
+
+struct TunedChoice {
+    TuneChoice choice;
+    double seconds = 0.0;        ///< processor time per simulated second, median of rounds in turns [s/s]
+    double spread = 0.0;         ///< of the rounds, over their median: a busy machine shows here [1]
+    double work = 0.0;           ///< see PointRun::work [1/s]
+    bool tried = false;          ///< at one point at least
+    std::vector<double> errors;  ///< of every output, the largest of all points tried [1]
+    std::string worst;           ///< the point with the largest error
+    std::string standing;        ///< "chosen", "meets the target", or why it is not taken
+    bool front = false;          ///< no other that was tried is both cheaper and more exact
+    double step = 0.0;           ///< at the first point, if it is fixed; 0: automatic [s]
+
+    [[nodiscard]] double error() const noexcept { return largest(errors); }
+};
+
+struct TuneResult {
+    std::string scene;
+    double accuracy = 0.0;                ///< wanted [1]
+    std::vector<std::string> outputs;     ///< names
+    std::vector<std::string> points;      ///< at which choices were judged
+    std::vector<std::string> references;  ///< of those points, how each came about
+    std::vector<std::string> left_out;    ///< points and methods that were not looked at, and why
+    std::vector<TunedChoice> choices;     ///< in the order in which they were considered
+    std::optional<std::size_t> chosen;    ///< among them
+    double wall = 0.0;                    ///< what it took [s]
+};
+
+class Tuner {
+public:
+    /// A scene at points_of(). @throws SceneError for outputs that there are not
+    Tuner(const Scene& scene, TuneSettings settings, const engine::Cancellation& cancel);
+    /// A sweep at its corners, its scalars. @throws SceneError
+    Tuner(const Sweep& sweep, TuneSettings settings, const engine::Cancellation& cancel);
+
+    /// What has been measured for one accuracy serves the next. accuracy [1]
+    /// @throws SimulationError: no point has a reference; interrupted
+    [[nodiscard]] TuneResult tune(double accuracy);
+
+    /// Errors of a choice at a point of its own. Empty and the reason in `why` if that point has no reference. accuracy [1]
+    [[nodiscard]] std::vector<double> errors_at(const TuneChoice& choice, OperatingPoint point, double accuracy, std::string& why);
+
+    /// The state with which outputs begin to count at the first point with a choice: settled at its detail, at t = 0.
+    /// @throws SimulationError
+    [[nodiscard]] engine::SavedState settled_state(const TuneChoice& choice);
+
+    [[nodiscard]] const std::vector<TunedOutput>& outputs() const noexcept { return outputs_; }
+
+private:
+    void prepare();
+    void find_methods();
+    void find_costs();
+    void find_references(double accuracy, TuneResult& result);
+    [[nodiscard]] bool worth_trying(const TunedChoice& candidate, const TuneResult& result) const;
+    void try_at_points(TunedChoice& candidate, double allowed);
+    void say(const std::string& what) const;
+    void require_going_on() const;
+
+    Scene scene_;
+    TuneSettings settings_;
+    const engine::Cancellation& cancel_;
+    std::string finest_;
+    std::vector<TunedOutput> outputs_;
+    std::deque<PointMeasure> points_;
+    std::vector<std::string> methods_, methods_left_out_;
+    std::vector<TunedChoice> ranked_;                               ///< cheapest first
+    std::map<std::pair<std::string, std::size_t>, PointRun> runs_;  ///< by choice and point
+    std::vector<std::size_t> judged_;                               ///< points that have a reference
+};
+
+}  // namespace cvtflow::tasks
