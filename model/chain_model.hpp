@@ -2,7 +2,8 @@
 /// The chain as a function of ranges of links: accelerations, contact gaps, energies. Pure: no time step, no thread.
 ///
 /// A *window* holds the states of links first-1 … last (one neighbour on each side), contiguous, link_block() numbers each:
-/// what a range [first, last) of links needs to know, wherever it comes from.
+/// what a range [first, last) of links needs to know, wherever it comes from. With whole pins it holds ChainLayout::halo() of them on each
+/// side.
 
 #include <span>
 
@@ -23,7 +24,7 @@ struct LinkLoad {
 /// A range of links and where its inputs are.
 struct ChainRange {
     int first, last;              ///< [first, last)
-    const double* window;         ///< states of links first-1 … last [m, m/s]
+    const double* window;         ///< states of links first-1 … last, or as many more as the layout's halo says [m, m/s]
     const SheaveMotion* sheaves;  ///< [4] number 2 shaft + side; unused if the scene has no pulleys
     const Phase* phases;          ///< [links * 4], of the whole chain
 };
@@ -43,6 +44,18 @@ struct LinkContact {
 };
 
 class ChainModel;
+
+/// The block of one link where its neighbours are beside it, as far as contact of whole pins needs them: one before, two behind. Halves
+/// need none: theirs is where it is.
+class LinkStrip {
+public:
+    /// @param state of the whole chain [unknowns]
+    [[nodiscard]] const double* of(const ChainLayout& layout, const double* state, int link) noexcept;
+
+private:
+    static constexpr int before = 1, blocks = before + 3;
+    double numbers_[blocks * most_link_block / 2];
+};
 
 /// The chain's functions of one order and one instruction set.
 struct ChainKernels {
@@ -74,16 +87,18 @@ public:
     void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) const noexcept {
         kernels_.observed_slopes(*this, range, slope, loads, accounts);
     }
-    /// Depth of the four tips of one link, whatever their phase. `state` is the link's block.
+    /// Depth of the four tips of one link, whatever their phase. `state` is the link's block; with whole pins one more lies on each side of
+    /// it (LinkStrip), and the front tips are far away.
     /// @param slip whether slip is asked for: only phases of sticking and slipping need it
     void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept {
         kernels_.probe(*this, state, sheaves, slip, probe);
     }
-    /// probe(), bit by bit, for `links` neighbouring links. @param states their blocks   @param probes [links]
+    /// probe(), bit by bit, for `links` neighbouring links. @param states their blocks (of whole pins: with one more on each side)   @param
+    /// probes [links]
     void probe_links(const double* states, int links, const SheaveMotion* sheaves, bool slip, TipProbe* probes) const noexcept {
         kernels_.probe_links(*this, states, links, sheaves, slip, probes);
     }
-    /// Forces that one link carries, with the phases of its four tips. state [unknowns]
+    /// Forces that one link carries, with the phases of its four tips. `state` is the link's block, of whole pins in a LinkStrip [unknowns]
     void contact(int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) const noexcept {
         kernels_.contact(*this, link, state, sheaves, phases, contact);
     }

@@ -89,7 +89,7 @@ void Variator::close(double t, const double* tail, const SheaveForces& chain, co
 }
 
 EvaluationScratch::EvaluationScratch(const ChainLayout& layout)
-    : window(static_cast<std::size_t>((layout.links + 2) * layout.link_block())),
+    : window(static_cast<std::size_t>((layout.links + 2 * layout.halo()) * layout.link_block())),
       loads(static_cast<std::size_t>(layout.links)),
       accounts(static_cast<std::size_t>(account_parts * layout.links)) {}
 
@@ -97,9 +97,15 @@ void fill_window(const Variator& variator, const double* state, EvaluationScratc
     const ChainLayout& at = variator.layout();
     const std::size_t block = static_cast<std::size_t>(at.link_block());
     double* window = scratch.window.data();
-    std::memcpy(window, state + at.link_begin(at.links - 1), block * sizeof(double));
-    std::memcpy(window + block, state, static_cast<std::size_t>(at.links) * block * sizeof(double));
-    std::memcpy(window + static_cast<std::size_t>(at.links + 1) * block, state, block * sizeof(double));
+    const auto copy = [&](int link, int links, int place) {
+        std::memcpy(window + static_cast<std::size_t>(place) * block, state + at.link_begin(link),
+                    static_cast<std::size_t>(links) * block * sizeof(double));
+    };
+    copy(0, at.links, at.halo());
+    for (int k = 0; k < at.halo(); ++k) {
+        copy(at.wrapped(k - at.halo()), 1, k);
+        copy(at.wrapped(k), 1, at.halo() + at.links + k);
+    }
 }
 
 void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope,

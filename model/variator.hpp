@@ -61,7 +61,7 @@ struct EvaluationScratch {
     SheaveMotion sheaves[4]{};
 };
 
-/// Copies a whole state into the scratch window: link N-1, all links, link 0. state [unknowns]
+/// Copies a whole state into the scratch window: all links, with the layout's halo on each side. state [unknowns]
 void fill_window(const Variator& variator, const double* state, EvaluationScratch& scratch) noexcept;
 
 /// dy/dt at (t, state) with frozen phases: plain serial evaluation with the production kernels. state, slope: [layout.size()].

@@ -18,8 +18,8 @@ Columns::Columns(int components, int columns) : stride_((columns + line - 1 + li
 }
 
 ContactField::ContactField(const ChainModel& chain)
-    : components{chain.coefficients().joint_points.count, chain.coefficients().plates.count},
-      columns(components.count(), chain.layout().links + 2),
+    : components{chain.layout().whole ? 0 : chain.coefficients().joint_points.count, chain.coefficients().plates.count},
+      columns(components.count(), chain.layout().links + 2 * chain.layout().halo()),
       arms(static_cast<std::size_t>(chain.layout().links)) {
     for (int corner = 0; corner < tips_per_link; ++corner) {  // a tip that has never touched must not divide by zero
         for (int column = 0; column < columns.stride(); ++column)
@@ -29,9 +29,17 @@ ContactField::ContactField(const ChainModel& chain)
 
 namespace {
 
+/// Whole pins have no sliding in their joints that friction could be solved for; what is lost in rolling stays with the damping.
 Coefficients without_friction(Coefficients c) {
-    c.joint.friction.coefficient = c.plate_friction.coefficient = c.tip.friction.coefficient = 0.0;
+    c.plate_friction.coefficient = c.tip.friction.coefficient = 0.0;
+    if (!c.layout.whole) c.joint.friction.coefficient = 0.0;
     return c;
+}
+
+[[nodiscard]] FrictionKernels kernels_for(const ChainModel& chain) {
+    const CompiledKernels kernels = kernels_of(chain.isa());
+    const int order = chain.layout().order;
+    return chain.layout().whole ? kernels.pins(order).friction : kernels.friction(order);
 }
 
 /// In long double, which has no vectors: the same bits whatever processor this is compiled for.
@@ -53,13 +61,12 @@ MirroredInverse inverse_of(const double* rows, int size) {
 }  // namespace
 
 FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
-    : chain_(chain),
-      frictionless_(without_friction(chain.coefficients())),
-      lateral_inverse_(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral())),
-      axial_inverse_(inverse_of(chain.inertia().axial_matrix.data(), 2)),
-      by_phase_(by_phase),
-      kernels_(kernels_of(chain.isa()).friction(chain.layout().order)) {}
+    : chain_(chain), frictionless_(without_friction(chain.coefficients())), by_phase_(by_phase), kernels_(kernels_for(chain)) {
+    if (chain.layout().whole) return;
+    lateral_inverse_ = inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral());
+    axial_inverse_ = inverse_of(chain.inertia().axial_matrix.data(), 2);
+}
 
-int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 4) * joint_stride(links); }
+int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 5) * joint_stride(links); }
 
 }  // namespace cvtflow::model

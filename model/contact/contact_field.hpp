@@ -1,6 +1,7 @@
 #pragma once
 /// Every friction contact of the chain with all frozen but velocities, laid out component by component so that lanes can run over links:
-/// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first.
+/// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. (With whole pins
+/// three columns on each side do, and a column is a pin and the link behind which it lies.)
 
 #include <array>
 #include <cstddef>
@@ -178,7 +179,7 @@ public:
 private:
     const ChainModel& chain_;
     Coefficients frictionless_;
-    MirroredInverse lateral_inverse_;  ///< of x, and of y
+    MirroredInverse lateral_inverse_;  ///< of x, and of y; with whole pins neither is needed
     MirroredInverse axial_inverse_;    ///< of z and e
     bool by_phase_;
     FrictionKernels kernels_;

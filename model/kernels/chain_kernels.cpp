@@ -100,24 +100,6 @@ void probe_links(const ChainModel& model, const double* states, int links, const
     LaneProbe<P, native_lanes>(model.coefficients(), sheaves, with_slip).run(states, links, probes);
 }
 
-/// Sum of the plates' elastic tensions.
-template <int P>
-[[nodiscard]] double elastic_tension(const Coefficients& c, const LinkKind& kind, const double* q) noexcept {
-    const Difference<P> d(q, End::front, q, End::rear);
-    double tension = 0.0;
-    for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
-        double dx = 0.0;
-        double dy = 0.0;
-        for (int m = 0; m <= P; ++m) {
-            dx += d.x[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
-            dy += d.y[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
-        }
-        const double dz = d.z + c.plates.position[j] * d.e;
-        tension += c.plates.weight[j] * (std::sqrt(dx * dx + dy * dy + dz * dz) - kind.free_length);
-    }
-    return tension;
-}
-
 template <int P>
 void contact_of_link(const ChainModel& model, int link, const double* state, const SheaveMotion* sheaves, const Phase* phases,
                      LinkContact& contact) noexcept {

@@ -2,6 +2,7 @@
 /// What one link, one joint and the tips of one link contribute: the same pieces whether a segment computes them in one pass (fused) or
 /// stage by stage (staged), and therefore the same bits.
 
+#include <cmath>
 #include <cstring>
 
 #include "model/chain_model.hpp"
@@ -37,6 +38,24 @@ template <int P, bool Observe>
     const double moment = inner_elasticity<P, Observe>(c, kind, frame, state, v, f, account);
     with_lanes(c.plates.width, [&]<int W>() { plates<P, W, Observe>(c, kind, state, v, f, account); });
     return moment;
+}
+
+/// Sum of the plates' elastic tensions.
+template <int P>
+[[nodiscard]] inline double elastic_tension(const Coefficients& c, const LinkKind& kind, const double* q) noexcept {
+    const Difference<P> d(q, End::front, q, End::rear);
+    double tension = 0.0;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
+        double dx = 0.0;
+        double dy = 0.0;
+        for (int m = 0; m <= P; ++m) {
+            dx += d.x[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
+            dy += d.y[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
+        }
+        const double dz = d.z + c.plates.position[j] * d.e;
+        tension += c.plates.weight[j] * (std::sqrt(dx * dx + dy * dy + dz * dz) - kind.free_length);
+    }
+    return tension;
 }
 
 /// Joint between two links with their states and frames. state_before [states of a link]

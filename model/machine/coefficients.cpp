@@ -87,6 +87,12 @@ LinkKind link_kind(const Parameters& p, double pitch) {
             damped_spring(p.plate.count * p.plate.torsion_stiffness, tilt_inertia, zeta)};
 }
 
+/// Share of the width of contact that slides in effect: the loss is that of joints between halves. (model/EQUATIONS.md section 10)
+constexpr double rolling_share = 0.15;
+
+/// Half the width over which two profiles of radius ρ touch under N is sqrt(ρ N/k_J).
+double rolling_arm(const Parameters& p) noexcept { return rolling_share * std::sqrt(p.joint.radius / p.joint.stiffness); }
+
 JointCoefficients joint_coefficients(const Parameters& p) {
     const double zeta = p.chain.damping_ratio;
     const double mass = chain_mass(p);
@@ -101,7 +107,8 @@ JointCoefficients joint_coefficients(const Parameters& p) {
             j.clearance,
             j.clearance_stiffness,
             2.0 * zeta * std::sqrt(mass / j.clearance_stiffness) / j.clearance,
-            FrictionCurve(j.friction, p.detail)};
+            FrictionCurve(j.friction, p.detail),
+            rolling_arm(p)};
 }
 
 TipCoefficients tip_coefficients(const Parameters& p) {
@@ -115,7 +122,7 @@ TipCoefficients tip_coefficients(const Parameters& p) {
             t.radius,
             p.pulley.arc_radius + t.radius,
             p.pulley.arc_position + t.radius * sine,
-            t.hertz,
+            2.0 / layout_of(p).bodies() * t.hertz,  // both halves of a whole pin touch at once
             p.chain.damping_ratio * critical / (t.hertz * t.reference_depth * root),
             FrictionCurve(t.friction, p.detail)};
 }

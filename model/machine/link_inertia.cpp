@@ -43,29 +43,53 @@ void keep(const Eigen::MatrixXd& matrix, std::array<double, Size>& rows) {
 
 }  // namespace
 
-LinkInertia link_inertia(const Parameters& p) {
-    const int lateral = p.detail.order + 1;
-    Eigen::MatrixXd b = Eigen::MatrixXd::Zero(2 * lateral, 2 * lateral);
-    Eigen::MatrixXd c = Eigen::MatrixXd::Zero(4, 4);
-    for (int end = 0; end < 2; ++end) {
-        for (int m = 0; m < lateral; ++m) b(end * lateral + m, end * lateral + m) = p.half.mass / (2 * m + 1);
-        c(2 * end, 2 * end) = p.half.mass;
-        c(2 * end + 1, 2 * end + 1) = p.half.mass / 3.0;
-    }
-    const std::vector<double> positions = plate_positions(p);
-    const double mass = p.plate.count * p.plate.mass / static_cast<double>(positions.size());
-    for (const double xi : positions) {
-        Eigen::VectorXd phi(lateral);
-        for (int m = 0; m < lateral; ++m) phi(m) = legendre(m, xi);
-        add_plate(b, phi, mass);
-        add_plate(c, Eigen::Vector2d(1.0, xi), mass);
-    }
+namespace {
+
+/// Basis values at ξ: of a half's or pin's axis, and of (z, e).
+struct AxisBasis {
+    Eigen::VectorXd lateral, axial;
+};
+
+[[nodiscard]] AxisBasis basis_at(int lateral, double xi) {
+    AxisBasis basis{Eigen::VectorXd(lateral), Eigen::Vector2d(1.0, xi)};
+    for (int m = 0; m < lateral; ++m) basis.lateral(m) = legendre(m, xi);
+    return basis;
+}
+
+[[nodiscard]] LinkInertia inertia_of(const Eigen::MatrixXd& b, const Eigen::MatrixXd& c) {
     LinkInertia inertia;
     inertia.lateral = invert(b);
     inertia.axial = invert(c);
     keep(b, inertia.lateral_matrix);
     keep(c, inertia.axial_matrix);
     return inertia;
+}
+
+}  // namespace
+
+LinkInertia link_inertia(const Parameters& p) {
+    const int lateral = p.detail.order + 1, bodies = layout_of(p).bodies();
+    const double body = 2.0 / bodies * p.half.mass;
+    Eigen::MatrixXd b = Eigen::MatrixXd::Zero(bodies * lateral, bodies * lateral);
+    Eigen::MatrixXd c = Eigen::MatrixXd::Zero(2 * bodies, 2 * bodies);
+    for (int end = 0; end < bodies; ++end) {
+        for (int m = 0; m < lateral; ++m) b(end * lateral + m, end * lateral + m) = body / (2 * m + 1);
+        c(2 * end, 2 * end) = body;
+        c(2 * end + 1, 2 * end + 1) = body / 3.0;
+    }
+    const std::vector<double> positions = plate_positions(p);
+    const double mass = p.plate.count * p.plate.mass / static_cast<double>(positions.size());
+    for (const double xi : positions) {
+        const AxisBasis basis = basis_at(lateral, xi);
+        if (bodies == 2) {
+            add_plate(b, basis.lateral, mass);
+            add_plate(c, basis.axial, mass);
+        } else {  // half of those behind and half of those before the pin
+            b += mass * basis.lateral * basis.lateral.transpose();
+            c += mass * basis.axial * basis.axial.transpose();
+        }
+    }
+    return inertia_of(b, c);
 }
 
 namespace {
@@ -82,20 +106,26 @@ template <int Size>
     return value;
 }
 
-template <int Lateral>
-[[nodiscard]] double twice_kinetic(const LinkInertia& inertia, const double* v) noexcept {
+template <int Lateral, int Axial>
+[[nodiscard]] double kinetic_of(const LinkInertia& inertia, const double* v) noexcept {
     const double* matrix = inertia.lateral_matrix.data();
-    return form<Lateral>(matrix, v) + form<Lateral>(matrix, v + Lateral) + form<4>(inertia.axial_matrix.data(), v + 2 * Lateral);
+    return 0.5 *
+           (form<Lateral>(matrix, v) + form<Lateral>(matrix, v + Lateral) + form<Axial>(inertia.axial_matrix.data(), v + 2 * Lateral));
 }
 
 }  // namespace
 
-double kinetic_energy(const LinkInertia& inertia, const double* v, int lateral) noexcept {
-    switch (lateral) {
-        case 2: return 0.5 * twice_kinetic<2>(inertia, v);
-        case 4: return 0.5 * twice_kinetic<4>(inertia, v);
-        case 6: return 0.5 * twice_kinetic<6>(inertia, v);
-        default: return 0.5 * twice_kinetic<8>(inertia, v);
+double kinetic_energy(const LinkInertia& inertia, const double* v) noexcept {
+    if (inertia.axial.size == 2) {
+        constexpr double (*of_pin[])(const LinkInertia&, const double*) noexcept = {kinetic_of<1, 2>, kinetic_of<2, 2>, kinetic_of<3, 2>,
+                                                                                    kinetic_of<4, 2>};
+        return of_pin[inertia.lateral.size - 1](inertia, v);
+    }
+    switch (inertia.lateral.size) {
+        case 2: return kinetic_of<2, 4>(inertia, v);
+        case 4: return kinetic_of<4, 4>(inertia, v);
+        case 6: return kinetic_of<6, 4>(inertia, v);
+        default: return kinetic_of<8, 4>(inertia, v);
     }
 }
 

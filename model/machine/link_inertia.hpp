@@ -1,5 +1,6 @@
 #pragma once
-/// The constant inertia of a link and its inverse. x, y and z do not couple: diag(B, B, C). (model/EQUATIONS.md section 2)
+/// The constant inertia of a link (or of a whole pin) and its inverse. x, y and z do not couple: diag(B, B, C). (model/EQUATIONS.md
+/// sections 2 and 10)
 
 #include <array>
 
@@ -24,10 +25,11 @@ struct LinkInertia {
     std::array<double, 16> axial_matrix{};                                         ///< C itself [kg]
 };
 
-/// Kinetic energy of a link [J]. @param v its velocities as in the state, [2 lateral + 2 lateral + 4] @param lateral 2(p+1), the size of B
-[[nodiscard]] double kinetic_energy(const LinkInertia& inertia, const double* v, int lateral) noexcept;
+/// Kinetic energy of a link or a whole pin [J]. @param v its velocities as in the state
+[[nodiscard]] double kinetic_energy(const LinkInertia& inertia, const double* v) noexcept;
 
-/// Inertia of a link with the given parameters; the same for every link as plates weigh the same whatever their pitch.
+/// Inertia of a link with the given parameters; the same for every link as plates weigh the same whatever their pitch. With whole pins that
+/// of a pin, with half of the plates of both links that it ties.
 [[nodiscard]] LinkInertia link_inertia(const Parameters& parameters);
 
 }  // namespace cvtflow::model

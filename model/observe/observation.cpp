@@ -64,7 +64,8 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
     o.deepest = 0.0;
     double speed = 0.0;
     for (int link = 0; link < at.links; ++link) {
-        const double* block = state + at.link_begin(link);
+        LinkStrip strip;
+        const double* block = strip.of(at, state, link);
         LinkContact contact;
         variator_.chain().contact(link, block, scratch_.sheaves, phases + tips_per_link * link, contact);
         o.tension[static_cast<std::size_t>(link)] = contact.tension;
@@ -116,9 +117,10 @@ void Observer::observe_radii(const double* state, const Phase* phases) noexcept 
     double turning[2] = {0.0, 0.0};
     int count[2] = {0, 0};
     for (int pin = 0; pin < at.links; ++pin) {
-        if (loose(phases, pin) || loose(phases, at.previous(pin))) continue;
+        const int before = at.whole ? pin : at.previous(pin);  // whose block has the front half
+        if (loose(phases, pin) || loose(phases, before)) continue;
         const double* rear = state + at.link_begin(pin);
-        const double* front = state + at.link_begin(at.previous(pin));
+        const double* front = state + at.link_begin(before);
         const int shaft = variator_.chain().shaft_of(rear);
         const double x =
             middle(rear, front, at.x(End::rear, 0), at.x(End::front, 0)) - shaft * variator_.chain().coefficients().centre_distance;
@@ -164,7 +166,7 @@ double Observer::kinetic(const double* state) const noexcept {
     const ChainLayout& at = variator_.layout();
     double energy = 0.0;
     for (int link = 0; link < at.links; ++link) {
-        energy += kinetic_energy(variator_.chain().inertia(), state + at.link_begin(link) + at.link_size(), 2 * at.lateral());
+        energy += kinetic_energy(variator_.chain().inertia(), state + at.link_begin(link) + at.link_size());
     }
     return at.pulley_size != 0 ? energy + variator_.pulleys().kinetic(state + at.pulley_begin()) : energy;
 }

@@ -12,7 +12,12 @@ ChainLayout layout_of(const Parameters& parameters) noexcept {
         return 0;
     }();
     const bool has_pulleys = pulley_size != 0;
-    return {parameters.detail.order, parameters.chain.pins, pulley_size, parameters.control.enabled && has_pulleys, parameters.ledger};
+    return {parameters.detail.order,
+            parameters.chain.pins,
+            pulley_size,
+            parameters.control.enabled && has_pulleys,
+            parameters.ledger,
+            parameters.detail.pins == PinDetail::whole};
 }
 
 }  // namespace cvtflow::model

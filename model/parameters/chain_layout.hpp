@@ -5,6 +5,10 @@
 ///     [losses, works] q of a link: [a.x_0…a.x_p  b.x_0…b.x_p | a.y…  b.y… | a.z a.e b.z b.e],  a = rear half (R_link), b = front half
 ///     (L_{link+1})
 ///
+/// With whole pins (detail.pins) a block is a pin instead of a link, the one behind which link begins:
+///
+///     q of a pin: [x_0…x_p | y_0…y_p | z e]
+///
 /// A slope (time derivative of a state) has the same layout: [v | acceleration] per block.
 
 #include "model/parameters/parameters.hpp"
@@ -27,9 +31,12 @@ struct ChainLayout {
     int pulley_size = 36;  ///< generalized coordinates of shafts and sheaves: 36, 4 or 0
     bool control = false;
     bool ledger = false;
+    bool whole = false;  ///< pins are one body each
 
     [[nodiscard]] constexpr int lateral() const noexcept { return order + 1; }
-    [[nodiscard]] constexpr int link_size() const noexcept { return 4 * lateral() + 4; }
+    /// Halves that a block holds the coordinates of.
+    [[nodiscard]] constexpr int bodies() const noexcept { return whole ? 1 : 2; }
+    [[nodiscard]] constexpr int link_size() const noexcept { return bodies() * (2 * lateral() + 2); }
     [[nodiscard]] constexpr int link_block() const noexcept { return 2 * link_size(); }
     /// First index of a link's block: its q; its v follows at + link_size().
     [[nodiscard]] constexpr int link_begin(int link) const noexcept { return link * link_block(); }
@@ -42,17 +49,29 @@ struct ChainLayout {
     /// Number of generalized coordinates (half of the second-order unknowns).
     [[nodiscard]] constexpr int coordinates() const noexcept { return links * link_size() + pulley_size; }
 
-    /// Offsets inside a link's q (or v).
-    [[nodiscard]] constexpr int x(End end, int m) const noexcept { return static_cast<int>(end) * lateral() + m; }
-    [[nodiscard]] constexpr int y(End end, int m) const noexcept { return 2 * lateral() + static_cast<int>(end) * lateral() + m; }
-    [[nodiscard]] constexpr int z(End end) const noexcept { return 4 * lateral() + 2 * static_cast<int>(end); }
+    /// Offsets inside a link's q (or v); of a whole pin, whichever end is asked for.
+    [[nodiscard]] constexpr int x(End end, int m) const noexcept { return place(end) * lateral() + m; }
+    [[nodiscard]] constexpr int y(End end, int m) const noexcept { return (bodies() + place(end)) * lateral() + m; }
+    [[nodiscard]] constexpr int z(End end) const noexcept { return 2 * (bodies() * lateral() + place(end)); }
     [[nodiscard]] constexpr int e(End end) const noexcept { return z(end) + 1; }
+
+    /// Neighbours on each side on which the forces on a block depend, and those on which contact of its tips depends.
+    [[nodiscard]] constexpr int halo() const noexcept { return whole ? 3 : 1; }
+    [[nodiscard]] constexpr int probe_halo() const noexcept { return whole ? 1 : 0; }
 
     [[nodiscard]] constexpr int next(int link) const noexcept { return link + 1 == links ? 0 : link + 1; }
     [[nodiscard]] constexpr int previous(int link) const noexcept { return link == 0 ? links - 1 : link - 1; }
+    /// Number of a link that is counted on beyond the first or the last.
+    [[nodiscard]] constexpr int wrapped(int link) const noexcept { return (link % links + links) % links; }
 
     bool operator==(const ChainLayout&) const = default;
+
+private:
+    [[nodiscard]] constexpr int place(End end) const noexcept { return whole ? 0 : static_cast<int>(end); }
 };
+
+/// Largest number of unknowns of a block.
+inline constexpr int most_link_block = 2 * ChainLayout{3}.link_size();
 
 [[nodiscard]] ChainLayout layout_of(const Parameters& parameters) noexcept;
 

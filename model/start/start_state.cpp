@@ -16,19 +16,26 @@ double link_mass(const Parameters& p) noexcept { return 2.0 * p.half.mass + p.pl
 
 namespace {
 
-/// Calls put(link block, end, pin) for every half.
+/// Calls put(link block, end, pin) for every half, or for every whole pin.
 template <class Put>
 void for_every_half(const ChainLayout& at, std::vector<double>& state, const Put& put) {
     for (int link = 0; link < at.links; ++link) {
         double* block = state.data() + at.link_begin(link);
         put(block, End::rear, static_cast<std::size_t>(link));
+        if (at.whole) continue;
         put(block, End::front, static_cast<std::size_t>(at.next(link)));
     }
 }
 
+/// Of a half, or of a whole pin in the middle between both.
+[[nodiscard]] Point place_of(const ChainLayout& at, const PlacedChain& chain, End end, std::size_t pin) {
+    if (at.whole) return 0.5 * (chain.front[pin] + chain.rear[pin]);
+    return (end == End::rear ? chain.rear : chain.front)[pin];
+}
+
 void fill_positions(const ChainLayout& at, const PlacedChain& now, std::vector<double>& state) {
     for_every_half(at, state, [&](double* block, End end, std::size_t pin) {
-        const Point here = (end == End::rear ? now.rear : now.front)[pin];
+        const Point here = place_of(at, now, end, pin);
         block[at.x(end, 0)] = here.x;
         block[at.y(end, 0)] = here.y;
     });
@@ -38,7 +45,7 @@ void fill_positions(const ChainLayout& at, const PlacedChain& now, std::vector<d
 void fill_velocities(const ChainLayout& at, const PlacedChain& before, const PlacedChain& after, double rate, double rise,
                      std::vector<double>& state) {
     for_every_half(at, state, [&](double* block, End end, std::size_t pin) {
-        const Point moved = (end == End::rear ? after.rear : after.front)[pin] - (end == End::rear ? before.rear : before.front)[pin];
+        const Point moved = place_of(at, after, end, pin) - place_of(at, before, end, pin);
         double* v = block + at.link_size();
         v[at.x(end, 0)] = rate * moved.x;
         v[at.y(end, 0)] = rate * moved.y;
@@ -84,7 +91,8 @@ private:
         pulleys_.motions(state_.data() + at.pulley_begin(), sheaves);
         double depth = -1.0;
         for (int link = 0; link < at.links; ++link) {
-            const double* block = state_.data() + at.link_begin(link);
+            LinkStrip strip;
+            const double* block = strip.of(at, state_.data(), link);
             if (model_.shaft_of(block) != shaft) continue;
             TipProbe probe;
             model_.probe(block, sheaves, false, probe);

@@ -101,7 +101,15 @@ bool may_estimate_error(std::string_view method) {
     return !plan || plan->error.has_value();
 }
 
+bool takes_pins(std::string_view method, model::PinDetail pins) {
+    const MethodProgram* program = find_program(method);
+    return pins == model::PinDetail::halves || program == nullptr || program->whole_pins;
+}
+
+std::string needs_halves(std::string_view method) { return fmt::format("method '{}' needs detail.pins = \"halves\"", method); }
+
 std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace) {
+    if (!takes_pins(method, workspace.parameters.detail.pins)) throw std::invalid_argument(needs_halves(method));
     if (const MethodProgram* program = find_program(method)) return program->make(workspace);
     const auto plan = engine::make_method(method);
     if (!plan) throw std::invalid_argument(no_method(method));

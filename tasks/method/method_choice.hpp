@@ -38,6 +38,9 @@ struct MethodProgram {
     /// What its step makes of small disturbances (tasks/method/stability/step_map.hpp).
     std::unique_ptr<StepMap> (*linear)(const LinearChain& chain) = nullptr;
     bool estimates_error = false;  ///< of a step: StepMethod::error_power() is not 0
+    /// Whether it takes whole pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved for in
+    /// slips are made for halves, whose depend on one.
+    bool whole_pins = true;
 };
 
 /// All programs, each under a name of its own.
@@ -62,6 +65,9 @@ struct MethodProgram {
 /// Whether steps of the method come with an estimate of their error, so that it can be reported or decide (run.step_control). A member of a
 /// family is made to look. @return true also if there is no such method
 [[nodiscard]] bool may_estimate_error(std::string_view method);
+/// Whether the method can be used with such pins, and what to say where not. @return true also if there is no such method
+[[nodiscard]] bool takes_pins(std::string_view method, model::PinDetail pins);
+[[nodiscard]] std::string needs_halves(std::string_view method);
 /// The method at work on a workspace made with plan_for(method). @throws std::invalid_argument for unknown names, and as
 /// MethodProgram::make
 [[nodiscard]] std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace);

@@ -148,6 +148,16 @@ Violation method_exists(const Scene& scene) {
     return "run.method: " + no_method(scene.run.method);
 }
 
+Violation method_takes_pins(const Scene& scene) {
+    if (takes_pins(scene.run.method, scene.parameters.detail.pins)) return {};
+    return "run.method: " + needs_halves(scene.run.method);
+}
+
+Violation assembly_takes_pins(const Scene& scene) {
+    if (scene.run.assembly == Assembly::fused || scene.parameters.detail.pins == model::PinDetail::halves) return {};
+    return "run.assembly: \"staged\" needs detail.pins = \"halves\": whole pins have no joints to compute apart";
+}
+
 Violation method_estimates_error(const Scene& scene) {
     if (scene.run.step_control == StepControl::fixed || may_estimate_error(scene.run.method)) return {};
     return fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
@@ -191,6 +201,8 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
+        {{"run.method", "detail.pins"}, method_takes_pins},
+        {{"run.assembly", "detail.pins"}, assembly_takes_pins},
         {{"run.step_control", "run.method"}, method_estimates_error},
         {{"record.channels"}, channels_exist},
         {{"run.schedule"}, executor_exists},

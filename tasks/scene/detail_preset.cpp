@@ -11,14 +11,16 @@
 namespace cvtflow::tasks {
 
 std::span<const DetailPreset> detail_presets() noexcept {
+    using enum model::PinDetail;
     using model::PlateDetail;
     using model::PulleyDetail;
     static constexpr std::array presets{
-        DetailPreset{"coarse", "straight pin halves, lumped plates, one point per joint, rigid pulleys", 0, PlateDetail::lumped, 1,
+        DetailPreset{"coarse", "straight pin halves, lumped plates, one point per joint, rigid pulleys", halves, 0, PlateDetail::lumped, 1,
                      PulleyDetail::rigid},
-        DetailPreset{"medium", "halves with slope, lumped plates, elastic pulleys", 1, PlateDetail::lumped, 3, PulleyDetail::elastic},
-        DetailPreset{"fine", "bending halves, every plate, elastic pulleys", 3, PlateDetail::each, 3, PulleyDetail::elastic},
-        DetailPreset{"full", "fine, with eight points per joint", 3, PlateDetail::each, 8, PulleyDetail::elastic},
+        DetailPreset{"medium", "halves with slope, lumped plates, elastic pulleys", halves, 1, PlateDetail::lumped, 3,
+                     PulleyDetail::elastic},
+        DetailPreset{"fine", "bending halves, every plate, elastic pulleys", halves, 3, PlateDetail::each, 3, PulleyDetail::elastic},
+        DetailPreset{"full", "fine, with eight points per joint", halves, 3, PlateDetail::each, 8, PulleyDetail::elastic},
     };
     return presets;
 }
@@ -33,6 +35,7 @@ void apply_detail(Scene& scene, std::string_view preset) {
                                      engine::did_you_mean(engine::closest(preset, names))));
     }
     auto& detail = scene.parameters.detail;
+    detail.pins = chosen->pins;
     detail.order = chosen->order;
     detail.plates = chosen->plates;
     detail.joint_points = chosen->joint_points;

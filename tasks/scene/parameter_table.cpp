@@ -21,6 +21,9 @@ const std::vector<Parameter>& rows() {
      "What the scene is for, in a sentence or two.",
      "model choice", [](Scene& s) -> Slot { return &s.description; }},
 
+    {"detail.pins", "", 0, 0, {"halves", "whole"},
+     "Pins of two halves that roll on each other in contact, or of one body that rolls by constraint: half the unknowns, two tips per pin.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.detail.pins; }},
     {"detail.order", "1", 0, 3, {},
      "Legendre order of the axis curve of a pin half: 0 rigid, 1 slope, 2 and 3 bending.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.detail.order; }},
@@ -355,10 +358,10 @@ const std::vector<Parameter>& rows() {
 }  // namespace
 
 Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number, Kind::integer,     Kind::integer,    Kind::integer,     Kind::boolean,
-                                      Kind::text,   Kind::number_list, Kind::time_table, Kind::choice,      Kind::choice,
-                                      Kind::choice, Kind::choice,      Kind::choice,     Kind::choice,      Kind::choice,
-                                      Kind::choice, Kind::choice,      Kind::choice,     Kind::auto_number, Kind::text_list};
+    static constexpr std::array kinds{Kind::number,      Kind::integer,     Kind::integer,  Kind::integer, Kind::boolean, Kind::text,
+                                      Kind::number_list, Kind::time_table,  Kind::choice,   Kind::choice,  Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::auto_number, Kind::text_list};
     static_assert(kinds.size() == std::variant_size_v<Slot>);
     Scene scene;
     return kinds[member(scene).index()];

@@ -96,10 +96,11 @@ void set_values(Scene& scene, std::span<const std::string> settings);
 /// set_values with one setting.
 void set_value(Scene& scene, std::string_view setting);
 
-/// A level of detail: a name for four of the dials of [detail].
+/// A level of detail: a name for five of the dials of [detail].
 struct DetailPreset {
     std::string_view name;
     std::string_view meaning;
+    model::PinDetail pins;
     int order;
     model::PlateDetail plates;
     int joint_points;
@@ -109,7 +110,8 @@ struct DetailPreset {
 /// All levels of detail, coarsest first.
 [[nodiscard]] std::span<const DetailPreset> detail_presets() noexcept;
 
-/// Sets order, plates, joint_points and pulleys of a preset. Keeps the friction law, its smoothing and stick_slip, and pulleys = "absent".
+/// Sets pins, order, plates, joint_points and pulleys of a preset. Keeps the friction law, its smoothing and stick_slip, and pulleys =
+/// "absent".
 /// @throws SceneError  unknown preset
 void apply_detail(Scene& scene, std::string_view preset);
 

@@ -32,6 +32,7 @@ enum class Field {
     before,
     after,
     verdict,
+    secant,  // slopes that a detect cycle makes from the states at both ends: their methods combine results from states alone
     link_error,
     stage_state,
     moment,

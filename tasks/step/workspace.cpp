@@ -69,7 +69,8 @@ void Workspace::repartition(Partition parts) {
     verdicts.resize(static_cast<std::size_t>(partition.size()));
     windows.resize(static_cast<std::size_t>(partition.size()));
     for (int s = 0; s < partition.size(); ++s)
-        windows[static_cast<std::size_t>(s)].resize(static_cast<std::size_t>((partition[s].size() + 2) * layout().link_block()));
+        windows[static_cast<std::size_t>(s)].resize(
+            static_cast<std::size_t>((partition[s].size() + 2 * layout().halo()) * layout().link_block()));
     links.split_sums.clear();
     for (int s = 1; s < partition.size(); ++s) {
         const int group = partition[s].first / model::links_per_sum;

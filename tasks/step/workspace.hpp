@@ -114,7 +114,7 @@ public:
     StagedFields staged;
     PulleyFields pulleys;
 
-    std::vector<model::LineVector<double>> windows;  ///< [segments] stage states of the segment's links and their two neighbours
+    std::vector<model::LineVector<double>> windows;  ///< [segments] stage states of the segment's links and of the layout's halo
     std::vector<Verdict> verdicts;                   ///< [segments]
     EnergyLedger energy;                             ///< works, losses and balance so far, written by the controller
 

@@ -75,6 +75,15 @@ double worst_difference(const model::ChainLayout& at, const std::vector<double>&
     return std::max({worst, velocities.relative(), accelerations.relative(), pulleys.relative()});
 }
 
+std::vector<DetailCase> whole_cases() {
+    std::vector<DetailCase> cases;
+    for (DetailCase one : detail_cases()) {
+        one.parameters.detail.pins = model::PinDetail::whole;
+        cases.push_back(std::move(one));
+    }
+    return cases;
+}
+
 class EveryDetail : public testing::TestWithParam<DetailCase> {};
 
 TEST_P(EveryDetail, TheKernelsAgreeWithTheOracleOnRandomStates) {
@@ -92,6 +101,8 @@ TEST_P(EveryDetail, TheKernelsAgreeWithTheOracleOnRandomStates) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Variator, EveryDetail, testing::ValuesIn(detail_cases()),
+                         [](const auto& instance) { return instance.param.name; });
+INSTANTIATE_TEST_SUITE_P(WholePins, EveryDetail, testing::ValuesIn(whole_cases()),
                          [](const auto& instance) { return instance.param.name; });
 
 }  // namespace

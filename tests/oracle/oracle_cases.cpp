@@ -40,6 +40,17 @@ std::vector<Case> all_details(const model::Parameters& base) {
     return cases;
 }
 
+std::vector<Case> whole_pins(const model::Parameters& base) {
+    std::vector<Case> cases;
+    for (const Case& halves : all_details(base)) {
+        if (halves.parameters.detail.joint_points != 1 || halves.parameters.joint.law != model::JointLaw::linear) continue;
+        cases.push_back(halves);
+        cases.back().parameters.detail.pins = model::PinDetail::whole;
+        cases.back().name = "whole pins, " + halves.name;
+    }
+    return cases;
+}
+
 void make_conservative(model::Parameters& p) {
     p.chain.damping_ratio = 0.0;
     p.pulley.damping_ratio = 0.0;

@@ -47,8 +47,6 @@ void LinkForce::turn(const Link& link, Real moment) {
     rear.shape[0] += (-moment / link.length) * link.n;
 }
 
-namespace {
-
 Half unpack_half(const model::Parameters& parameters, const model::ChainLayout& layout, End end, std::span<const Real> block) {
     const auto rates = block.subspan(layout.link_size());
     Half half;
@@ -64,17 +62,23 @@ Half unpack_half(const model::Parameters& parameters, const model::ChainLayout& 
     return half;
 }
 
-Link unpack_link(const model::Parameters& parameters, const model::ChainLayout& layout, int number, std::span<const Real> state) {
-    const auto block = state.subspan(layout.link_begin(number), layout.link_block());
-    Link link;
-    link.rear = unpack_half(parameters, layout, End::rear, block);
-    link.front = unpack_half(parameters, layout, End::front, block);
+void make_frame(Link& link) {
     const Vec2 d = link.front.shape[0] - link.rear.shape[0];
     link.length = norm(d);
     link.t = unit(d);
     link.n = left_of(link.t);
     link.o = -link.n;
     link.turning = dot(link.n, link.front.shape_rate[0] - link.rear.shape_rate[0]) / link.length;
+}
+
+namespace {
+
+Link unpack_link(const model::Parameters& parameters, const model::ChainLayout& layout, int number, std::span<const Real> state) {
+    const auto block = state.subspan(layout.link_begin(number), layout.link_block());
+    Link link;
+    link.rear = unpack_half(parameters, layout, End::rear, block);
+    link.front = unpack_half(parameters, layout, End::front, block);
+    make_frame(link);
     const auto& pitch = parameters.chain.pitch;
     link.rest_length = Real{pitch[static_cast<std::size_t>(number) % pitch.size()]} + Real{parameters.half.width};
     return link;
@@ -111,8 +115,12 @@ std::array<Body, bodies> unpack_rigid(std::span<const Real> q, std::span<const R
 System unpack(const model::Parameters& parameters, double t, std::span<const Real> state, std::span<const model::Phase> phases) {
     const auto layout = model::layout_of(parameters);
     if (static_cast<int>(state.size()) != layout.size()) throw std::invalid_argument("state of the wrong size");
-    System system{parameters, layout, t, {}, {}, 0.0L, phases};
-    for (int i = 0; i < layout.links; ++i) system.links.push_back(unpack_link(parameters, layout, i, state));
+    System system{parameters, layout, t, {}, {}, 0.0L, phases, {}, {}};
+    if (layout.whole) {
+        unpack_whole_pins(system, state);
+    } else {
+        for (int i = 0; i < layout.links; ++i) system.links.push_back(unpack_link(parameters, layout, i, state));
+    }
     const auto q = state.subspan(layout.pulley_begin(), layout.pulley_size);
     const auto v = state.subspan(layout.pulley_begin() + layout.pulley_size, layout.pulley_size);
     if (parameters.detail.pulleys == PulleyDetail::elastic) system.body = unpack_elastic(q, v);
@@ -126,13 +134,16 @@ Totals empty_totals(const System& system) {
     half.shape.resize(system.layout.lateral());
     Totals totals;
     totals.link.assign(system.links.size(), LinkForce{half, half});
+    totals.pin.assign(system.pins.size(), LinkForce{half, half});
+    totals.rolling.assign(system.pins.size(), 0.0L);
     return totals;
 }
 
 std::vector<Real> pack_forces(const System& system, const Totals& totals) {
     const auto& layout = system.layout;
-    std::vector<Real> forces(layout.coordinates(), 0.0L);
-    for (int i = 0; i < layout.links; ++i) {
+    std::vector<Real> forces = layout.whole ? pack_whole_pins(system, totals) : std::vector<Real>{};
+    forces.resize(layout.coordinates(), 0.0L);
+    for (int i = 0; i < layout.links && !layout.whole; ++i) {
         for (const End end : {End::rear, End::front}) {
             const HalfForce& half = end == End::rear ? totals.link[i].rear : totals.link[i].front;
             const int begin = i * layout.link_size();

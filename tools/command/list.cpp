@@ -48,10 +48,11 @@ std::string methods() {
 }
 
 std::string detail() {
-    Table table({{"detail"}, {"order", Align::right}, {"plates"}, {"joint points", Align::right}, {"meaning"}});
+    Table table({{"detail"}, {"pins"}, {"order", Align::right}, {"plates"}, {"joint points", Align::right}, {"meaning"}});
     for (const tasks::DetailPreset& preset : tasks::detail_presets()) {
-        table.add({std::string(preset.name), fmt::format("{}", preset.order), preset.plates == model::PlateDetail::each ? "each" : "lumped",
-                   fmt::format("{}", preset.joint_points), std::string(preset.meaning)});
+        table.add({std::string(preset.name), preset.pins == model::PinDetail::whole ? "whole" : "halves", fmt::format("{}", preset.order),
+                   preset.plates == model::PlateDetail::each ? "each" : "lumped", fmt::format("{}", preset.joint_points),
+                   std::string(preset.meaning)});
     }
     return table.text();
 }

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "model/basis/legendre.hpp"
+#include "model/observe/pin_halves.hpp"
 
 namespace cvtflow::tools {
 
@@ -68,7 +69,7 @@ void ChainSolids::mesh_sheaves() {
 }
 
 std::array<float, 3> ChainSolids::point_of(const double* link, End end, double position) const {
-    const model::ChainLayout& at = variator_.layout();
+    const model::ChainLayout at = model::halves_layout(variator_.layout());
     double x = 0.0, y = 0.0;
     for (int m = 0; m <= at.order; ++m) {
         x += link[at.x(end, m)] * model::legendre(m, position);
@@ -94,10 +95,12 @@ void ChainSolids::show(double time, const double* state, const model::Phase* pha
 
 void ChainSolids::show_links(const double* state, VtkFrame& frame) {
     const model::ChainForces& forces = observer_.forces().chain;
-    const model::ChainLayout& at = variator_.layout();
+    model::halves_of(variator_.chain(), state, halves_);
+    const model::ChainLayout at = model::halves_layout(variator_.layout());
+    const double* links = halves_.data();
     for (int half = 0; half < 2 * at.links; ++half) {
         const End end = half % 2 == 0 ? End::rear : End::front;
-        for (const double position : along_half) put(frame.points, point_of(state + at.link_begin(half / 2), end, position));
+        for (const double position : along_half) put(frame.points, point_of(links + at.link_begin(half / 2), end, position));
         const std::size_t cell = place(half), pin = place(end == End::rear ? half / 2 : at.next(half / 2));
         frame.values[axial_force][cell] = static_cast<float>(forces.half_axial[cell]);
         frame.values[bending_moment][cell] = static_cast<float>(std::hypot(forces.bending_travel[cell], forces.bending_height[cell]));
@@ -107,7 +110,7 @@ void ChainSolids::show_links(const double* state, VtkFrame& frame) {
     for (std::size_t plate = 0; plate < forces.plate_tension.size(); ++plate) {
         const int link = static_cast<int>(plate) / forces.plates_per_link;
         const double position = positions[plate % place(forces.plates_per_link)];
-        for (const End end : {End::rear, End::front}) put(frame.points, point_of(state + at.link_begin(link), end, position));
+        for (const End end : {End::rear, End::front}) put(frame.points, point_of(links + at.link_begin(link), end, position));
         frame.values[tension][place(2 * at.links) + plate] = static_cast<float>(forces.plate_tension[plate]);
     }
 }

@@ -34,6 +34,7 @@ private:
     model::Parameters parameters_;
     model::Observer observer_;
     const model::Observation* now_ = nullptr;
+    std::vector<double> halves_;  ///< links of the state at hand, as those of halves
     VtkMesh mesh_;
 };
 

@@ -18,7 +18,7 @@ struct NoContacts {
     static constexpr bool wanted = false;
 };
 
-/// Groups of W links; `own` counts from the range's first, `count` of the lanes stand for links.
+/// Groups of W links; `own` counts from the range's first, `count` of the lanes stand for links. Lanes outside the range are left out.
 template <int P, int W>
 class ContactWriter {
 public:
@@ -76,28 +76,33 @@ public:
     }
 
     /// Accelerations of a group, rows of the coordinates.
-    void accelerations(int own, int count, const V* rows) const noexcept {
-        for (int row = 0; row < at<P>.link_size(); ++row) put_to(push_, row, own, count, rows[row]);
+    void accelerations(int own, int count, const V* rows, int coordinates = at<P>.link_size()) const noexcept {
+        for (int row = 0; row < coordinates; ++row) put_to(push_, row, own, count, rows[row]);
     }
 
-    /// Ghost columns next to the range's own, where it holds the link that they repeat.
-    void repeat(int links) const noexcept {
+    /// Ghost columns, `halo` on each side of the chain's, where the range holds the link that they repeat.
+    void repeat(int links, int halo = 1) const noexcept {
         const auto copy = [&](int from, int to) {
             for (int row = 0; row < field_.components.count(); ++row) *field_.columns.at(row, to) = *field_.columns.at(row, from);
         };
-        if (range_.first == 0) copy(1, links + 1);
-        if (range_.last == links) copy(links, 0);
+        for (int link = range_.first; link < std::min(halo, range_.last); ++link) copy(link + 1, link + 1 + links);
+        for (int link = std::max(links - halo, range_.first); link < range_.last; ++link) copy(link + 1, link + 1 - links);
     }
 
 private:
     void put(int row, int own, int count, const V& lanes) const noexcept { put_to(field_.columns, row, own, count, lanes); }
 
+    /// Lanes of a group that stand for links of the range: [first, last).
+    [[nodiscard]] static int first_lane(int own) noexcept { return std::max(0, -own); }
+    [[nodiscard]] int last_lane(int own, int count) const noexcept { return std::min({count, W, range_.last - range_.first - own}); }
+
     void put_to(Columns& columns, int row, int own, int count, const V& lanes) const noexcept {
+        const int first = first_lane(own), last = last_lane(own, count);
         double* to = columns.at(row, range_.first + own + 1);
-        if (count >= W) return lanes.copy_to(to);
+        if (last - first == W) return lanes.copy_to(to);
         alignas(64) double buffer[W];
         lanes.copy_to(buffer);
-        std::copy_n(buffer, count, to);
+        if (first < last) std::copy_n(buffer + first, last - first, to + first);
     }
 
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
@@ -124,7 +129,7 @@ private:
         p.x.copy_to(x);
         p.y.copy_to(y);
         p.z.copy_to(z);
-        for (int lane = 0; lane < count; ++lane) {
+        for (int lane = first_lane(own); lane < last_lane(own, count); ++lane) {
             TipArms& arms = field_.arms[static_cast<std::size_t>(range_.first + own + lane)];
             arms.x[corner] = x[lane];
             arms.y[corner] = y[lane];
@@ -136,7 +141,7 @@ private:
     void branches(int own, int count, int corner) const noexcept {
         const int row = field_.components.tip(corner);
         const double v0 = c_.tip.friction.saturation_speed;
-        for (int lane = 0; lane < count; ++lane) {
+        for (int lane = first_lane(own); lane < last_lane(own, count); ++lane) {
             const int link = range_.first + own + lane;
             const Phase phase = range_.phases[tips_per_link * link + corner];
             *field_.columns.at(row + Tip::least, link + 1) = phase == Phase::slip ? std::numeric_limits<double>::min() : v0;

@@ -67,7 +67,8 @@ MethodProgram additive(const char* description, const char* solves) {
             solves,
             stability_of<table>,
             linear_step_with<table>,
-            !t.embedded.empty()};
+            !t.embedded.empty(),
+            false};
 }
 
 }  // namespace
@@ -84,10 +85,10 @@ std::vector<MethodProgram> friction_methods() {
          linear_step<Kick::chebyshev>},
         {"leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone",
          "this project (tasks/method/friction)", 1, 1, own_states, own_slopes, make_implicit<backward_euler>, "1 a step, for friction",
-         stability_of<backward_euler>, linear_step_with<backward_euler>},
+         stability_of<backward_euler>, linear_step_with<backward_euler>, false, false},
         {"leapfrog-sdirk2", "the same with two stages of order 2 (SDIRK2)",
          "this project (tasks/method/friction); R. Alexander, SIAM J. Numer. Anal. 14 (1977) 1006-1021", 2, 1, own_states, own_slopes,
-         make_implicit<sdirk2>, "2 a step, for friction", stability_of<sdirk2>, linear_step_with<sdirk2>},
+         make_implicit<sdirk2>, "2 a step, for friction", stability_of<sdirk2>, linear_step_with<sdirk2>, false, false},
         additive<ark436>("ARK4(3)6L[2]SA, additive Runge-Kutta: friction implicit, all else explicit", "5 a step, for friction"),
         additive<ars343>("ARS(3,4,3), additive Runge-Kutta: friction implicit, all else explicit", "3 a step, for friction"),
     };

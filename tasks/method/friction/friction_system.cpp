@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 FrictionSystem::FrictionSystem(const Workspace& w)
     : friction_(w.variator.chain(), w.parameters.detail.stick_slip), field_(w.variator.chain()) {
     const int rows = w.layout().link_size();
-    const int columns = w.layout().links + 2;
+    const int columns = w.layout().links + 2 * w.layout().halo();
     for (model::Columns& slot : states_) slot = model::Columns(rows, columns);
     for (model::Columns* field : {&result_, &first_slope_, &base_, &base_before_, &mode_, &image_}) *field = model::Columns(rows, columns);
     impulses_ = model::Columns(3 * model::tips_per_link, columns);
@@ -42,10 +42,11 @@ model::FrictionRange FrictionSystem::range_of(const Workspace& w, double time, c
 /// Ghost columns next to a segment's own, where it holds the link that they repeat.
 void FrictionSystem::repeat(const Workspace& w, model::Columns& field, int segment) noexcept {
     const Segment& own = w.partition[segment];
-    const int links = w.layout().links;
+    const int links = w.layout().links, halo = w.layout().halo();
     for (int row = 0; row < w.layout().link_size(); ++row) {
-        if (own.first == 0) *field.at(row, links + 1) = *field.at(row, 1);
-        if (own.last == links) *field.at(row, 0) = *field.at(row, links);
+        for (int link = own.first; link < std::min(halo, own.last); ++link) *field.at(row, link + 1 + links) = *field.at(row, link + 1);
+        for (int link = std::max(links - halo, own.first); link < own.last; ++link)
+            *field.at(row, link + 1 - links) = *field.at(row, link + 1);
     }
 }
 

@@ -96,6 +96,7 @@ std::vector<MethodProgram> implicit_programs() {
     std::vector<MethodProgram> all;
     add_trapezoidal(all, std::make_index_sequence<variants.size()>{});
     add_linear(all, std::make_index_sequence<linear_plan_count>{});
+    for (MethodProgram& program : all) program.whole_pins = false;
     return all;
 }
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "model/jacobian/difference_jacobian.hpp"
 #include "model/jacobian/exact_jacobian.hpp"
 
 namespace cvtflow::tasks {
@@ -52,8 +53,40 @@ struct Derivatives {
     Sparse by_position, by_velocity;
 };
 
+/// Whole pins have no exact derivatives: by differences of the whole right-hand side.
+[[nodiscard]] Derivatives differences_of(const model::Variator& variator, const FrozenStart& start) {
+    const model::ChainLayout& layout = variator.layout();
+    const std::vector<double> matrix = model::difference_jacobian(variator, start.time, start.state, start.phases);
+    std::vector<int> places[2];  // of coordinates and of velocities, in the order of a linear chain
+    const auto add = [&](int begin, int size) {
+        for (int k = 0; k < size; ++k) {
+            places[0].push_back(begin + k);
+            places[1].push_back(begin + size + k);
+        }
+    };
+    for (int link = 0; link < layout.links; ++link) add(layout.link_begin(link), layout.link_size());
+    add(layout.pulley_begin(), layout.pulley_size);
+    if (layout.control) places[1].push_back(layout.control_begin());
+    const auto size = static_cast<Eigen::Index>(places[1].size());
+    const auto part = [&](const std::vector<int>& columns) {
+        Entries entries;
+        for (std::size_t column = 0; column < columns.size(); ++column) {
+            const double* of_column = matrix.data() + static_cast<std::size_t>(columns[column]) * start.state.size();
+            for (std::size_t row = 0; row < places[1].size(); ++row) {
+                if (const double value = of_column[places[1][row]]; value != 0.0)
+                    entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
+            }
+        }
+        Sparse sparse(size, size);
+        sparse.setFromTriplets(entries.begin(), entries.end());
+        return sparse;
+    };
+    return {part(places[0]), part(places[1])};
+}
+
 [[nodiscard]] Derivatives derivatives_of(const model::Variator& variator, const FrozenStart& start) {
     const model::ChainLayout& layout = variator.layout();
+    if (layout.whole) return differences_of(variator, start);
     model::ExactJacobian exact(variator);
     model::AccelerationJacobian jacobian(layout);
     exact.links(start.state.data(), start.phases.data(), 0, layout.links, jacobian);

@@ -39,19 +39,6 @@ using AddPart = void (LinearChain::*)(double, const double*, double*) const;
     return above / below;
 }
 
-/// x* M x of a link.
-[[nodiscard]] double energy_of(const model::LinkInertia& inertia, int lateral, const double* x) {
-    const auto form = [](const double* matrix, int size, const double* y) {
-        double sum = 0.0;
-        for (int row = 0; row < size; ++row) {
-            for (int column = 0; column < size; ++column) sum += matrix[row * size + column] * y[row] * y[column];
-        }
-        return sum;
-    };
-    return form(inertia.lateral_matrix.data(), lateral, x) + form(inertia.lateral_matrix.data(), lateral, x + lateral) +
-           form(inertia.axial_matrix.data(), 4, x + 2 * lateral);
-}
-
 /// Share of an eigenvector's kinetic energy.
 [[nodiscard]] double share_of_pulleys(const LinearChain& chain, const Growth& growth) {
     const model::Variator& variator = chain.variator();
@@ -60,7 +47,7 @@ using AddPart = void (LinearChain::*)(double, const double*, double*) const;
     for (const std::vector<double>* half : {&growth.real, &growth.imaginary}) {
         const double* v = half->data() + chain.coordinates();
         for (int link = 0; link < layout.links; ++link)
-            links += energy_of(variator.chain().inertia(), 2 * layout.lateral(), v + link * layout.link_size());
+            links += 2.0 * model::kinetic_energy(variator.chain().inertia(), v + link * layout.link_size());
         for (int k = 0; k < layout.pulley_size; ++k)
             pulleys += variator.pulleys().inertia(k) * v[chain.link_velocities() + k] * v[chain.link_velocities() + k];
     }

@@ -20,8 +20,8 @@ void observe_segment(void* workspace, int segment) noexcept {
     w.variator.chain().observed_slopes(range, w.cut_state + layout.link_begin(own.first), w.links.loads.data() + own.first, accounts);
     for (int link = own.first; link < own.last; ++link) {
         const double* velocities = w.states[0] + layout.link_begin(link) + layout.link_size();
-        accounts[model::account_parts * (link - own.first)].store(
-            model::Energy::kinetic, model::kinetic_energy(w.variator.chain().inertia(), velocities, 2 * layout.lateral()));
+        accounts[model::account_parts * (link - own.first)].store(model::Energy::kinetic,
+                                                                  model::kinetic_energy(w.variator.chain().inertia(), velocities));
     }
 }
 

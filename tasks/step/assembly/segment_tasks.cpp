@@ -70,16 +70,35 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, V
     return false;
 }
 
-void check_middle(Workspace& w, int link, Verdict& verdict) noexcept {
+/// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.
+struct NearBlocks {
+    static constexpr int most = 2 * model::ChainLayout{3, 84, 36, false, false, true}.probe_halo() + 1;
+    double numbers[most * model::most_link_block];
+
+    [[nodiscard]] double* place(const model::ChainLayout& layout, int from_link) noexcept {
+        return numbers + (layout.probe_halo() + from_link) * layout.link_block();
+    }
+};
+
+/// @param end states at the step's end, of the link and of its neighbours beside it
+void check_middle(Workspace& w, int link, const double* end, Verdict& verdict) noexcept {
     const model::ChainLayout& layout = w.layout();
-    double middle[2 * 4 * model::most_lateral + 8];
-    const int begin = layout.link_begin(link);
+    NearBlocks middle;
+    const int size = layout.link_size();
+    for (int from = -layout.probe_halo(); from <= layout.probe_halo(); ++from) {
+        const double* before = w.states[0] + layout.link_begin(layout.wrapped(link + from));
+        const double* after = end + from * layout.link_block();
+        double* to = middle.place(layout, from);
+        for (int k = 0; k < size; ++k) to[k] = 0.75 * before[k] + 0.25 * after[k] + 0.25 * w.step.h * before[size + k];
+        for (int k = size; k < 2 * size; ++k) to[k] = 0.5 * (before[k] + after[k]);
+    }
+    const double* slope = w.slopes[0] + layout.link_begin(link);
     for (int k = 0; k < layout.link_block(); ++k) {
-        middle[k] = 0.75 * w.states[0][begin + k] + 0.25 * w.end_state[begin + k] + 0.25 * w.step.h * w.slopes[0][begin + k];
+        middle.place(layout, 0)[k] = 0.75 * w.states[0][layout.link_begin(link) + k] + 0.25 * end[k] + 0.25 * w.step.h * slope[k];
     }
     TipIndicator tips[model::tips_per_link];
     model::TipProbe probe;
-    indicate(w, middle, w.pulleys.end_sheaves, tips, probe);
+    indicate(w, middle.place(layout, 0), w.pulleys.end_sheaves, tips, probe);
     for (int tip = 0; tip < model::tips_per_link; ++tip) {
         const int number = model::tips_per_link * link + tip;
         if (may_change(w, number) && grazes(w, number, tips[tip])) verdict.pending = true;
@@ -98,25 +117,34 @@ void find_due(Workspace& w, int link, Verdict& verdict) noexcept {
     }
 }
 
-/// State and tips of one link at a share of the step.
+/// State of one link at a share of the step, its neighbours beside it.
+[[nodiscard]] const double* near_at(const Workspace& w, int link, double theta, NearBlocks& blocks) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    for (int from = -layout.probe_halo(); from <= layout.probe_halo(); ++from) {
+        const int begin = layout.link_begin(layout.wrapped(link + from));
+        w.interpolant().evaluate(theta, begin, begin + layout.link_block(), blocks.place(layout, from));
+    }
+    return blocks.place(layout, 0);
+}
+
+/// Tips of one link at a share of the step.
 class LinkAt {
 public:
     LinkAt(Workspace& w, int link) noexcept : w_(w), link_(link) {}
 
     [[nodiscard]] const TipIndicator* tips(double theta) noexcept {
-        const int begin = w_.layout().link_begin(link_);
-        w_.interpolant().evaluate(theta, begin, begin + w_.layout().link_block(), state_);
+        const double* state = near_at(w_, link_, theta, blocks_);
         model::SheaveMotion sheaves[4];
         double tail[2 * 36];
         model::TipProbe probe;
-        indicate(w_, state_, sheaves_at(w_, theta, tail, sheaves), tips_, probe);
+        indicate(w_, state, sheaves_at(w_, theta, tail, sheaves), tips_, probe);
         return tips_;
     }
 
 private:
     Workspace& w_;
     int link_;
-    double state_[2 * 4 * model::most_lateral + 8];
+    NearBlocks blocks_;
     TipIndicator tips_[model::tips_per_link];
 };
 
@@ -155,26 +183,38 @@ void change_phases(Workspace& w, int link, const TipIndicator* tips, Verdict& ve
 
 }  // namespace
 
-void fill_window(Workspace& w, const Segment& own, double* window) noexcept {
+namespace {
+
+/// Calls put(first link, links, place in a window) for a segment's links and `halo` on each side of them.
+template <class Put>
+void for_each_run(const model::ChainLayout& layout, const Segment& own, int halo, const Put& put) noexcept {
+    put(own.first, own.size(), halo);
+    for (int k = 0; k < halo; ++k) {
+        put(layout.wrapped(own.first + k - halo), 1, k);
+        put(layout.wrapped(own.last + k), 1, halo + own.size() + k);
+    }
+}
+
+/// What workspace.step.row combines for a segment's links and a halo.
+void combine_window(const Workspace& w, const Segment& own, int halo, double* window) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();
-    const auto combine = [&](int link, int links, double* out) {
-        engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(link), layout.link_begin(link) + links * block, out);
-    };
-    combine(layout.previous(own.first), 1, window);
-    combine(own.first, own.size(), window + block);
-    combine(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
+    for_each_run(layout, own, halo, [&](int link, int links, int place) {
+        const int begin = layout.link_begin(link);
+        engine::combine(w.step.row, w.step.h, w.slots(), begin, begin + links * block, window + place * block);
+    });
 }
+
+}  // namespace
+
+void fill_window(Workspace& w, const Segment& own, double* window) noexcept { combine_window(w, own, w.layout().halo(), window); }
 
 void copy_window(const Workspace& w, const Segment& own, const double* state, double* window) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int block = layout.link_block();
-    const auto copy = [&](int link, int links, double* out) {
-        std::memcpy(out, state + layout.link_begin(link), at(links * block) * sizeof(double));
-    };
-    copy(layout.previous(own.first), 1, window);
-    copy(own.first, own.size(), window + block);
-    copy(layout.next(own.last - 1), 1, window + (own.size() + 1) * block);
+    for_each_run(layout, own, layout.halo(), [&](int link, int links, int place) {
+        std::memcpy(window + place * block, state + layout.link_begin(link), at(links * block) * sizeof(double));
+    });
 }
 
 const double* window_of(Workspace& w, const double* state, int segment) noexcept {
@@ -193,7 +233,7 @@ void evaluate_segment(void* workspace, int segment) noexcept {
     } else {
         fill_window(w, own, window);
         if (w.step.row.keep >= 0) {
-            std::memcpy(w.states[at(w.step.row.keep)] + layout.link_begin(own.first), window + layout.link_block(),
+            std::memcpy(w.states[at(w.step.row.keep)] + layout.link_begin(own.first), window + layout.halo() * layout.link_block(),
                         at(own.size() * layout.link_block()) * sizeof(double));
         }
     }
@@ -237,6 +277,16 @@ void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept 
     }
 }
 
+/// States of a segment's links at the step's end, with as many beside them as contact depends on: those of other segments may not be
+/// written yet, so they are combined once more.
+[[nodiscard]] const double* end_blocks(Workspace& w, int segment) noexcept {
+    const Segment& own = w.partition[segment];
+    if (w.layout().probe_halo() == 0) return w.end_state + w.layout().link_begin(own.first);
+    double* window = w.windows[at(segment)].data();
+    combine_window(w, own, w.layout().probe_halo(), window);
+    return window + w.layout().probe_halo() * w.layout().link_block();
+}
+
 }  // namespace
 
 void detect_segment(void* workspace, int segment) noexcept {
@@ -249,9 +299,10 @@ void detect_segment(void* workspace, int segment) noexcept {
                     w.end_state + layout.link_begin(own.first));
     if (w.step.secant) make_secants(w, own);
     if (w.step.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
+    const double* end = end_blocks(w, segment);
     if (layout.pulley_size != 0) {
-        w.variator.chain().probe_links(w.end_state + layout.link_begin(own.first), own.size(), w.pulleys.end_sheaves,
-                                       w.parameters.detail.stick_slip, w.tips.probes.data() + own.first);
+        w.variator.chain().probe_links(end, own.size(), w.pulleys.end_sheaves, w.parameters.detail.stick_slip,
+                                       w.tips.probes.data() + own.first);
     }
     for (int link = own.first; link < own.last; ++link) {
         check_motion(w, link, w.end_state + layout.link_begin(link), verdict);
@@ -260,7 +311,7 @@ void detect_segment(void* workspace, int segment) noexcept {
         show(probe, w.tips.after.data() + model::tips_per_link * link);
         check_contact(w, link, probe, verdict);
         find_due(w, link, verdict);
-        if (near_contact(w, link)) check_middle(w, link, verdict);
+        if (near_contact(w, link)) check_middle(w, link, end + (link - own.first) * layout.link_block(), verdict);
     }
 }
 
@@ -287,7 +338,8 @@ void truncate_segment(void* workspace, int segment) noexcept {
     for (int link = own.first; link < own.last; ++link) {
         TipIndicator* tips = w.tips.after.data() + model::tips_per_link * link;
         model::TipProbe probe;
-        indicate(w, w.cut_state + layout.link_begin(link), w.pulleys.sheaves, tips, probe);
+        NearBlocks blocks;
+        indicate(w, near_at(w, link, w.step.theta, blocks), w.pulleys.sheaves, tips, probe);
         change_phases(w, link, tips, verdict);
     }
 }

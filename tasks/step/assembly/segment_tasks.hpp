@@ -5,7 +5,8 @@
 
 namespace cvtflow::tasks {
 
-/// Stage state of links first - 1 … last of a segment, as workspace.step.row combines it. @param window room for them; window [unknowns]
+/// Stage state of a segment's links and of the layout's halo on each side, as workspace.step.row combines it. @param window room for them;
+/// window [unknowns]
 void fill_window(Workspace& workspace, const Segment& own, double* window) noexcept;
 
 /// The window of a state vector, as it is: at the step's end, say.

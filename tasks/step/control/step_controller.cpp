@@ -133,7 +133,8 @@ void StepController::probe_start() {
     w_.variator.pulleys().motions(w_.states[0] + at.pulley_begin(), w_.pulleys.sheaves);
     for (int link = 0; link < at.links; ++link) {
         model::TipProbe probe;
-        w_.variator.chain().probe(w_.states[0] + at.link_begin(link), w_.pulleys.sheaves, w_.parameters.detail.stick_slip, probe);
+        model::LinkStrip strip;
+        w_.variator.chain().probe(strip.of(at, w_.states[0], link), w_.pulleys.sheaves, w_.parameters.detail.stick_slip, probe);
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             const std::size_t tip = static_cast<std::size_t>(model::tips_per_link * link + corner);
             w_.tips.before[tip] = {probe.depth[corner], probe.slip[corner]};

@@ -32,7 +32,8 @@ double deepest(const Simulation& simulation, const std::vector<double>& state) {
     double most = -1.0;
     for (int link = 0; link < at.links; ++link) {
         model::TipProbe probe;
-        variator.chain().probe(state.data() + at.link_begin(link), sheaves, false, probe);
+        model::LinkStrip strip;
+        variator.chain().probe(strip.of(at, state.data(), link), sheaves, false, probe);
         for (int tip = 0; tip < model::tips_per_link; ++tip) most = std::max(most, static_cast<double>(probe.depth[tip]));
     }
     return most;

@@ -40,7 +40,8 @@ std::vector<Kind> kinds(const Scene& scene, const std::vector<std::string>& name
     for (const std::string& name : names) list.push_back(kind_of(name, {scene.run.assembly}));
     if (!names.empty()) return list;
     for (const engine::ExecutorRow& row : engine::executors()) {
-        for (const Assembly assembly : {Assembly::fused, Assembly::staged}) list.push_back({&row, {assembly}});
+        list.push_back({&row, {Assembly::fused}});
+        if (scene.parameters.detail.pins == model::PinDetail::halves) list.push_back({&row, {Assembly::staged}});
     }
     return list;
 }

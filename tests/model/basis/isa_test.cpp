@@ -25,7 +25,8 @@ std::vector<double> outcome(const Parameters& p, Isa isa, const oracle::RandomSt
     std::vector<double> all(random.state.size());
     right_hand_side(variator, 0.0, random.state.data(), random.phases.data(), all.data(), scratch);
     for (int link = 0; link < at.links && at.pulley_size != 0; ++link) {
-        const double* state = random.state.data() + at.link_begin(link);
+        LinkStrip strip;
+        const double* state = strip.of(at, random.state.data(), link);
         TipProbe probe;
         variator.chain().probe(state, scratch.sheaves, true, probe);
         all.insert(all.end(), probe.depth, probe.depth + tips_per_link);
@@ -52,6 +53,17 @@ void expect_same_bits(const Parameters& p, const std::string& name, std::uint64_
 TEST(Isa, EveryInstructionSetGivesTheSameBitsAtEveryDetail) {
     std::uint64_t seed = 300;
     for (const oracle::Case& one : oracle::all_details(oracle::small_scene())) expect_same_bits(one.parameters, one.name, ++seed);
+}
+
+TEST(Isa, EveryInstructionSetGivesTheSameBitsWithWholePins) {
+    std::uint64_t seed = 700;
+    for (oracle::Case one : oracle::whole_pins(oracle::small_scene())) {
+        for (const bool ledger : {false, true}) {
+            one.parameters.ledger = ledger;
+            one.parameters.detail.stick_slip = ledger;
+            expect_same_bits(one.parameters, one.name, ++seed);
+        }
+    }
 }
 
 TEST(Isa, EveryInstructionSetGivesTheSameBitsWithAccountsAndSmoothedFriction) {

@@ -1,0 +1,17 @@
+#pragma once
+/// Derivatives of the whole right-hand side by central differences: where there are no exact ones, and to look at eigenvalues.
+
+#include <vector>
+
+#include "model/variator.hpp"
+
+namespace cvtflow::model {
+
+/// Whether an unknown is a velocity (or a first-order unknown), not a coordinate.
+[[nodiscard]] bool is_velocity(const ChainLayout& layout, int index) noexcept;
+
+/// ∂(slope)/∂(state) with phases held: [unknowns × unknowns], column by column. t [s], state [unknowns]
+[[nodiscard]] std::vector<double> difference_jacobian(const Variator& variator, double t, const std::vector<double>& state,
+                                                      const std::vector<Phase>& phases);
+
+}  // namespace cvtflow::model

@@ -1,0 +1,118 @@
+#include <cmath>
+
+#include "model/kernels/kernels.hpp"
+#include "model/kernels/pins/pin_among_others.hpp"
+#include "model/kernels/pins/pin_friction.hpp"
+#include "model/kernels/pins/pin_pass.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+template <int P>
+void slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account*) noexcept {
+    const PinResults results{slope, loads, nullptr};
+    PinPass<P, native_lanes, false>(model, model.coefficients(), range, results, {}).run();
+}
+
+template <int P>
+void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) noexcept {
+    const PinResults results{slope, loads, accounts};
+    PinPass<P, 1, true>(model, model.coefficients(), range, results, {}).run();
+}
+
+/// A gap as wide as that of a tip that is not there.
+constexpr double no_tip = -1.0;  // m
+
+template <int P>
+void probe_pin(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool with_slip, TipProbe& probe) noexcept {
+    const PinAmongOthers<P> pin(model, state, sheaves);
+    for (int tip = 0; tip < tips_per_link; ++tip) {
+        probe.depth[tip] = no_tip;
+        probe.slip[tip] = 0.0;
+    }
+    pin.tips([&](int side, const auto& geometry, const auto& motion) {
+        probe.depth[side] = geometry.depth[0];
+        if (!with_slip) return;
+        const auto slip = tangential(motion.material, geometry.normal);
+        probe.slip[side] = std::sqrt(dot(slip, slip)[0]);
+    });
+    const double x = state[pin_at<P>.x(End::rear, 0)] - pin.shaft() * model.coefficients().centre_distance;
+    const double y = state[pin_at<P>.y(End::rear, 0)];
+    probe.radius = std::sqrt(x * x + y * y);
+}
+
+template <int P>
+void probe_pins(const ChainModel& model, const double* states, int links, const SheaveMotion* sheaves, bool with_slip,
+                TipProbe* probes) noexcept {
+    for (int pin = 0; pin < links; ++pin) probe_pin<P>(model, states + pin * pin_at<P>.link_block(), sheaves, with_slip, probes[pin]);
+}
+
+/// @param state in a LinkStrip: the link's tension depends on two pins behind it
+template <int P>
+void contact_of_pin(const ChainModel& model, int link, const double* state, const SheaveMotion* sheaves, const Phase* phases,
+                    LinkContact& contact) noexcept {
+    const Coefficients& c = model.coefficients();
+    PinMotion<P, 1> motion(c.joint);
+    motion.read(state - pin_at<P>.link_block(), 4);
+    motion.lines(0, 3);
+    motion.roll(1, 3);
+    LinkColumns<P, 1> columns;
+    motion.link_columns(1, columns);
+    double q[at<P>.link_size()];
+    std::memcpy(q, columns.state.data(), sizeof q);
+    contact = {elastic_tension<P>(c, c.kind(link), q), {}, {}};
+    if (!any_touching(phases)) return;
+    PinAmongOthers<P>(model, state, sheaves).tips([&](int side, const auto& geometry, const auto& motion_of_tip) {
+        const double touching = phases[side] == Phase::free ? 0.0 : 1.0;
+        const TipPhases own{phases + side, 1, phases[side] != Phase::touching, 1};
+        const auto forces = tip_forces<false, 1>(c.tip, geometry, motion_of_tip, Lanes<1>(touching), own, nullptr);
+        contact.normal[side] = forces.normal[0];
+        contact.axial[side] = -(forces.normal * geometry.normal.z + forces.friction.z)[0];
+    });
+}
+
+template <int P>
+void push(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push,
+          LinkLoad* loads) noexcept {
+    const ChainModel& chain = friction.chain();
+    using Contacts = ContactWriter<P, native_lanes>;
+    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), field, push);
+    const PinResults results{nullptr, loads, nullptr};
+    PinPass<P, native_lanes, false, Contacts>(chain, friction.frictionless(), range, results, contacts).run();
+    contacts.repeat(chain.layout().links, chain.layout().halo());
+}
+
+template <int P, bool Steepest>
+void evaluate(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
+              const FrictionStage& stage) noexcept {
+    constexpr int W = native_lanes;
+    const int links = range.last - range.first;
+    const PinFriction<P, W, Steepest> pins(friction, field, range);
+    for (int own = -1; own <= links; own += W) pins.forces(own, stage);
+    const auto in_groups = [&](int own, const auto& body) {
+        for (; own + W <= links; own += W) body.template operator()<W>(own);
+        for (; own < links; ++own) body.template operator()<1>(own);
+    };
+    in_groups(0, [&]<int lanes>(int own) { PinFriction<P, lanes, Steepest>(friction, field, range).pins(own, stage); });
+}
+
+template <int P>
+[[nodiscard]] PinKernels kernels_of_order() noexcept {
+    return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>, contact_of_pin<P>},
+            {nullptr, push<P>, evaluate<P, false>, evaluate<P, true>}};
+}
+
+}  // namespace
+
+template <>
+PinKernels pin_kernels<compiled_isa>(int order) noexcept {
+    switch (order) {
+        case 0: return kernels_of_order<0>();
+        case 1: return kernels_of_order<1>();
+        case 2: return kernels_of_order<2>();
+        default: return kernels_of_order<3>();
+    }
+}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,105 @@
+#pragma once
+/// Tips of whole pins, side by side: two of each, which stand where the rear tips of links do. Pins that touch nowhere come along with
+/// forces of zero. (model/EQUATIONS.md sections 6 and 10)
+
+#include "model/kernels/lanes/lane_tips.hpp"
+#include "model/kernels/pins/pin_motion.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Forces and moment of both tips of a pin on its coordinates.
+template <int P, int W>
+struct PinShare {
+    std::array<Lanes<W>, pin_at<P>.link_size()> force;
+    Lanes<W> moment;  ///< on the bisector [N·m]
+};
+
+/// @tparam Observe whether accounts are kept; W is 1 then
+template <int P, int W, bool Observe, class Contacts = NoContacts>
+class PinTips {
+public:
+    using V = Lanes<W>;
+    using Columns = LinkColumns<P, W>;
+
+    /// @param phases of the first lane's pin on   @param own its number, counted from the range's first
+    PinTips(const Coefficients& c, const SheaveMotion* sheaves, const Phase* phases, int own, const Contacts& contacts) noexcept
+        : c_(c), phases_(phases), own_(own), contacts_(contacts), all_sheaves_(sheaves) {
+        for (std::size_t pin = 0; pin < W; ++pin) any_ |= words_[pin] = phase_word(phases + tips_per_link * static_cast<int>(pin));
+    }
+
+    /// Forces; reactions of the pins that touch to loads [W].
+    void share(const Columns& columns, PinShare<P, W>& out, LinkLoad* loads, Account* account) const noexcept {
+        out.force.fill(V(0.0));
+        out.moment = V(0.0);
+        if (any_ == 0) {
+            if constexpr (Contacts::wanted) contacts_.no_tips(own_, W);
+            return;
+        }
+        std::array<SheaveMotionLanes<W>, 2> sheaves;
+        const V shaft = pulleys_of<P>(c_, all_sheaves_, columns, sheaves);
+        std::array<TipReaction<V>, 2> reaction;
+        const TipPush<V> minus = tip(OneTip<W, End::rear, 0>{}, 0, columns, sheaves, shaft, reaction[0], account);
+        const TipPush<V> plus = tip(OneTip<W, End::rear, 1>{}, 1, columns, sheaves, shaft, reaction[1], account);
+        V* f = out.force.data();
+        constexpr auto& at = pin_at<P>;
+        spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at.x(End::rear, 0));
+        spread_end<P>(minus.total.y, plus.total.y, minus.tilt_y, plus.tilt_y, f + at.y(End::rear, 0));
+        f[at.z(End::rear)] += minus.total.z + plus.total.z;
+        f[at.e(End::rear)] += plus.total.z - minus.total.z;
+        out.moment = minus.moment + plus.moment;
+        write(reaction, shaft, loads);
+    }
+
+private:
+    template <class Corner>
+    [[nodiscard]] TipPush<V> tip(const Corner& corner, int number, const Columns& columns,
+                                 const std::array<SheaveMotionLanes<W>, 2>& sheaves, [[maybe_unused]] const V& shaft,
+                                 TipReaction<V>& reaction, Account* account) const noexcept {
+        const auto own = sheaves_at(corner, sheaves.data());
+        const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
+        const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
+        constexpr std::uint32_t stick_or_slip = 0x02020202;
+        const TipPhases phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, W};
+        const auto forces = tip_forces<Observe, W>(c_.tip, geometry, motion, touching(number), phases, account);
+        if constexpr (Contacts::wanted)
+            contacts_.tip(own_, W, number, geometry, motion, forces.normal, sheaves[static_cast<std::size_t>(number)], shaft);
+        reaction = tip_reaction(geometry, motion, forces);
+        return tip_push(c_, columns.frame, geometry, motion, forces);
+    }
+
+    /// 1 where a tip touches, else 0.
+    [[nodiscard]] V touching(int number) const noexcept {
+        alignas(64) double touching[W];
+        for (std::size_t pin = 0; pin < W; ++pin) touching[pin] = (words_[pin] >> (8 * number) & 0xffu) != 0 ? 1.0 : 0.0;
+        return load<W>(touching);
+    }
+
+    void write(const std::array<TipReaction<V>, 2>& reaction, const V& shaft, LinkLoad* loads) const noexcept {
+        alignas(64) double row[W];
+        const auto give = [&](const V& lanes, auto of_load, std::size_t side) {
+            lanes.copy_to(row);
+            for (std::size_t pin = 0; pin < W; ++pin) (loads[pin].load.*of_load)[side] = row[pin];
+        };
+        for (std::size_t side = 0; side < 2; ++side) {
+            give(reaction[side].force.x, &SheaveLoad::fx, side);
+            give(reaction[side].force.y, &SheaveLoad::fy, side);
+            give(reaction[side].force.z, &SheaveLoad::fz, side);
+            give(reaction[side].moment.x, &SheaveLoad::mx, side);
+            give(reaction[side].moment.y, &SheaveLoad::my, side);
+            give(reaction[side].moment.z, &SheaveLoad::mz, side);
+        }
+        for (std::size_t pin = 0; pin < W; ++pin) loads[pin].shaft = static_cast<int>(shaft[pin]);
+    }
+
+    const Coefficients& c_;
+    const Phase* phases_;
+    int own_;
+    const Contacts& contacts_;
+    const SheaveMotion* all_sheaves_;
+    std::array<std::uint32_t, W> words_{};  ///< phases of each pin
+    std::uint32_t any_ = 0;
+};
+
+}  // namespace
+}  // namespace cvtflow::model

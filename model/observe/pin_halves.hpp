@@ -1,0 +1,16 @@
+#pragma once
+/// Where the halves of whole pins are: for whoever looks at halves, plates and links.
+
+#include <vector>
+
+#include "model/chain_model.hpp"
+
+namespace cvtflow::model {
+
+/// Layout of what halves_of() gives.
+[[nodiscard]] ChainLayout halves_layout(ChainLayout layout) noexcept;
+
+/// The links of a state as those of halves, in halves_layout(); as they are where pins are not whole. state, halves [unknowns]
+void halves_of(const ChainModel& chain, const double* state, std::vector<double>& halves);
+
+}  // namespace cvtflow::model
