@@ -48,6 +48,7 @@ Action declare_profile(CLI::App& app);
 Action declare_dot(CLI::App& app);
 Action declare_newton(CLI::App& app);
 Action declare_detail(CLI::App& app);
+Action declare_tune(CLI::App& app);
 Action declare_tradeoff(CLI::App& app);
 Action declare_extremes(CLI::App& app);
 Action declare_lottery(CLI::App& app);

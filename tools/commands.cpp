@@ -33,6 +33,7 @@ std::span<const Command> commands() noexcept {
         Command{"newton", "Try the implicit methods: Newton's convergence, cost and error by variant and step", declare_newton},
         Command{"detail", "Compare levels of detail: what each dial costs and what it changes", declare_detail},
         Command{"tradeoff", "Measure what accuracy costs: methods and steps, the Pareto front, a recommendation", declare_tradeoff},
+        Command{"tune", "Find the cheapest detail, method and step for a wanted accuracy, by measuring", declare_tune},
         Command{"extremes", "Run the edges of every parameter and say what comes of each", declare_extremes},
         Command{"lottery", "Run machines drawn by chance with defaults and count how they end", declare_lottery},
         Command{"export-fmu", "Write a scene as an FMU for other simulators (FMI 2.0 or 3.0)", declare_export_fmu},

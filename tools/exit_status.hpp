@@ -15,6 +15,7 @@ enum class ExitStatus {
     budget = 4,      ///< run.max_steps or run.max_wall used up
     incomplete = 5,  ///< a sweep whose cases, or a comparison whose variants, did not all end well; shards or cases that are missing
     unreliable = 6,  ///< a run that finished and whose energy balance says that its results are wrong
+    inaccurate = 7,  ///< nothing that was tried is as accurate as wanted, or a sweep is not where it was verified
     cancelled = 130  ///< interrupted by SIGINT, SIGTERM, SIGHUP, SIGXCPU or SIGPIPE; as shells report the first
 };
 
@@ -33,6 +34,7 @@ inline constexpr std::string_view exit_status_help =
     "  4    budget used up: run.max_steps, run.max_wall\n"
     "  5    cases of a sweep (variants of detail) failed or are missing\n"
     "  6    finished, but the energy balance does not close: the results are unreliable\n"
+    "  7    not as accurate as wanted: tune, run --accuracy, sweeps with [accuracy]\n"
     "  130  interrupted; the record is complete up to there";
 
 }  // namespace cvtflow::tools

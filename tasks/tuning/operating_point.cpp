@@ -47,6 +47,13 @@ OperatingPoint at_start(const Scene& scene, const PointTimes& times, const std::
 
 std::string named(const Input& input, double value) { return fmt::format("{} = {:.4g} {}", input.key->key, value, input.key->unit); }
 
+/// A ring has no inputs, but a speed. share of the neighbourhood [1]
+void vary_ring(OperatingPoint& point, double share) {
+    double& speed = point.scene.parameters.start.ring_speed;
+    speed *= 1.0 + neighbourhood * (2.0 * share - 1.0);
+    point.name = fmt::format("start.ring_speed = {:.4g} rad/s", speed);
+}
+
 }  // namespace
 
 std::vector<OperatingPoint> points_of(const Scene& scene, const PointTimes& times) {
@@ -69,6 +76,10 @@ std::vector<OperatingPoint> unseen_points(const Scene& scene, const PointTimes& 
     std::vector<OperatingPoint> points;
     for (std::size_t n = 0; n < static_cast<std::size_t>(count); ++n) {
         points.push_back(at_start(scene, times, ""));
+        if (scene.parameters.detail.pulleys == model::PulleyDetail::absent) {
+            vary_ring(points.back(), where[n * inputs.size()]);
+            continue;
+        }
         for (std::size_t i = 0; i < inputs.size(); ++i) {
             const Input& input = inputs[i];
             const bool near = input.key->section() == "load" || input.key->section() == "clamping";

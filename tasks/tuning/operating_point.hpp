@@ -27,7 +27,7 @@ struct PointTimes {
 [[nodiscard]] std::vector<OperatingPoint> points_of(const Scene& scene, const PointTimes& times);
 
 /// Points that lie between those: every table over time somewhere between its lowest and highest value; load and clamping, where they
-/// are constant, within 5 % of what they are. The same for the same seed.
+/// are constant, within 5 % of what they are; of a ring the speed. The same for the same seed.
 [[nodiscard]] std::vector<OperatingPoint> unseen_points(const Scene& scene, const PointTimes& times, int count, std::uint64_t seed);
 
 /// A case of a sweep, as it is run there.

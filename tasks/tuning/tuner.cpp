@@ -101,14 +101,18 @@ void Tuner::find_methods() {
         }
     }
     std::stable_sort(costs.begin(), costs.end());
+    std::vector<std::string> dear;
     for (const auto& [seconds, name] : costs) {
         const double over = seconds / costs.front().first;
         const bool taken = name == usual || (methods_.size() < most_methods && over <= method_reach);
         if (taken)
             methods_.push_back(name);
         else
-            methods_left_out_.push_back(fmt::format("{}: {:.3g} times as dear as {}", name, over, costs.front().second));
+            dear.push_back(fmt::format("{} ({:.3g})", name, over));
     }
+    if (!dear.empty())
+        methods_left_out_.push_back(
+            fmt::format("methods that are so many times as dear as {}: {}", costs.front().second, fmt::join(dear, ", ")));
 }
 
 /// Every level with every method, in turns; shares of the step cost in proportion.

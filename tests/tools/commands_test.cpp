@@ -15,10 +15,10 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::vector<std::string> names{"run",    "resume", "batch",    "table",    "merge",     "settle",    "check",
-                                     "info",   "plot",   "report",   "list",     "explain",   "schema",    "local-error",
-                                     "method", "fit",    "compare",  "spectrum", "stability", "pin-entry", "profile",
-                                     "newton", "detail", "tradeoff", "extremes", "dot",       "export",    "export-fmu"};
+const std::vector<std::string> names{"run",     "resume",   "batch",     "table",     "merge",     "settle",      "check",  "info",
+                                     "plot",    "report",   "list",      "explain",   "schema",    "local-error", "method", "fit",
+                                     "compare", "spectrum", "stability", "pin-entry", "profile",   "newton",      "detail", "tradeoff",
+                                     "tune",    "extremes", "dot",       "export",    "export-fmu"};
 
 class Commands : public Program {};
 

@@ -39,7 +39,8 @@ ExitStatus merge(const std::string& folder, bool partial) {
     }
     fmt::print("{}: {} of {} cases\n{}{}", report.file, report.rows, report.cases, field("statuses", statuses_text(report.statuses)),
                field("results hash", report.results_hash));
-    return whole ? ExitStatus::finished : ExitStatus::incomplete;
+    const bool accurate = say_verdict(folder, report.file, false);
+    return !whole ? ExitStatus::incomplete : accurate ? ExitStatus::finished : ExitStatus::inaccurate;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "engine/base/provenance.hpp"
 #include "tasks/run/run.hpp"
+#include "tasks/tuning/tuned_scene.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
 #include "tools/output/interrupt.hpp"
@@ -15,6 +16,7 @@
 #include "tools/output/replacing.hpp"
 #include "tools/scene_arguments.hpp"
 #include "tools/text/text.hpp"
+#include "tools/tuning_arguments.hpp"
 
 namespace cvtflow::tools {
 
@@ -22,6 +24,8 @@ namespace {
 
 struct RunArguments {
     SceneArguments scene;
+    TuningArguments tuning;
+    std::optional<std::string> cache;
     std::string output;
     std::string checkpoint;
     std::optional<std::string> checkpoint_every;
@@ -83,11 +87,23 @@ tasks::RunReport simulate(const RunArguments& arguments, const tasks::Scene& sce
     return tasks::run_scene(scene, options);
 }
 
-ExitStatus run(const RunArguments& arguments) {
-    const LoadedScene loaded = load_scene(arguments.scene);
+/// The scene with the detail, method and step that the accuracy asked for needs: as kept, or found now.
+tasks::Scene tuned(const RunArguments& arguments, const tasks::Scene& scene) {
+    const tasks::TuneSettings settings = tune_settings(arguments.tuning, arguments.quiet);
+    const std::filesystem::path folder = arguments.cache ? std::filesystem::path(*arguments.cache) : tasks::usual_tuning_folder();
+    const tasks::TunedScene made = tasks::tuned_scene(scene, settings, folder, catch_interrupts());
+    if (!arguments.quiet)
+        print_error(fmt::format("{}: {} for {} (largest error measured: {:.2g} %){}", scene.name, made.kept.choice.text(),
+                                *arguments.tuning.accuracy, 100.0 * made.kept.error,
+                                made.result ? fmt::format(", found in {}", clock_text(made.result->wall)) : ", as found before"));
+    return made.scene;
+}
+
+ExitStatus run_loaded(const RunArguments& arguments, LoadedScene loaded) {
     if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
     const std::string file = record_path(arguments, loaded.scene);
     require_places(arguments, loaded.scene, file);
+    if (arguments.tuning.accuracy) loaded.scene = tuned(arguments, loaded.scene);
     const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
     if (!replaced.empty() && !arguments.quiet) print_error(replaced);
     const tasks::RunReport report = simulate(arguments, loaded.scene, file);
@@ -99,6 +115,16 @@ ExitStatus run(const RunArguments& arguments) {
         print_error(tasks::unreliable_text(report));
     }
     return exit_status(report);
+}
+
+ExitStatus run(const RunArguments& arguments) try {
+    return run_loaded(arguments, load_scene(arguments.scene));
+} catch (const tasks::AccuracyError& error) {
+    print_error(error.what());
+    return ExitStatus::inaccurate;
+} catch (const tasks::SimulationError&) {
+    if (arguments.tuning.accuracy && catch_interrupts().requested()) return ExitStatus::cancelled;
+    throw;
 }
 
 }  // namespace
@@ -124,8 +150,17 @@ Action declare_run(CLI::App& app) {
     declare_shortcut(app, scene, "--segments", "run.segments", "N");
     declare_shortcut(app, scene, "--seed", "run.seed", "N");
     declare_fresh_start(app, scene);
+    declare_tuning(app, arguments->tuning);
+    for (const char* chosen : {"--method", "--step", "--tolerance", "--detail"}) app.get_option("--accuracy")->excludes(chosen);
+    for (const char* needs : {"--outputs", "--budget", "--settling", "--average"}) app.get_option(needs)->needs("--accuracy");
+    app.add_option("--cache", arguments->cache,
+                   "Where choices for --accuracy are kept (default: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow)")
+        ->type_name("DIR")
+        ->needs("--accuracy");
     app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
     app.footer(
+        "--accuracy finds detail, method and step as cvtflow tune does, and keeps them: the same run of the same scene begins at once the "
+        "next time.\n"
         "--tolerance makes the local error decide on steps (run.step_control = \"error\"), up to --step.\n"
         "Times take units: --step \"50 ns\" --until 2ms. Ctrl-C ends the run and completes its record; twice ends it at once.\n"
         "With checkpoints a run that was killed goes on with cvtflow resume FILE, bit for bit.\n"

@@ -11,6 +11,7 @@
 #include "tasks/batch/results/results.hpp"
 #include "tasks/batch/results/torn_results.hpp"
 #include "tasks/schedule/schedule.hpp"
+#include "tasks/tuning/verified_sweep.hpp"
 #include "tools/guard.hpp"
 #include "tools/output/interrupt.hpp"
 #include "tools/ready_scenes.hpp"
@@ -115,8 +116,28 @@ void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, cons
     if (!report.continuation_error.empty()) fmt::print("{}", field("continuation error", report.continuation_error));
 }
 
+void say_unless(bool quiet, const std::string& what) {
+    if (!quiet) print_error(what);
+}
+
+/// Runs some cases again at reference quality, if the sweep asks for an accuracy. @return whether it has it
+bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchReport& report, bool quiet) {
+    if (!(asked.accuracy.target > 0.0) || catch_interrupts().requested()) return true;
+    const auto say = [quiet](const std::string& what) { say_unless(quiet, what); };
+    try {
+        for (const std::string& remark : tasks::verify_sweep(asked, tuned, report.folder, catch_interrupts(), say)) print_error(remark);
+    } catch (const tasks::SimulationError&) {
+        if (!catch_interrupts().requested()) throw;
+        return true;
+    }
+    const std::string file = report.folder + "/cases.h5";
+    report.results_hash = engine::CaseReader(file).head().attribute("results_hash");
+    return say_verdict(asked.name, file, quiet);
+}
+
 /// In the child.
-ExitStatus run_part(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet) {
+ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, bool quiet) {
+    const tasks::Sweep& sweep = tuned.sweep;
     tasks::BatchReport report;
     const engine::Cancellation& interrupted = catch_interrupts();
     {
@@ -128,26 +149,57 @@ ExitStatus run_part(const tasks::Sweep& sweep, tasks::BatchOptions options, bool
         report = tasks::run_batch(sweep, options);
     }
     if (options.part.only >= 0 && !interrupted.requested()) return ExitStatus::finished;
+    const bool accurate = !report.finished || verified(asked, tuned, report, quiet);
     if (!quiet) {
         print_end(sweep, report, options.folder);
         print_notices();
     }
-    if (!report.finished) return ExitStatus::cancelled;
+    if (!report.finished || interrupted.requested()) return ExitStatus::cancelled;
+    if (!accurate) return ExitStatus::inaccurate;
     return report.statuses.size() == 1 && report.statuses.contains("ok") ? ExitStatus::finished : ExitStatus::incomplete;
 }
 
 }  // namespace
 
-ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet) {
+bool say_verdict(const std::string& name, const std::string& file, bool quiet) {
+    const tasks::SweepVerdict verdict = tasks::sweep_verdict(file);
+    if (!(verdict.target > 0.0)) return true;
+    if (!quiet || !verdict.held()) print_error(fmt::format("{}: {}{}", name, verdict.held() ? "" : "misses its target: ", verdict.text()));
+    return verdict.held();
+}
+
+namespace {
+
+/// In the parent: once for all children.
+tasks::TunedSweep tuned_here(const tasks::Sweep& sweep, const std::string& folder, bool quiet) {
+    if (!(sweep.accuracy.target > 0.0)) return {sweep, {}, std::nullopt};
+    const auto say = [quiet](const std::string& what) { say_unless(quiet, what); };
+    tasks::TunedSweep tuned = tasks::tuned_sweep(sweep, folder, catch_interrupts(), say);
+    say(fmt::format("{}: {} for {:g} % (largest error at the corners: {:.2g} %){}", sweep.name, tuned.kept.choice.text(),
+                    100.0 * sweep.accuracy.target, 100.0 * tuned.kept.error,
+                    tuned.result ? fmt::format(", found in {}", clock_text(tuned.result->wall)) : ", as found before"));
+    return tuned;
+}
+
+}  // namespace
+
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet) try {
     if (options.threads <= 0) options.threads = tasks::usable_threads();
+    const tasks::TunedSweep tuned = tuned_here(sweep, options.folder, quiet);
     engine::SharedSlots journal(options.threads);
     options.journal = &journal;
     const auto work = [&](const tasks::SweepPart& part) {
         tasks::BatchOptions here = options;
         here.part = part;
-        return guarded([&] { return static_cast<int>(run_part(sweep, here, quiet)); });
+        return guarded([&] { return static_cast<int>(run_part(sweep, tuned, here, quiet)); });
     };
     return static_cast<ExitStatus>(tasks::supervise(journal, work, print_error));
+} catch (const tasks::AccuracyError& error) {
+    print_error(error.what());
+    return ExitStatus::inaccurate;
+} catch (const tasks::SimulationError&) {  // tuning that was interrupted
+    if (catch_interrupts().requested()) return ExitStatus::cancelled;
+    throw;
 }
 
 }  // namespace cvtflow::tools

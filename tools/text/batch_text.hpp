@@ -18,6 +18,10 @@ namespace cvtflow::tools {
 /// Runs or goes on with a sweep, shows progress and the end.
 ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet);
 
+/// Says on stderr what a table's errors come to, if the sweep asked for an accuracy; quiet: only if it misses it.
+/// @return whether it has it, or asked for none   @throws engine::RecordError
+bool say_verdict(const std::string& name, const std::string& file, bool quiet);
+
 /// @throws UsageError for a status that no case can have
 void require_statuses(const std::string& option, const std::vector<std::string>& given);
 

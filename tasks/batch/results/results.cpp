@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <sstream>
@@ -52,6 +53,12 @@ CaseColumn key_column(const Axis& axis, std::size_t key) {
             static_cast<int>(std::min<std::size_t>(width, 256))};
 }
 
+/// Of a scalar's error where a case has been verified.
+CaseColumn error_column(const Scalar& scalar) {
+    return {std::string(error_prefix) + scalar.column, "1",
+            scalar.text + ": relative error against reference quality; not a number: not verified"};
+}
+
 constexpr std::string_view unsteady[] = {"wall", "threads"};  // columns that differ from run to run
 
 }  // namespace
@@ -64,6 +71,9 @@ engine::RowLayout result_layout(const Sweep& sweep) {
         for (std::size_t key = 0; key < axis.keys.size(); ++key) columns.push_back(key_column(axis, key));
     }
     for (const Scalar& scalar : sweep.scalars) columns.push_back({scalar.column, scalar.unit(), scalar.description()});
+    for (const Scalar& scalar : sweep.scalars) {
+        if (sweep.accuracy.target > 0.0) columns.push_back(error_column(scalar));
+    }
     columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on"});
     columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
     columns.push_back({"energy_suspicion", "1",
@@ -157,6 +167,9 @@ void fill_row(const engine::RowLayout& layout, const Sweep& sweep, const CaseRes
         }
     }
     for (const double scalar : r.scalars) layout.put(row, column++, scalar);
+    if (sweep.accuracy.target > 0.0) {
+        for (std::size_t i = 0; i < r.scalars.size(); ++i) layout.put(row, column++, std::numeric_limits<double>::quiet_NaN());
+    }
     for (const double number : {r.efficiency, r.residual, r.suspicion}) layout.put(row, column++, number);
     layout.put(row, column++, std::string_view(r.notes));
     layout.put(row, column++, r.start);

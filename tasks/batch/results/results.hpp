@@ -11,7 +11,10 @@
 
 namespace cvtflow::tasks {
 
-/// case, status, varying keys, scalars, start, steps, evaluations, …, wall, threads, hash, error.
+/// Begins the names of columns with measured errors of scalars, in sweeps with an accuracy.
+inline constexpr std::string_view error_prefix = "error_of_";
+
+/// case, status, varying keys, scalars, their errors, start, steps, evaluations, …, wall, threads, hash, error.
 [[nodiscard]] engine::RowLayout result_layout(const Sweep& sweep);
 
 /// The table without rows, with provenance and what the results depend on.

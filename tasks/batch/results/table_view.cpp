@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "engine/base/spelling.hpp"
+#include "tasks/scene/accuracy.hpp"
 #include "tasks/scene/units.hpp"
 
 namespace cvtflow::tasks {
@@ -90,6 +91,16 @@ std::optional<double> TableView::time(std::string_view key) const {
     }
     problem(node->position, fmt::format("{}: not a time such as \"1 ms\"", key));
     return {};
+}
+
+std::optional<double> TableView::share(std::string_view key) const {
+    const Node* node = find(key);
+    if (node == nullptr) return {};
+    std::optional<double> share;
+    if (const auto* text = std::get_if<std::string>(&node->value)) share = read_accuracy(*text);
+    if (const auto* number = std::get_if<double>(&node->value)) share = read_accuracy(fmt::format("{:.17g}", *number));
+    if (!share) problem(node->position, fmt::format("{}: not a share above 0 and up to 50 %, such as \"1 %\"", key));
+    return share;
 }
 
 }  // namespace cvtflow::tasks

@@ -30,6 +30,8 @@ public:
     [[nodiscard]] std::optional<int> choice(std::string_view key, const std::vector<std::string>& choices) const;
     /// A time with its unit [s].
     [[nodiscard]] std::optional<double> time(std::string_view key) const;
+    /// An accuracy, as read_accuracy() takes it, or a number [1].
+    [[nodiscard]] std::optional<double> share(std::string_view key) const;
     /// The key must be there.
     bool require(std::string_view key) const;
 

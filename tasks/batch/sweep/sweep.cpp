@@ -63,6 +63,9 @@ std::string Sweep::definition() const {
     lines += fmt::format("outputs.from = {}\n", number_text(from));
     lines += fmt::format("start.mode = {}\n", start_modes[static_cast<int>(start)]);
     lines += fmt::format("start.continuation = {}\n", continuation);
+    if (accuracy.target > 0.0)
+        lines += fmt::format("accuracy.target = {}\naccuracy.verify = {}\naccuracy.seed = {}\n", number_text(accuracy.target),
+                             accuracy.verify, accuracy.seed);
     return lines;
 }
 

@@ -15,6 +15,13 @@ namespace cvtflow::tasks {
 
 enum class StartMode { scene, settle, shared };
 
+/// What a sweep wants of its results.
+struct SweepAccuracy {
+    double target = 0.0;     ///< largest error of every scalar; 0: nothing is tuned or verified [1]
+    int verify = 10;         ///< cases that also run at reference quality, drawn by chance
+    std::uint64_t seed = 0;  ///< of that draw
+};
+
 struct Sweep {
     std::string name;  ///< the file's stem if the sweep does not say
     std::string description;
@@ -28,6 +35,7 @@ struct Sweep {
     StartMode start = StartMode::scene;
     std::string continuation;  ///< key; empty: none
     int checked = 1;           ///< continued cases that also run from their own start
+    SweepAccuracy accuracy;
 
     [[nodiscard]] long cases() const noexcept;
     /// Number of cases that follow each other by continuation; 1 without it. Cases [k strand, (k + 1) strand) are one strand.

@@ -82,6 +82,15 @@ const std::vector<SweepKey> sweep_rows{
      {},
      "1",
      "So many continued cases also run from a start of their own; the summary tells the difference."},
+    {"accuracy",
+     "target",
+     SweepForm::share,
+     true,
+     {},
+     "",
+     "Largest error of every scalar: detail, method and step are found at the corners of the axes, and some cases verified."},
+    {"accuracy", "verify", SweepForm::integer, false, {}, "10", "So many cases, drawn by chance, also run at reference quality."},
+    {"accuracy", "seed", SweepForm::integer, false, {}, "0", "Seed of that draw."},
 };
 
 std::string form_of(const SweepKey& row) {
@@ -91,6 +100,7 @@ std::string form_of(const SweepKey& row) {
         case integer: return "an integer";
         case boolean: return "true or false";
         case time: return "a number in s or a text with a unit (\"... ms\")";
+        case share: return "a share as a text (\"1 %\") or a number, at most a half";
         case choice: return fmt::format("\"{}\"", fmt::join(row.choices, "\" or \""));
         case value: return "as the scene's key is written";
         case values: return "a list of values as the scene's key is written";

@@ -9,7 +9,7 @@
 namespace cvtflow::tasks {
 
 /// How the value of a key is written.
-enum class SweepForm { text, integer, boolean, time, choice, value, values, texts, tables, scene_keys };
+enum class SweepForm { text, integer, boolean, time, share, choice, value, values, texts, tables, scene_keys };
 
 struct SweepKey {
     std::string_view table;  ///< "sweep", "axes", "axes.zip" … as nested in the file

@@ -53,6 +53,7 @@ private:
             if (section.key == "axes") axes(section);
             if (section.key == "outputs") outputs(section);
             if (section.key == "budget") budget(section);
+            if (section.key == "accuracy") accuracy(section);
         }
         for (const Entry& section : sections) {
             if (section.key == "start") start(section);
@@ -147,6 +148,16 @@ private:
         if (const auto wall = view.time("wall")) sweep_.scene.run.max_wall = *wall;
     }
 
+    void accuracy(const Entry& section) {
+        const Node::Table* rows = table(section);
+        if (rows == nullptr) return;
+        const TableView view("accuracy", *rows, section.position, names_in_sweep("accuracy"), problems_);
+        SweepAccuracy& wanted = sweep_.accuracy;
+        if (view.require("target")) wanted.target = view.share("target").value_or(0.0);
+        wanted.verify = static_cast<int>(view.integer("verify", 0, 1'000'000).value_or(wanted.verify));
+        wanted.seed = static_cast<std::uint64_t>(view.integer("seed", 0, std::int64_t{1} << 53).value_or(0));
+    }
+
     void start(const Entry& section) {
         const Node::Table* rows = table(section);
         if (rows == nullptr) return;
@@ -173,10 +184,20 @@ private:
                 if (std::find(seen.begin(), seen.end(), key->key) != seen.end())
                     problems_.push_back({{}, fmt::format("axes: {} varies on two axes", key->key)});
                 seen.push_back(key->key);
+                tunable(key->key);
             }
         }
+        if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
+            problems_.push_back({{}, "accuracy: start.mode \"shared\" has cases begin where none of them has settled; write \"settle\""});
         if (!plan_for(sweep_.scene.run.method))
             problems_.push_back({{}, fmt::format("run.method: there is no method {}", toml_text(sweep_.scene.run.method))});
+    }
+
+    /// What is found for the accuracy cannot be an axis as well.
+    void tunable(std::string_view key) {
+        const bool found = key.starts_with("detail.") || key == "run.method" || key.starts_with("run.step");
+        if (sweep_.accuracy.target > 0.0 && found)
+            problems_.push_back({{}, fmt::format("accuracy: {} varies, but detail, method and step are what is found for it", key)});
     }
 
     const FindScene& find_scene_;

@@ -19,6 +19,7 @@ Json form_schema(const SweepKey& row) {
         case SweepForm::integer: return {{"type", "integer"}, {"minimum", 0}};
         case SweepForm::boolean: return {{"type", "boolean"}};
         case SweepForm::time:
+        case SweepForm::share:
         case SweepForm::value: return number_or_text;
         case SweepForm::choice: return {{"enum", row.choices}};
         case SweepForm::values: return {{"type", "array"}, {"minItems", 1}};

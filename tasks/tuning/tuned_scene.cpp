@@ -1,0 +1,168 @@
+#include "tasks/tuning/tuned_scene.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "engine/base/hash.hpp"
+#include "engine/base/provenance.hpp"
+#include "model/basis/isa.hpp"
+#include "tasks/run/saved_start.hpp"
+
+namespace cvtflow::tasks {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kept_format = "cvtflow tuning 1";
+
+std::string content_of(const std::string& key, const KeptTuning& kept) {
+    return fmt::format("{}\nkey {}\ndetail {}\nmethod {}\nshare {:.17g}\nstep {:.17g}\nerror {:.17g}\nstate {}\n", kept_format, key,
+                       kept.choice.detail, kept.choice.method, kept.choice.share, kept.step, kept.error, kept.state_file.empty() ? 0 : 1);
+}
+
+std::string sealed(const std::string& content) { return content + "seal " + engine::Hash().add(std::string_view(content)).hex() + "\n"; }
+
+fs::path text_file(const fs::path& folder, const std::string& key) { return folder / (key + ".tuning"); }
+fs::path state_file(const fs::path& folder, const std::string& key) { return folder / (key + ".h5"); }
+
+Scene applied(const Scene& scene, const KeptTuning& kept) {
+    Scene chosen = chosen_scene(scene, kept.choice, kept.step);
+    if (kept.state_file.empty()) return chosen;
+    chosen.state_file = kept.state_file;
+    chosen.start_state = KeptState();
+    return chosen;
+}
+
+}  // namespace
+
+const TunedChoice& chosen_of(const TuneResult& result) {
+    if (result.chosen) return result.choices[*result.chosen];
+    const TunedChoice* best = nullptr;
+    for (const TunedChoice& choice : result.choices) {
+        if (choice.tried && (best == nullptr || choice.error() < best->error())) best = &choice;
+    }
+    throw AccuracyError(fmt::format("{}: nothing that was tried is within {:g} % (with a margin of {:g}){}", result.scene,
+                                    100.0 * result.accuracy, tuning_margin,
+                                    best == nullptr ? "" : fmt::format("; nearest: {}: {}", best->choice.text(), best->standing)));
+}
+
+fs::path usual_tuning_folder() {
+    const char *chosen = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
+    if (chosen != nullptr && fs::path(chosen).is_absolute()) return fs::path(chosen) / "cvtflow";
+    return home != nullptr && *home != '\0' ? fs::path(home) / ".cache" / "cvtflow" : fs::path();
+}
+
+std::string tuning_key(const Scene& scene, const TuneSettings& settings) {
+    const engine::Provenance here = engine::current_provenance();
+    Scene placeless = scene;  // the content of its state counts, not where it lies
+    placeless.state_file.clear();
+    engine::Hash hash;
+    for (const std::string& text : {write_scene(placeless), here.version, here.commit, std::string(model::name_of(model::chosen_isa()))})
+        hash.add(std::string_view(text)).add(std::string_view("\n"));
+    if (!scene.state_file.empty()) {
+        const auto saved = saved_start(scene);
+        hash.add(std::span<const double>(saved->state)).add(std::span<const std::uint8_t>(saved->phases));
+    }
+    for (const std::string& output : settings.outputs) hash.add(std::string_view(output)).add(std::string_view("\n"));
+    const double numbers[] = {settings.accuracy, settings.budget, settings.same_everywhere ? 1.0 : 0.0, settings.times.settle,
+                              settings.times.average};
+    return hash.add(std::span<const double>(numbers)).hex();
+}
+
+std::optional<KeptTuning> read_tuning(const fs::path& folder, const std::string& key) {
+    std::ifstream file(text_file(folder, key), std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    KeptTuning kept;
+    std::istringstream lines(text.str());
+    const auto value = [&](std::string_view name) {
+        std::string line;
+        std::getline(lines, line);
+        return line.starts_with(fmt::format("{} ", name)) ? line.substr(name.size() + 1) : std::string();
+    };
+    std::string format;
+    std::getline(lines, format);
+    static_cast<void>(value("key"));
+    kept.choice.detail = value("detail");
+    kept.choice.method = value("method");
+    kept.choice.share = std::strtod(value("share").c_str(), nullptr);
+    kept.step = std::strtod(value("step").c_str(), nullptr);
+    kept.error = std::strtod(value("error").c_str(), nullptr);
+    if (value("state") == "1") kept.state_file = fs::absolute(state_file(folder, key)).string();
+    if (text.str() != sealed(content_of(key, kept))) return std::nullopt;
+    try {
+        if (!kept.state_file.empty()) static_cast<void>(engine::read_state(kept.state_file));
+    } catch (const engine::RecordError&) {
+        return std::nullopt;
+    }
+    return kept;
+}
+
+void keep_tuning(const fs::path& folder, const std::string& key, const KeptTuning& kept, const engine::SavedState* state) {
+    std::error_code unwritable;
+    fs::create_directories(folder, unwritable);
+    try {
+        if (state != nullptr) engine::write_state(state_file(folder, key).string(), *state);
+    } catch (const engine::RecordError&) {
+        return;
+    }
+    const fs::path part = text_file(folder, fmt::format("{}-{}", key, getpid()));
+    std::ofstream file(part, std::ios::binary);
+    file << sealed(content_of(key, kept));
+    file.close();
+    if (file)
+        fs::rename(part, text_file(folder, key), unwritable);
+    else
+        fs::remove(part, unwritable);
+}
+
+TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const fs::path& folder, const engine::Cancellation& cancel) {
+    const std::string key = tuning_key(scene, settings);
+    if (const auto kept = read_tuning(folder, key)) return {applied(scene, *kept), *kept, std::nullopt};
+    Tuner tuner(scene, settings, cancel);
+    TunedScene tuned;
+    tuned.result = tuner.tune(settings.accuracy);
+    const TunedChoice& chosen = chosen_of(*tuned.result);
+    tuned.kept = {chosen.choice, chosen.step, chosen.error(), {}};
+    if (!needs_own_state(scene, chosen_scene(scene, chosen.choice, chosen.step))) {
+        keep_tuning(folder, key, tuned.kept, nullptr);
+    } else {
+        const engine::SavedState state = tuner.settled_state(chosen.choice);
+        tuned.kept.state_file = fs::absolute(state_file(folder, key)).string();
+        keep_tuning(folder, key, tuned.kept, &state);
+        if (!read_tuning(folder, key)) {  // nothing can be kept there, but the run needs the state
+            tuned.kept.state_file = state_file(fs::temp_directory_path(), "cvtflow_" + key).string();
+            engine::write_state(tuned.kept.state_file, state);
+        }
+    }
+    tuned.scene = applied(scene, tuned.kept);
+    return tuned;
+}
+
+bool needs_own_state(const Scene& scene, const Scene& chosen) {
+    if (scene.parameters.start.layout != model::StartLayout::belt) return false;
+    return scene.state_file.empty() || model::layout_of(scene.parameters) != model::layout_of(chosen.parameters);
+}
+
+std::string tuned_text(const Scene& scene, const TuneResult& result, const std::string& state) {
+    const TunedChoice& chosen = chosen_of(result);
+    const engine::Provenance here = engine::current_provenance();
+    std::string text = fmt::format("# {} for an accuracy of {:g} %: {}.\n# Made by cvtflow {} ({}) on {}.\n#\n", result.scene,
+                                   100.0 * result.accuracy, chosen.choice.text(), here.version, here.commit, here.cpu);
+    text += fmt::format("# Largest errors at the operating points below; {:g} times them are within the target:\n", tuning_margin);
+    for (std::size_t i = 0; i < result.outputs.size(); ++i)
+        text += fmt::format("#   {:<20} {:.2g} %\n", result.outputs[i], 100.0 * chosen.errors[i]);
+    text += fmt::format("# {:.3g} s of processor time per simulated second. Measured against:\n", chosen.seconds);
+    for (std::size_t i = 0; i < result.points.size(); ++i) text += fmt::format("#   {}: {}\n", result.points[i], result.references[i]);
+    for (const std::string& line : result.left_out) text += fmt::format("#   not looked at: {}\n", line.substr(0, line.find('\n')));
+    Scene file = chosen_scene(scene, chosen.choice, chosen.step);
+    if (!state.empty()) file.state_file = state;
+    return text + "\n" + write_scene(file);
+}
+
+}  // namespace cvtflow::tasks

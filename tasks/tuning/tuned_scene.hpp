@@ -1,0 +1,60 @@
+#pragma once
+/// A scene with the choice that a Tuner made for it: as a scene to run, as a file, and kept by content for the next time.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "tasks/tuning/tuner.hpp"
+
+namespace cvtflow::tasks {
+
+/// No choice meets the target.
+class AccuracyError : public SimulationError {
+public:
+    using SimulationError::SimulationError;
+};
+
+/// A choice as it is kept.
+struct KeptTuning {
+    TuneChoice choice;
+    double step = 0.0;       ///< 0: automatic [s]
+    double error = 0.0;      ///< largest that was measured [1]
+    std::string state_file;  ///< start for its detail; empty: the scene's own start
+};
+
+/// Where choices are kept unless somebody says otherwise: $XDG_CACHE_HOME/cvtflow, else ~/.cache/cvtflow; empty: nowhere.
+[[nodiscard]] std::filesystem::path usual_tuning_folder();
+
+/// Hash of all that a choice depends on: the scene with its start state, what is asked for, program and instruction set.
+[[nodiscard]] std::string tuning_key(const Scene& scene, const TuneSettings& settings);
+
+/// What is kept under a key; nothing: there is none, or it is damaged, or of something else.
+[[nodiscard]] std::optional<KeptTuning> read_tuning(const std::filesystem::path& folder, const std::string& key);
+/// Keeps it. A folder that cannot be written to is no error: the next time it is measured again.
+/// @param state start for its detail; nullptr: the scene's own start is good
+void keep_tuning(const std::filesystem::path& folder, const std::string& key, const KeptTuning& kept, const engine::SavedState* state);
+
+struct TunedScene {
+    Scene scene;  ///< ready to run
+    KeptTuning kept;
+    std::optional<TuneResult> result;  ///< if it was measured now
+};
+
+/// The scene as it should be run for an accuracy: as kept, else measured and kept.
+/// @param folder where; one that cannot be written to keeps nothing, and a state that is needed goes into the system's temporary folder
+/// @throws AccuracyError, as Tuner
+[[nodiscard]] TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const std::filesystem::path& folder,
+                                     const engine::Cancellation& cancel);
+
+/// What was chosen. @throws AccuracyError: nothing was, and what was nearest
+[[nodiscard]] const TunedChoice& chosen_of(const TuneResult& result);
+
+/// Whether a scene needs another start state at that detail: it has none, or one with other unknowns.
+[[nodiscard]] bool needs_own_state(const Scene& scene, const Scene& chosen);
+
+/// The chosen scene as a file with every key; what was measured and how, in comments.
+/// @param state_file of the start, empty: as the scene has it   @throws AccuracyError
+[[nodiscard]] std::string tuned_text(const Scene& scene, const TuneResult& result, const std::string& state_file);
+
+}  // namespace cvtflow::tasks

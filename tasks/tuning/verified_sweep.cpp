@@ -1,0 +1,188 @@
+#include "tasks/tuning/verified_sweep.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+
+#include "engine/base/hash.hpp"
+#include "engine/record/table/case_table.hpp"
+#include "tasks/batch/results/ordered_rows.hpp"
+#include "tasks/batch/results/results.hpp"
+#include "tasks/run/saved_start.hpp"
+#include "tasks/study/detail_state.hpp"
+
+namespace cvtflow::tasks {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* target_attribute = "accuracy_target";
+
+TuneSettings settings_of(const Sweep& sweep, const std::function<void(const std::string&)>& progress) {
+    TuneSettings settings;
+    settings.accuracy = sweep.accuracy.target;
+    settings.same_everywhere = true;
+    settings.progress = progress;
+    return settings;
+}
+
+std::string key_of(const Sweep& sweep, const TuneSettings& settings) {
+    return engine::Hash().add(std::string_view(tuning_key(sweep.scene, settings))).add(std::string_view(sweep.definition())).hex();
+}
+
+/// The scene's own start state, brought over where the detail has other unknowns, in the folder of the sweep.
+void give_state(const Scene& own, const std::string& file, Scene& chosen) {
+    if (own.state_file.empty() || model::layout_of(own.parameters) == model::layout_of(chosen.parameters)) return;
+    engine::SavedState state = brought_over(*saved_start(own), own.parameters, chosen.parameters);
+    fs::create_directories(fs::path(file).parent_path());
+    engine::write_state(file, state);
+    chosen.state_file = fs::absolute(file).string();
+    chosen.start_state = KeptState();
+}
+
+}  // namespace
+
+TunedSweep tuned_sweep(const Sweep& sweep, const std::string& folder, const engine::Cancellation& cancel,
+                       const std::function<void(const std::string&)>& progress) {
+    TunedSweep tuned{sweep, {}, std::nullopt};
+    if (!(sweep.accuracy.target > 0.0)) return tuned;
+    const TuneSettings settings = settings_of(sweep, progress);
+    const std::string key = key_of(sweep, settings);
+    if (const auto kept = read_tuning(folder, key)) {
+        tuned.kept = *kept;
+    } else {
+        tuned.result = Tuner(sweep, settings, cancel).tune(settings.accuracy);
+        const TunedChoice& chosen = chosen_of(*tuned.result);
+        tuned.kept = {chosen.choice, chosen.step, chosen.error(), {}};
+        std::error_code reported_later;  // when the table is written
+        fs::create_directory(folder, reported_later);
+        keep_tuning(folder, key, tuned.kept, nullptr);
+    }
+    tuned.sweep.scene = chosen_scene(sweep.scene, tuned.kept.choice, tuned.kept.step);
+    if (sweep.start == StartMode::scene) give_state(sweep.scene, (fs::path(folder) / "states" / (key + ".h5")).string(), tuned.sweep.scene);
+    return tuned;
+}
+
+std::vector<long> cases_to_verify(const Sweep& sweep) {
+    const auto wanted = static_cast<std::size_t>(std::min<long>(sweep.cases(), sweep.accuracy.verify));
+    std::set<long> drawn;
+    for (std::uint64_t more = 0; drawn.size() < wanted; ++more) {
+        for (const double share : random_samples(wanted, 1, sweep.accuracy.seed + more)) {
+            if (drawn.size() < wanted) drawn.insert(static_cast<long>(share * static_cast<double>(sweep.cases())));
+        }
+    }
+    return {drawn.begin(), drawn.end()};
+}
+
+namespace {
+
+/// Errors of one case's row; empty and the reason in `why`.
+std::vector<double> errors_of(const Sweep& sweep, long number, const engine::RowLayout& layout, std::span<const std::byte> row,
+                              std::span<const TunedOutput> outputs, const engine::Cancellation& cancel, std::string& why) {
+    PointMeasure measure(point_of_case(sweep, number), std::string(detail_presets().back().name), outputs, cancel);
+    const PointRun* should = measure.reference(reference_share * sweep.accuracy.target);
+    if (cancel.requested()) throw SimulationError("interrupted");
+    if (should == nullptr) {
+        why = fmt::format("case {}: {}", number, measure.objection());
+        return {};
+    }
+    PointRun is;
+    for (const Scalar& scalar : sweep.scalars) is.values.push_back(layout.real(row, layout.column(scalar.column)));
+    return measure.errors(is, *should);
+}
+
+using ErrorsByCase = std::map<long, std::vector<double>>;
+
+/// The table once more, with errors in rows and the result's hash.
+void write_errors(const std::string& file, const Sweep& sweep, const TunedSweep& tuned, const ErrorsByCase& errors) {
+    for (const bool hashed : {false, true}) {
+        OrderedRows rows(file);
+        engine::CaseTable head = rows.head();
+        const engine::RowLayout& layout = head.layout;
+        head.set({target_attribute, number_text(sweep.accuracy.target)});
+        head.set({"accuracy_choice", tuned.kept.choice.text()});
+        head.set({"accuracy_at_corners", number_text(tuned.kept.error)});
+        if (hashed) head.set({"results_hash", rows.hash()});
+        engine::write_cases(file, head, rows.size(), [&](std::size_t first, std::span<std::byte> some) {
+            rows.fill(first, some);
+            for (std::size_t at = 0; at < some.size(); at += layout.bytes()) {
+                const auto row = some.subspan(at, layout.bytes());
+                const auto found = errors.find(layout.integer(row, layout.column("case")));
+                if (found == errors.end()) continue;
+                for (std::size_t i = 0; i < sweep.scalars.size(); ++i)
+                    layout.put(row, layout.column(std::string(error_prefix) + sweep.scalars[i].column), found->second[i]);
+                layout.seal(row);
+            }
+        });
+    }
+}
+
+}  // namespace
+
+std::vector<std::string> verify_sweep(const Sweep& sweep, const TunedSweep& tuned, const std::string& folder,
+                                      const engine::Cancellation& cancel, const std::function<void(const std::string&)>& progress) {
+    const std::string file = (fs::path(folder) / "cases.h5").string();
+    const std::vector<TunedOutput> outputs = tuned_outputs(sweep.scalars);
+    const engine::FolderLock lock(folder);
+    ErrorsByCase errors;
+    std::vector<std::string> remarks;
+    {
+        OrderedRows rows(file);
+        const engine::RowLayout layout = rows.head().layout;
+        for (const long number : cases_to_verify(sweep)) {
+            const auto row = rows.of_case(number);
+            if (row.empty() || layout.text(row, layout.column("status")) != "ok") continue;
+            if (std::isfinite(layout.real(row, layout.column(std::string(error_prefix) + sweep.scalars.front().column)))) continue;
+            if (progress) progress(fmt::format("verifying case {}", number));
+            std::string why;
+            const std::vector<double> found = errors_of(sweep, number, layout, row, outputs, cancel, why);
+            if (found.empty())
+                remarks.push_back(why);
+            else
+                errors[number] = found;
+        }
+    }
+    write_errors(file, sweep, tuned, errors);
+    return remarks;
+}
+
+SweepVerdict sweep_verdict(const std::string& file) {
+    OrderedRows rows(file);
+    const engine::CaseTable& head = rows.head();
+    SweepVerdict verdict;
+    verdict.target = std::strtod(head.attribute(target_attribute).c_str(), nullptr);
+    std::vector<std::size_t> columns;
+    for (const engine::CaseColumn& column : head.layout.columns()) {
+        if (!column.name.starts_with(error_prefix)) continue;
+        columns.push_back(head.layout.column(column.name));
+        verdict.scalars.push_back(column.name.substr(error_prefix.size()));
+    }
+    verdict.worst.resize(columns.size(), 0.0);
+    std::vector<std::byte> row(head.layout.bytes());
+    for (std::size_t at = 0; at < rows.size() && !columns.empty(); ++at) {
+        rows.fill(at, row);
+        double worst = 0.0;
+        if (std::isnan(head.layout.real(row, columns.front()))) continue;
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            const double error = head.layout.real(row, columns[i]);
+            verdict.worst[i] = std::max(verdict.worst[i], error);
+            worst = std::max(worst, error);
+        }
+        ++verdict.verified;
+        verdict.missed += !(worst <= verdict.target);
+    }
+    return verdict;
+}
+
+std::string SweepVerdict::text() const {
+    std::vector<std::string> parts;
+    for (std::size_t i = 0; i < scalars.size(); ++i) parts.push_back(fmt::format("{} {:.2g} %", scalars[i], 100.0 * worst[i]));
+    return fmt::format("{} case{} verified, {} beyond {:g} %{}", verified, verified == 1 ? "" : "s", missed, 100.0 * target,
+                       verified > 0 ? fmt::format("; at most: {}", fmt::join(parts, ", ")) : "");
+}
+
+}  // namespace cvtflow::tasks

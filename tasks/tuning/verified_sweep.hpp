@@ -1,0 +1,50 @@
+#pragma once
+/// A sweep that is as accurate as it says: tuned at the corners of its axes before it runs, then some of its cases run again at reference
+/// quality.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tasks/tuning/tuned_scene.hpp"
+
+namespace cvtflow::tasks {
+
+struct TunedSweep {
+    Sweep sweep;  ///< as it should be run
+    KeptTuning kept;
+    std::optional<TuneResult> result;  ///< if it was measured now
+};
+
+/// The sweep with the detail, method and step that its accuracy needs at its corners: as kept in its folder, else measured and kept there.
+/// A sweep that asks for no accuracy as it is. Every machine finds the same.
+/// @param progress may be empty   @throws AccuracyError, as Tuner; engine::RecordError
+[[nodiscard]] TunedSweep tuned_sweep(const Sweep& sweep, const std::string& folder, const engine::Cancellation& cancel,
+                                     const std::function<void(const std::string&)>& progress);
+
+/// Cases that are verified: SweepAccuracy::verify of them, drawn by its seed. Ascending.
+[[nodiscard]] std::vector<long> cases_to_verify(const Sweep& sweep);
+
+/// Runs cases of a finished table again at reference quality and writes errors into their rows (columns `error_of_...`) and the table's
+/// attributes. Rows that have errors keep them; of other shards nothing is touched.
+/// @param sweep as its file has it, not tuned   @param folder of the table   @return what could not be verified, and why
+/// @throws engine::RecordError; SimulationError: interrupted
+std::vector<std::string> verify_sweep(const Sweep& sweep, const TunedSweep& tuned, const std::string& folder,
+                                      const engine::Cancellation& cancel, const std::function<void(const std::string&)>& progress);
+
+/// What a table says of its errors.
+struct SweepVerdict {
+    double target = 0.0;               ///< 0: the sweep asked for none [1]
+    std::vector<std::string> scalars;  ///< columns
+    std::vector<double> worst;         ///< error of each [1]
+    long verified = 0, missed = 0;     ///< cases; missed: with an error above the target
+
+    /// One case in twenty may miss it.
+    [[nodiscard]] bool held() const noexcept { return 20 * missed <= verified; }
+    /// "10 cases verified, 1 beyond 1 %; at most: slip_mean 0.3 %, ratio_mean 0.02 %"
+    [[nodiscard]] std::string text() const;
+};
+/// @param file the table   @throws engine::RecordError
+[[nodiscard]] SweepVerdict sweep_verdict(const std::string& file);
+
+}  // namespace cvtflow::tasks

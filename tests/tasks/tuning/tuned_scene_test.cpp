@@ -1,0 +1,120 @@
+#include "tasks/tuning/tuned_scene.hpp"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "tests/tasks/settled_tiny_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+namespace fs = std::filesystem;
+const engine::Cancellation never;
+
+class TunedScenes : public testing::Test {
+protected:
+    TunedScenes() : folder_(fs::path(testing::TempDir()) / ("tuned_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)))) {}
+    ~TunedScenes() override { fs::remove_all(folder_); }
+    static TuneSettings settings(double accuracy = 0.2) {
+        TuneSettings made;
+        made.accuracy = accuracy;
+        made.times = {0.5e-3, 0.5e-3};
+        made.outputs = {"tight_tension"};
+        made.same_everywhere = true;
+        return made;
+    }
+    [[nodiscard]] fs::path kept_file() const {
+        for (const auto& entry : fs::directory_iterator(folder_)) {
+            if (entry.path().extension() == ".tuning") return entry.path();
+        }
+        return {};
+    }
+    fs::path folder_;
+};
+
+TEST_F(TunedScenes, AreMeasuredOnceAndKeptByContent) {
+    const Scene scene = test::settled_tiny();
+    const TunedScene first = tuned_scene(scene, settings(), folder_, never);
+    ASSERT_TRUE(first.result);
+    const TunedScene second = tuned_scene(scene, settings(), folder_, never);
+    EXPECT_FALSE(second.result) << "as kept";
+    EXPECT_EQ(second.kept.choice, first.kept.choice);
+    EXPECT_EQ(write_scene(second.scene), write_scene(first.scene));
+    EXPECT_EQ(second.scene.run.method, first.kept.choice.method);
+    EXPECT_NE(tuning_key(scene, settings()), tuning_key(scene, settings(0.1)));
+    Scene other = scene;
+    set_value(other, "load.torque=11");
+    EXPECT_NE(tuning_key(scene, settings()), tuning_key(other, settings()));
+}
+
+TEST_F(TunedScenes, RunFromAStateOfTheirOwnDetail) {
+    const TunedScene tuned = tuned_scene(test::settled_tiny(), settings(), folder_, never);
+    Simulation simulation(tuned.scene);
+    EXPECT_FALSE(simulation.needs_settling());
+    EXPECT_EQ(simulation.time(), 0.0);
+    SilentObserver nobody;
+    EXPECT_FALSE(simulation.run(20e-6, nobody, never));
+}
+
+TEST_F(TunedScenes, AreMeasuredAnewWhereWhatIsKeptIsDamagedOrForeign) {
+    const KeptTuning kept{{"medium", "leapfrog-chebyshev", 0.5}, 0.4e-6, 0.01, {}};
+    keep_tuning(folder_, "abc", kept, nullptr);
+    ASSERT_TRUE(read_tuning(folder_, "abc"));
+    EXPECT_EQ(read_tuning(folder_, "abc")->step, kept.step);
+    EXPECT_FALSE(read_tuning(folder_, "abd")) << "there is none";
+    std::string text = (std::ostringstream() << std::ifstream(kept_file()).rdbuf()).str();
+    fs::copy_file(kept_file(), folder_ / "abd.tuning");
+    EXPECT_FALSE(read_tuning(folder_, "abd")) << "of another key";
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        std::string damaged = text;
+        damaged[at] = static_cast<char>(damaged[at] ^ 1);
+        std::ofstream(kept_file()) << damaged;
+        EXPECT_FALSE(read_tuning(folder_, "abc")) << at;
+        std::ofstream(kept_file()) << text.substr(0, at);
+        EXPECT_FALSE(read_tuning(folder_, "abc")) << "cut at " << at;
+    }
+}
+
+TEST_F(TunedScenes, NeedNoPlaceToBeKept) {
+    const TunedScene tuned = tuned_scene(test::settled_tiny(), settings(), "/proc/nowhere", never);
+    EXPECT_TRUE(tuned.result);
+    EXPECT_NO_THROW(Simulation{tuned.scene});
+}
+
+TEST_F(TunedScenes, SayWhatWasNearestWhereNothingIsAccurateEnough) {
+    TuneResult result;
+    result.scene = "tiny";
+    result.accuracy = 0.01;
+    result.choices.resize(2);
+    result.choices[0] = {
+        .choice = {"coarse", "rk4"}, .tried = true, .errors = {0.3}, .worst = "start", .standing = "slip off by 30 % at start"};
+    result.choices[1].standing = "the budget was used up";
+    try {
+        static_cast<void>(tuned_text(test::settled_tiny(), result, ""));
+        FAIL();
+    } catch (const AccuracyError& error) {
+        EXPECT_STREQ(
+            error.what(),
+            "tiny: nothing that was tried is within 1 % (with a margin of 2); nearest: coarse, rk4, automatic step: slip off by 30 % at "
+            "start");
+    }
+}
+
+TEST_F(TunedScenes, AsFilesAreScenesThatSayWhereTheyComeFrom) {
+    const Scene scene = test::settled_tiny();
+    const TuneResult result = Tuner(scene, settings(), never).tune(0.2);
+    const std::string text = tuned_text(scene, result, "");
+    const Scene read = parse_scene(text, "tuned.toml", StartState::ignored);
+    const TunedChoice& chosen = result.choices[*result.chosen];
+    EXPECT_EQ(read.run, chosen_scene(scene, chosen.choice, chosen.step).run);
+    EXPECT_EQ(read.parameters.detail, chosen_scene(scene, chosen.choice, chosen.step).parameters.detail);
+    EXPECT_THAT(text, testing::StartsWith("# tiny for an accuracy of 20 %: " + chosen.choice.text()));
+    EXPECT_THAT(text, testing::HasSubstr("#   tight_tension "));
+    EXPECT_THAT(text, testing::HasSubstr("#   start: full, "));
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

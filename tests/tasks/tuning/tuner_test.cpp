@@ -1,0 +1,101 @@
+/// The tuner on the smallest scene, with times that are too short to be read of but long enough to measure by.
+
+#include "tasks/tuning/tuner.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/tasks/settled_tiny_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+const engine::Cancellation undisturbed;
+
+TuneSettings brief() {
+    TuneSettings settings;
+    settings.times = {0.5e-3, 0.5e-3};
+    settings.outputs = {"tight_tension", "slip"};
+    settings.same_everywhere = true;  // one method, ranked by work: quick, and the same wherever the test runs
+    return settings;
+}
+
+const TunedChoice& chosen(const TuneResult& result) { return result.choices.at(result.chosen.value()); }
+
+TEST(Tuner, TakesTheCheapestChoiceWhoseErrorsTimesTheMarginAreWithinTheTarget) {
+    Tuner tuner(test::settled_tiny(), brief(), undisturbed);
+    const TuneResult result = tuner.tune(0.2);
+    ASSERT_TRUE(result.chosen) << result.choices.front().standing;
+    EXPECT_LE(chosen(result).error() * tuning_margin, 0.2);
+    for (std::size_t i = 0; i < *result.chosen; ++i) {
+        const TunedChoice& cheaper = result.choices[i];
+        EXPECT_LE(cheaper.work, chosen(result).work);
+        EXPECT_TRUE(!cheaper.tried || cheaper.error() * tuning_margin > 0.2) << cheaper.choice.text();
+        EXPECT_NE(cheaper.standing, "") << "why it was not taken";
+    }
+    for (std::size_t i = *result.chosen + 1; i < result.choices.size(); ++i)
+        EXPECT_EQ(result.choices[i].standing, "dearer than the one chosen");
+    EXPECT_THAT(result.references.at(0), testing::StartsWith(std::string(detail_presets().back().name) + ", "));
+}
+
+TEST(Tuner, ChoosesTheSameEveryTimeAndKnowsEveryLevelOfTheCatalogue) {
+    const TuneResult one = Tuner(test::settled_tiny(), brief(), undisturbed).tune(0.2),
+                     other = Tuner(test::settled_tiny(), brief(), undisturbed).tune(0.2);
+    EXPECT_EQ(chosen(one).choice, chosen(other).choice);
+    EXPECT_EQ(chosen(one).errors, chosen(other).errors) << "errors have no noise";
+    for (const DetailPreset& preset : detail_presets()) {
+        EXPECT_TRUE(std::any_of(one.choices.begin(), one.choices.end(), [&](const TunedChoice& c) {
+            return c.choice.detail == preset.name;
+        })) << preset.name;
+    }
+}
+
+TEST(Tuner, AsksForMoreDetailWhereMoreAccuracyIsWanted) {
+    Tuner tuner(test::settled_tiny(), brief(), undisturbed);
+    const TuneResult rough = tuner.tune(0.5), fine = tuner.tune(0.01);
+    EXPECT_LE(chosen(fine).error() * tuning_margin, 0.01);
+    EXPECT_LT(chosen(rough).work, chosen(fine).work);
+    EXPECT_LT(chosen(fine).error(), chosen(rough).error());
+}
+
+TEST(Tuner, NeverTakesWhatBreaksDownHoweverCheapItIs) {
+    Scene scene = test::settled_tiny();
+    set_value(scene, "tip.deepest=1 um");  // every tip is deeper than that: no run gets anywhere, the reference neither
+    Tuner tuner(scene, brief(), undisturbed);
+    try {
+        static_cast<void>(tuner.tune(0.5));
+        FAIL() << "nothing can be measured";
+    } catch (const SimulationError& error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("no operating point has a reference"));
+        EXPECT_THAT(error.what(), testing::HasSubstr("start: the reference"));
+    }
+}
+
+TEST(Tuner, SaysWhatItLeavesOutWhenItsBudgetIsUsedUp) {
+    TuneSettings settings = brief();
+    settings.budget = 1e-9;
+    const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
+    EXPECT_FALSE(result.chosen);
+    for (const TunedChoice& choice : result.choices) EXPECT_EQ(choice.standing, "the budget was used up");
+}
+
+TEST(Tuner, EndsWhenItIsTold) {
+    engine::Cancellation cancel;
+    cancel.request();
+    EXPECT_THROW(static_cast<void>(Tuner(test::settled_tiny(), brief(), cancel).tune(0.2)), SimulationError);
+}
+
+TEST(Tuner, MeasuresAtPointsThatItHasNotTried) {
+    const Scene scene = test::settled_tiny();
+    const TuneSettings settings = brief();
+    Tuner tuner(scene, settings, undisturbed);
+    const TuneChoice finest{std::string(detail_presets().back().name), RunSettings{}.method, 0.25};
+    for (const OperatingPoint& point : unseen_points(scene, settings.times, 2, 1)) {
+        std::string why;
+        const auto errors = tuner.errors_at(finest, point, 0.2, why);
+        ASSERT_EQ(errors.size(), 2u) << why;
+        EXPECT_LE(largest(errors), reference_share * 0.2) << "the reference itself, or twice its step";
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
