@@ -1,0 +1,132 @@
+"""What `pip install .` asks for a wheel (PEP 517), with the standard library alone: Debian 12 has no scikit-build-core.
+
+CMake builds the module and libcvtflow.so, as `cmake --install` would; the wheel holds package, library and ready scenes, all inside the
+package's folder. Needed on the machine: what building cvtflow needs (README), python3-dev and pybind11-dev.
+
+    pip install .                                       # into build-wheel/
+    pip install . -C build-dir=DIR -C cmake-args="-DCVTFLOW_NATIVE=ON -DCMAKE_CXX_COMPILER=clang++" -C jobs=2
+"""
+
+import base64
+import hashlib
+import io
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import zipfile
+
+TOP = pathlib.Path(__file__).resolve().parent.parent.parent
+PACKAGE = "cvtflow"
+
+
+def version():
+    return re.search(r"^project\(cvtflow VERSION (\S+) ", (TOP / "CMakeLists.txt").read_text(), re.MULTILINE).group(1)
+
+
+def metadata():
+    """Metadata 2.1; name, description and requirements are those of pyproject.toml, read where Python can (3.11)."""
+    try:
+        import tomllib
+
+        project = tomllib.loads((TOP / "pyproject.toml").read_text())["project"]
+    except ImportError:
+        project = {"dependencies": ["numpy"]}
+    lines = ["Metadata-Version: 2.1", f"Name: {PACKAGE}", f"Version: {version()}", "License: Apache-2.0"]
+    lines += [f"Summary: {project[key]}" for key in ["description"] if key in project]
+    lines += [f"Requires-Python: {project[key]}" for key in ["requires-python"] if key in project]
+    lines += [f"Requires-Dist: {each}" for each in project["dependencies"]]
+    for extra, needs in project.get("optional-dependencies", {}).items():
+        lines += [f"Provides-Extra: {extra}"] + [f'Requires-Dist: {each}; extra == "{extra}"' for each in needs]
+    return "\n".join(lines) + "\n"
+
+
+def tag():
+    python = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    return f"{python}-{python}-{re.sub(r'[^A-Za-z0-9]', '_', sysconfig.get_platform())}"
+
+
+def infos():
+    wheel = f"Wheel-Version: 1.0\nGenerator: cvtflow {version()}\nRoot-Is-Purelib: false\nTag: {tag()}\n"
+    folder = f"{PACKAGE}-{version()}.dist-info"
+    return {f"{folder}/METADATA": metadata().encode(), f"{folder}/WHEEL": wheel.encode()}
+
+
+def build(settings):
+    """Compiles and returns the build folder."""
+    folder = pathlib.Path(settings.get("build-dir") or TOP / "build-wheel").resolve()
+    # The package's folder is the prefix: the module looks for the library beside itself, the library for scenes beside itself.
+    arguments = ["-DCMAKE_BUILD_TYPE=Release", "-DCVTFLOW_NATIVE=OFF", "-DCVTFLOW_UNITY=ON", "-DCVTFLOW_TESTS=OFF", "-DCVTFLOW_BENCH=OFF",
+                 "-DCVTFLOW_EXAMPLES=OFF", "-DCVTFLOW_PYTHON=" + sys.executable, "-DCVTFLOW_PYTHON_DIR=..", "-DCMAKE_INSTALL_LIBDIR=lib",
+                 "-DCMAKE_BUILD_WITH_INSTALL_RPATH=ON", *shlex.split(settings.get("cmake-args") or "")]
+    jobs = settings.get("jobs") or str(os.cpu_count())
+    environment = dict(os.environ, LD_LIBRARY_PATH=f"{folder}:{os.environ.get('LD_LIBRARY_PATH', '')}")  # the type stub is asked of the module
+    subprocess.run(["cmake", "-S", str(TOP), "-B", str(folder), *arguments], check=True)
+    subprocess.run(["cmake", "--build", str(folder), "--target", "cvtflow_python", "--parallel", jobs], check=True, env=environment)
+    return folder
+
+
+def contents(folder):
+    """Name in the wheel and file, for everything that the package holds."""
+    package = folder / "python" / PACKAGE
+    if not list(package.glob("_cvtflow*.so")):
+        raise RuntimeError("cvtflow: no Python module was built; CMake's output says what is missing (Debian: python3-dev, pybind11-dev)")
+    for file in sorted(package.iterdir()):
+        if file.is_file():
+            yield f"{PACKAGE}/{file.name}", file
+    library = next(file for file in sorted(folder.glob("libcvtflow.so.*")) if file.is_symlink())  # by the name that the module looks for
+    yield f"{PACKAGE}/lib/{library.name}", library
+    for file in sorted((TOP / "scenes").rglob("*")):
+        if file.is_file():
+            yield f"{PACKAGE}/share/cvtflow/scenes/{file.relative_to(TOP / 'scenes')}", file
+
+
+def get_requires_for_build_wheel(config_settings=None):
+    return []
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    for name, text in infos().items():
+        path = pathlib.Path(metadata_directory) / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(text)
+    return f"{PACKAGE}-{version()}.dist-info"
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
+    folder = build(config_settings or {})
+    name = f"{PACKAGE}-{version()}-{tag()}.whl"
+    record = []
+    with zipfile.ZipFile(pathlib.Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
+
+        def add(inside, data, mode=0o644):
+            digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+            record.append(f"{inside},sha256={digest},{len(data)}")
+            info = zipfile.ZipInfo(inside, (1980, 1, 1, 0, 0, 0))
+            info.external_attr, info.compress_type = (0o100000 | mode) << 16, zipfile.ZIP_DEFLATED
+            wheel.writestr(info, data)
+
+        for inside, file in contents(folder):
+            add(inside, file.read_bytes(), 0o755 if ".so" in inside else 0o644)
+        for inside, data in infos().items():
+            add(inside, data)
+        place = f"{PACKAGE}-{version()}.dist-info/RECORD"
+        wheel.writestr(place, "\n".join(record + [f"{place},,"]) + "\n")
+    return name
+
+
+def build_sdist(sdist_directory, config_settings=None):
+    """What git tracks."""
+    name = f"{PACKAGE}-{version()}"
+    files = subprocess.run(["git", "-C", str(TOP), "ls-files", "-z"], check=True, capture_output=True, text=True).stdout.split("\0")
+    with tarfile.open(pathlib.Path(sdist_directory) / f"{name}.tar.gz", "w:gz") as archive:
+        for file in filter(None, files):
+            archive.add(TOP / file, f"{name}/{file}", recursive=False)
+        info = tarfile.TarInfo(f"{name}/PKG-INFO")
+        info.size = len(metadata().encode())
+        archive.addfile(info, io.BytesIO(metadata().encode()))
+    return f"{name}.tar.gz"
