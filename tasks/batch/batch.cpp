@@ -23,16 +23,32 @@ constexpr std::size_t waiting_rows = 64;
 constexpr double sync_seconds = 5.0;
 const engine::Cancellation never;
 
-/// Takes rows of cases that are to run again out of the table, and all but the first row of a case.
-void keep_done(engine::CaseTable& table, const std::vector<std::string>& retry, std::vector<char>& done) {
+/// Cases whose rows stay: no longer to be run. @return those of them that ended well, ascending
+std::vector<long> mark_done(const engine::CaseTable& table, const std::vector<std::string>& retry, std::vector<char>& done) {
     const std::size_t number = table.layout.column("case"), status = table.layout.column("status");
+    std::vector<long> ok;
+    for (std::size_t i = 0; i < table.size(); ++i) {
+        const auto row = table.row(i);
+        const auto of_case = static_cast<std::size_t>(table.layout.integer(row, number));
+        const std::string ended = table.layout.text(row, status);
+        if (of_case >= done.size() || std::find(retry.begin(), retry.end(), ended) != retry.end()) continue;
+        done[of_case] = 1;
+        if (ended == status_name(CaseStatus::ok)) ok.push_back(static_cast<long>(of_case));
+    }
+    std::sort(ok.begin(), ok.end());
+    return ok;
+}
+
+/// Takes rows of cases that are to run out of the table, and all but the first row of a case.
+void keep_done(engine::CaseTable& table, const std::vector<char>& done) {
+    const std::size_t number = table.layout.column("case");
+    std::vector<char> wanted = done;
     std::vector<std::byte> kept;
     for (std::size_t i = 0; i < table.size(); ++i) {
         const auto row = table.row(i);
         const auto of_case = static_cast<std::size_t>(table.layout.integer(row, number));
-        if (of_case >= done.size() || done[of_case] != 0) continue;
-        if (std::find(retry.begin(), retry.end(), table.layout.text(row, status)) != retry.end()) continue;
-        done[of_case] = 1;
+        if (of_case >= wanted.size() || wanted[of_case] == 0) continue;
+        wanted[of_case] = 0;
         kept.insert(kept.end(), row.begin(), row.end());
     }
     table.rows = std::move(kept);
@@ -86,7 +102,9 @@ private:
         if (table.attribute("shard") != begin.attribute("shard"))
             throw SimulationError(
                 fmt::format("{}: results of shard {}, not {}", file_, table.attribute("shard"), begin.attribute("shard")));
-        keep_done(table, options_.part.attempt == 0 ? options_.retry : std::vector<std::string>{}, done_);
+        const std::vector<long> ok = mark_done(table, options_.part.attempt == 0 ? options_.retry : std::vector<std::string>{}, done_);
+        reopen_broken_strands(sweep_, places(), ok, done_);
+        keep_done(table, done_);
         table.set({"status", "running"});
         return table;
     }

@@ -75,6 +75,37 @@ void CaseEngine::go_on_from(const Checkpoint& checkpoint) {
     if (recorder_) recorder_->restore({memory.begin(), memory.end()});
 }
 
+namespace {
+
+std::string end_file(const CasePlaces& places, long strand, long parity) {
+    return (places.continuation / fmt::format("strand-{:06}-{}.h5", strand, parity)).string();
+}
+
+/// Whose end a state is; -1: nobody's.
+double case_of(const engine::SavedState& end) {
+    return end.more.empty() || end.more.front().values.empty() ? -1.0 : end.more.front().values.front();
+}
+
+bool end_is_kept(const CasePlaces& places, long strand, long number) {
+    const std::string file = end_file(places, strand, number % 2);
+    std::error_code missing;
+    return std::filesystem::exists(file, missing) && case_of(engine::read_state(file)) == static_cast<double>(number);
+}
+
+}  // namespace
+
+void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const std::vector<long>& ok, std::vector<char>& done) {
+    const long length = sweep.strand();
+    for (long first = 0; length > 1 && first < sweep.cases(); first += length) {
+        const auto begin = done.begin() + first, end = begin + length, open = std::find(begin, end, 0);
+        const auto last = std::lower_bound(ok.begin(), ok.end(), first + length);
+        const bool from_a_case = last != ok.begin() && last[-1] >= first;
+        const bool only_the_last_are_open = std::find(open, end, 1) == end;
+        if (open == end || (only_the_last_are_open && (!from_a_case || end_is_kept(places, first / length, last[-1])))) continue;
+        std::fill(begin, end, char{0});
+    }
+}
+
 /// The latest end of a case before this one in its strand; nullptr: there is none. Ends are kept in two files by turns, so that a case that
 /// was lost with a killed process finds the end before it.
 StartStates::State CaseEngine::end_before() const {
@@ -82,11 +113,11 @@ StartStates::State CaseEngine::end_before() const {
     StartStates::State latest;
     double newest = -1.0;
     for (int parity = 0; parity < 2 && sweep_.strand() > 1 && result_.number > first && !own_start_; ++parity) {
-        const std::string file = (places_.continuation / fmt::format("strand-{:06}-{}.h5", first / sweep_.strand(), parity)).string();
+        const std::string file = end_file(places_, first / sweep_.strand(), parity);
         std::error_code missing;
         if (!std::filesystem::exists(file, missing)) continue;
         auto state = std::make_shared<engine::SavedState>(engine::read_state(file));
-        const double number = state->more.empty() || state->more.front().values.empty() ? -1.0 : state->more.front().values.front();
+        const double number = case_of(*state);
         if (number >= static_cast<double>(result_.number) || number <= newest) continue;
         newest = number;
         latest = std::move(state);
@@ -117,7 +148,7 @@ void CaseEngine::keep_for_neighbour() {
     saved.more = {{"case", {static_cast<double>(result_.number)}}};
     std::filesystem::create_directories(places_.continuation);
     const long strand = result_.number / sweep_.strand();
-    engine::write_state((places_.continuation / fmt::format("strand-{:06}-{}.h5", strand, result_.number % 2)).string(), saved);
+    engine::write_state(end_file(places_, strand, result_.number % 2), saved);
 }
 
 }  // namespace cvtflow::tasks

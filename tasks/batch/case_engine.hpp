@@ -72,6 +72,12 @@ struct CasePlaces {
     double checkpoint_every = 60.0;  ///< [s]
 };
 
+/// A case of a continued sweep starts where the last good one before it ended, and of every strand only the latest ends are kept. Strands
+/// of which others than their last cases are to run, or whose latest end is not that of their last good case, begin anew.
+/// @param ok  cases that are in the table and ended well, ascending   @param done  by case; in and out
+/// @throws engine::RecordError  an end is damaged
+void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const std::vector<long>& ok, std::vector<char>& done);
+
 class CaseEngine final : public RunObserver {
 public:
     CaseEngine(const Sweep& sweep, StartStates& starts, BatchControl& control, CasePlaces places);

@@ -75,6 +75,30 @@ TEST_F(DamagedSweep, BeginsACaseAnewWhoseRecordIsGone) {
     EXPECT_THAT(same_results(), HasSubstr("case 0 begins anew, its checkpoint cannot be used: out/records/case-000000.h5: the record"));
 }
 
+/// Cases start from each other's ends, of which the latest are kept, while rows may be lost with the power.
+TEST_F(Sweeps, ThatHasLostRowsOfCasesWhichOthersStartedFromRunsThemAllAgain) {
+    write_sweep("\"6 N*m\"", "1 ms", "continuation = \"clamping.driven\"\ncheck = 0\n");
+    const Outcome whole = run({"batch", "sweep.toml", "-o", "whole"});
+    Child child({"batch", "sweep.toml", "-o", "stopped", "--grace", "1 us", "--checkpoint-every", "10 ms", "-q"}, folder_);
+    ASSERT_TRUE(eventually([&] { return exists("stopped/checkpoints/case-000003.h5"); }));
+    child.send(SIGTERM);
+    ASSERT_EQ(child.wait().status, 130);
+    const engine::CaseTable rows = table("stopped");
+    ASSERT_EQ(rows.size(), 3u);
+    for (const std::vector<std::size_t>& left : {std::vector<std::size_t>{0}, {0, 2}, {0, 1, 2}}) {
+        std::filesystem::remove_all(folder_ / "out");
+        std::filesystem::copy(folder_ / "stopped", folder_ / "out", std::filesystem::copy_options::recursive);
+        engine::CaseTable some = rows;
+        some.rows.clear();
+        for (const std::size_t row : left) some.rows.insert(some.rows.end(), rows.row(row).begin(), rows.row(row).end());
+        engine::write_cases((folder_ / "out/cases.h5").string(), some);
+        const Outcome rest = run({"resume", "out"});
+        EXPECT_EQ(hash_in(rest.out), hash_in(whole.out)) << rest.err;
+        EXPECT_EQ(column("start"), column("start", "whole"));
+        EXPECT_THAT(rest.out, HasSubstr(left.size() == 3 ? "1 now" : "4 now"));
+    }
+}
+
 TEST_F(Sweeps, ThatCannotWriteItsCheckpointsStopsAndBlamesNoCase) {
     write_sweep("\"6 N*m\"", "2 ms");
     std::filesystem::create_directory(folder_ / "out");
