@@ -45,6 +45,7 @@ Action declare_spectrum(CLI::App& app);
 Action declare_stability(CLI::App& app);
 Action declare_pin_entry(CLI::App& app);
 Action declare_profile(CLI::App& app);
+Action declare_granularity(CLI::App& app);
 Action declare_dot(CLI::App& app);
 Action declare_newton(CLI::App& app);
 Action declare_detail(CLI::App& app);

@@ -30,6 +30,8 @@ std::span<const Command> commands() noexcept {
         Command{"pin-entry", "Run methods through the entry of a pin: its axial force, errors, evaluations, time in turns",
                 declare_pin_entry},
         Command{"profile", "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
+        Command{"granularity", "Measure how short tasks may be: efficiency of every executor against the length of a task",
+                declare_granularity},
         Command{"newton", "Try the implicit methods: Newton's convergence, cost and error by variant and step", declare_newton},
         Command{"detail", "Compare levels of detail: what each dial costs and what it changes", declare_detail},
         Command{"tradeoff", "Measure what accuracy costs: methods and steps, the Pareto front, a recommendation", declare_tradeoff},
