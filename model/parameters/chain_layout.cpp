@@ -12,7 +12,8 @@ ChainLayout layout_of(const Parameters& parameters) noexcept {
         return 0;
     }();
     const bool has_pulleys = pulley_size != 0;
-    return {parameters.detail.order, parameters.chain.pins, pulley_size, parameters.control.enabled && has_pulleys, parameters.ledger};
+    return {parameters.detail.order, parameters.chain.pins, pulley_size, has_pulleys ? controllers(parameters.control) : 0,
+            parameters.ledger};
 }
 
 }  // namespace cvtflow::model

@@ -249,22 +249,25 @@ const std::vector<Parameter>& rows() {
      "model choice", [](Scene& s) -> Slot { return &s.parameters.clamping.safety; }},
 
     {"control.enabled", "", 0, 0, {},
-     "A PI controller corrects a clamping force (control.quantity).",
+     "A PI controller corrects a clamping force (control.quantity), a second one that of shaft 2 if control.driven says so.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.enabled; }},
-    {"control.quantity", "", 0, 0, {"ratio", "slip"},
-     "Controlled are the speed ratio by the clamping force of shaft 1, or slip by that of shaft 2.",
+    {"control.quantity", "", 0, 0, {"ratio", "slip", "safety"},
+     "Controlled are the speed ratio by the clamping force of shaft 1, or slip or the safety factor by that of shaft 2.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.quantity; }},
     {"control.slip", "1", 0, 0.5, {},
      "Wanted slip over time: loss of speed against the ratio of the radii by the sheaves' positions, whose elastic deformation counts.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.slip; }},
+    {"control.safety", "1", 0.1, 100, {},
+     "Wanted safety factor of shaft 2 over time: 2 mu S r/cos(beta), with the radius by the sheaves' position, over the load's torque.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.safety; }},
     {"control.ratio", "1", 0.05, 20, {},
      "Wanted speed ratio (shaft 1 over shaft 2) over time.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.ratio; }},
     {"control.proportional", "N", 0, 1e9, {},
-     "Proportional gain: clamping force per relative error of speed, or per error of slip.",
+     "Proportional gain: clamping force per relative error of speed or safety, or per error of slip.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.proportional; }},
     {"control.integral", "N/s", 0, 1e12, {},
-     "Integral gain: rate of clamping force per relative error of speed, or per error of slip.",
+     "Integral gain: rate of clamping force per relative error of speed or safety, or per error of slip.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.integral; }},
     {"control.authority", "N", 0, 1e6, {},
      "Largest correction of the clamping force, either way.",
@@ -272,6 +275,19 @@ const std::vector<Parameter>& rows() {
     {"control.reference_speed", "rad/s", 1e-3, 3000, {},
      "Speed that scales the error in drive.mode torque.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.control.reference_speed; }},
+
+    {"control.driven", "", 0, 0, {"none", "slip", "safety"},
+     "What a second PI controller holds by the clamping force of shaft 2 while the first one holds the ratio by that of shaft 1.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.driven; }},
+    {"control.driven_proportional", "N", 0, 1e9, {},
+     "Proportional gain of the second controller: clamping force per error of slip or relative error of the safety factor.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.driven_proportional; }},
+    {"control.driven_integral", "N/s", 0, 1e12, {},
+     "Integral gain of the second controller: rate of clamping force per error of slip or relative error of the safety factor.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.driven_integral; }},
+    {"control.driven_authority", "N", 0, 1e6, {},
+     "Largest correction of the clamping force by the second controller, either way.",
+     "model choice", [](Scene& s) -> Slot { return &s.parameters.control.driven_authority; }},
 
     {"start.layout", "", 0, 0, {"belt", "ring"},
      "The chain begins around the pulleys, or as a free ring.",
@@ -355,10 +371,10 @@ const std::vector<Parameter>& rows() {
 }  // namespace
 
 Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number, Kind::integer,     Kind::integer,    Kind::integer,     Kind::boolean,
-                                      Kind::text,   Kind::number_list, Kind::time_table, Kind::choice,      Kind::choice,
-                                      Kind::choice, Kind::choice,      Kind::choice,     Kind::choice,      Kind::choice,
-                                      Kind::choice, Kind::choice,      Kind::choice,     Kind::auto_number, Kind::text_list};
+    static constexpr std::array kinds{Kind::number,      Kind::integer,     Kind::integer,  Kind::integer, Kind::boolean, Kind::text,
+                                      Kind::number_list, Kind::time_table,  Kind::choice,   Kind::choice,  Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::auto_number, Kind::text_list};
     static_assert(kinds.size() == std::variant_size_v<Slot>);
     Scene scene;
     return kinds[member(scene).index()];

@@ -70,7 +70,7 @@ struct System {
     double t;  ///< [s]
     std::vector<Link> links;
     std::array<Body, bodies> body;  ///< of rigid pulleys: sheaves (0, 0, 0, 0, w, φ_k), shafts (0, 0, 0, 0, 0, φ_k)
-    Real control_integral = 0.0L;   ///< I [s]
+    Real control_integral[2] = {};  ///< I of both controllers [s]
     std::span<const model::Phase> phases;
 };
 
@@ -80,7 +80,7 @@ struct Totals {
     std::array<BodyForce, bodies> body;
     PowersOf<Real> powers;
     EnergiesOf<Real> energies;
-    Real control_rate = 0.0L;  ///< I' [1]
+    Real control_rate[2] = {};  ///< I' [1]
 
     [[nodiscard]] Real& loss(model::Loss kind) { return powers.losses[static_cast<std::size_t>(kind)]; }
     [[nodiscard]] Real& work(model::Work kind) { return powers.works[static_cast<std::size_t>(kind)]; }
