@@ -37,7 +37,8 @@ void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
 
 void Variator::adopt(const Parameters& before, const Parameters& p) {
     const auto machine = [](const Parameters& of) {
-        return std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.pulley, of.control.enabled, of.ledger);
+        return std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.pulley, of.control.enabled, of.control.driven,
+                        of.ledger);
     };
     if (machine(before) != machine(p)) chain_ = ChainModel(p, chain_.isa());
     pulleys_.adopt(p);
@@ -73,10 +74,9 @@ void Variator::close(double t, const double* tail, const SheaveForces& chain, co
     Account total;
     WorkRates works{};
     if (at.pulley_size != 0) {
-        const double* control = tail + at.pulley_block();
-        const Inputs inputs = pulleys_.inputs(t, tail, at.control ? *control : 0.0);
+        const Inputs inputs = pulleys_.inputs(t, tail);
         pulleys_.slope(tail, inputs, chain, tail_slope, at.ledger ? &total : nullptr);
-        if (at.control) tail_slope[at.pulley_block()] = inputs.control_rate;
+        std::copy_n(inputs.control_rate.begin(), at.controls, tail_slope + at.pulley_block());
         works = pulleys_.works(tail, inputs);
     }
     if (!at.ledger) return;

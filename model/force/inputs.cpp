@@ -32,34 +32,50 @@ double PulleyModel::driven_clamping(double table, double load, const double* blo
     return std::max(table, clamping_.safety * std::abs(load) / (gripping_ * running_radius(block, 1)));
 }
 
-double PulleyModel::control_error(double now, const double* block) const noexcept {
+void PulleyModel::add_controllers() {
+    controllers_ = controllers(control_);
+    const bool by_driving = control_.quantity == ControlledQuantity::ratio;
+    governing_[0] = {control_.quantity, by_driving ? 0u : 1u, control_.proportional, control_.integral, control_.authority};
+    const auto beside = control_.driven == DrivenControl::slip ? ControlledQuantity::slip : ControlledQuantity::safety;
+    governing_[1] = {beside, 1, control_.driven_proportional, control_.driven_integral, control_.driven_authority};
+}
+
+double PulleyModel::control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept {
+    if (by.quantity == ControlledQuantity::safety) {  // of the force that carries the wanted multiple of the load: what is lacking
+        const double wanted = control_.safety.at(now) * std::abs(load) / (gripping_ * running_radius(block, 1));
+        const double larger = std::max(wanted, built_up);
+        return larger > 0.0 ? (wanted - built_up) / larger : 0.0;
+    }
     const double driving = shaft_speed(block, 0), driven = shaft_speed(block, 1);
-    if (control_.quantity == ControlledQuantity::ratio)
+    if (by.quantity == ControlledQuantity::ratio)
         return (driving - (held_.ratio ? *held_.ratio : control_.ratio.at(now)) * driven) / reference_speed_;
     const double geared = driving * running_radius(block, 0);
     return geared != 0.0 ? 1.0 - driven * running_radius(block, 1) / geared - control_.slip.at(now) : 0.0;
 }
 
-Inputs PulleyModel::inputs(double t, const double* block, double control) const noexcept {
+Inputs PulleyModel::inputs(double t, const double* tail) const noexcept {
     const double now = std::max(t, 0.0);
     const double factor = ramp(start_, t);
-    const double turning = shaft_speed(block, 1);
+    const double turning = shaft_speed(tail, 1);
     const double load = (held_.load_torque ? *held_.load_torque : load_.torque.at(now)) + load_.linear * turning +
                         load_.quadratic * turning * std::abs(turning);
     Inputs in;
-    in.drive_torque = drive_torque(t, block);
+    in.drive_torque = drive_torque(t, tail);
     in.load_torque = -factor * load;
     std::array<double, 2> clamping{held_.driving ? *held_.driving : clamping_.driving.at(now),
                                    held_.driven ? *held_.driven : clamping_.driven.at(now)};
-    clamping[1] = driven_clamping(clamping[1], load, block);
-    if (control_.enabled) {
-        const double error = control_error(now, block);
-        const double correction = control_.proportional * error + control_.integral * control;
-        in.control_limited = std::abs(correction) > control_.authority;
-        const bool winds_up = in.control_limited && correction * error > 0.0;
-        in.control_rate = winds_up ? 0.0 : error;
-        double& corrected = clamping[control_.quantity == ControlledQuantity::ratio ? 0 : 1];
-        corrected = std::max(0.0, corrected + std::clamp(correction, -control_.authority, control_.authority));
+    clamping[1] = driven_clamping(clamping[1], load, tail);
+    for (int k = 0; k < controllers_; ++k) {
+        const Governing& by = governing_[static_cast<std::size_t>(k)];
+        const auto limited = [&](double force) { return std::clamp(force, -by.authority, by.authority); };
+        double& corrected = clamping[by.shaft];
+        const double built_up = by.integral * tail[2 * size_ + k];
+        const double error = control_error(by, now, load, std::max(0.0, corrected + limited(built_up)), tail);
+        const double correction = by.proportional * error + built_up;
+        const bool at_limit = std::abs(correction) > by.authority;
+        in.control_limited = in.control_limited || at_limit;
+        in.control_rate[static_cast<std::size_t>(k)] = at_limit && correction * error > 0.0 ? 0.0 : error;  // no winding up
+        corrected = std::max(0.0, corrected + limited(correction));
     }
     in.clamping = {factor * clamping[0], factor * clamping[1]};
     return in;

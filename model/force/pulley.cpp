@@ -37,6 +37,7 @@ void PulleyModel::adopt(const Parameters& p) {
     governor_stiffness_ = polar * frequency * frequency;
     governor_damping_ = 2.0 * polar * frequency;
     reference_speed_ = drive_.mode == DriveMode::speed ? drive_.speed.largest_magnitude() : control_.reference_speed;
+    add_controllers();
     if (size_ != 0) add_inertia();
     if (!elastic()) return;
     for (int shaft = 0; shaft < 2; ++shaft) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Shafts, sheaves, their supports, clamping, drive, load and ratio control. (model/EQUATIONS.md section 8)
+/// Shafts, sheaves, their supports, clamping, drive, load and control. (model/EQUATIONS.md section 8)
 
 #include <array>
 #include <optional>
@@ -19,8 +19,9 @@ struct Inputs {
     double drive_torque = 0.0;         ///< on shaft 1 [N·m]
     double load_torque = 0.0;          ///< on shaft 2, negative brakes [N·m]
     std::array<double, 2> clamping{};  ///< S_1, S_2 [N]
-    double control_rate = 0.0;         ///< I' of the control, zero without one
-    bool control_limited = false;      ///< the control asks for more than its authority
+    /// I' of the controllers, zero without them [1]
+    std::array<double, 2> control_rate{};
+    bool control_limited = false;  ///< a controller asks for more than its authority
 };
 
 /// Inputs that somebody has set by hand: a value in place of the scene's table, from then on.
@@ -56,8 +57,8 @@ public:
     void motions(const double* block, SheaveMotion* sheaves) const noexcept;
     /// Running radius by the position of the movable sheave, as a transmission measures it: straight flanks, stiff sheaves [m].
     [[nodiscard]] double running_radius(const double* block, int shaft) const noexcept;
-    /// Inputs at time t; `control` is the control integral I (ignored without control). t [s], block [unknowns of the pulleys], control [s]
-    [[nodiscard]] Inputs inputs(double t, const double* block, double control) const noexcept;
+    /// Inputs at time t. t [s], tail [unknowns of the pulleys, and behind them the integrals I of controllers, if there are any, in s]
+    [[nodiscard]] Inputs inputs(double t, const double* tail) const noexcept;
     /// Puts values in place of tables; between steps only.
     void hold(const HeldInputs& held) noexcept { held_ = held; }
     [[nodiscard]] const HeldInputs& held() const noexcept { return held_; }
@@ -111,7 +112,15 @@ private:
     void add_chain(const SheaveForces& chain, double* force) const noexcept;          ///< force [N, N·m]
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;  ///< t [s], block [unknowns of the pulleys]
     [[nodiscard]] double driven_clamping(double table, double load, const double* block) const noexcept;
-    [[nodiscard]] double control_error(double now, const double* block) const noexcept;
+    /// One of the machine's controllers: what it holds, by which clamping force, and its gains.
+    struct Governing {
+        ControlledQuantity quantity = ControlledQuantity::ratio;
+        std::size_t shaft = 0;
+        double proportional = 0.0, integral = 0.0, authority = 0.0;  ///< [N, N/s, N]
+    };
+    void add_controllers();
+    /// Error of what a controller holds [1]; `built_up` is the force of its shaft without its proportional part [N].
+    [[nodiscard]] double control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept;
     [[nodiscard]] BearingLoad sprung_bearing(const double* block, int shaft) const noexcept;
     [[nodiscard]] BearingLoad held_bearing(const double* block, int shaft, const Inputs& inputs, const SheaveForces& chain) const noexcept;
 
@@ -120,6 +129,8 @@ private:
     Load load_;
     Clamping clamping_;
     Control control_;
+    int controllers_ = 0;
+    std::array<Governing, 2> governing_;
     Start start_;
     HeldInputs held_;
     int size_;

@@ -5,7 +5,7 @@ namespace cvtflow::model {
 AccelerationJacobian::AccelerationJacobian(const ChainLayout& layout)
     : links_(layout.links),
       size_(layout.link_size()),
-      border_(layout.pulley_size + (layout.control ? 1 : 0)),
+      border_(layout.pulley_size + layout.controls),
       columns_begin_(6 * links_ * size_ * size_),
       rows_begin_(columns_begin_ + 2 * links_ * size_ * border_),
       corner_begin_(rows_begin_ + 2 * links_ * size_ * border_),

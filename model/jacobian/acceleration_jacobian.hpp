@@ -1,7 +1,7 @@
 #pragma once
 /// Derivatives of all accelerations with respect to coordinates and velocities, as blocks: a link sees its two neighbours and, while it
-/// touches, the sheaves of its pulley. The pulleys' block counts the control integral I, where there is one, as its last unknown: a
-/// velocity without a coordinate, whose "acceleration" is I'.
+/// touches, the sheaves of its pulley. The pulleys' block counts the integrals I of controllers, where there are any, as its last unknowns:
+/// velocities without a coordinate, whose "acceleration" is I'.
 
 #include <span>
 #include <vector>
@@ -22,7 +22,7 @@ public:
     [[nodiscard]] int links() const noexcept { return links_; }
     /// Coordinates of a link.
     [[nodiscard]] int size() const noexcept { return size_; }
-    /// Pulley coordinates and, with control, I.
+    /// Pulley coordinates and, with control, the integrals.
     [[nodiscard]] int border() const noexcept { return border_; }
 
     /// ∂(acceleration of a link)/∂(coordinates or velocities of it or a neighbour): [size × size], row-major [1/s²] or [1/s].

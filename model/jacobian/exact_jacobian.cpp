@@ -144,9 +144,9 @@ void ExactJacobian::own_corner(double t, const double* state, AccelerationJacobi
     const int half = at.pulley_size, border = out.border();
     const double* tail = state + at.pulley_begin();
     const auto rates = [&](std::vector<double>& slope) {
-        const Inputs inputs = variator_.pulleys().inputs(t, tail_.data(), at.control ? tail_[static_cast<std::size_t>(2 * half)] : 0.0);
+        const Inputs inputs = variator_.pulleys().inputs(t, tail_.data());
         variator_.pulleys().slope(tail_.data(), inputs, SheaveForces{}, slope.data(), nullptr);
-        if (at.control) slope[static_cast<std::size_t>(2 * half)] = inputs.control_rate;
+        std::copy_n(inputs.control_rate.begin(), at.controls, slope.begin() + at.pulley_block());
     };
     std::copy_n(tail, tail_.size(), tail_.begin());
     for (int k = 0; k < half + border; ++k) {

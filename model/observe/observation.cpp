@@ -48,7 +48,7 @@ const ForceObservation& Observer::forces() {
     if (at.pulley_size != 0) {
         const PulleyModel& pulleys = variator_.pulleys();
         const double* block = state_ + at.pulley_begin();
-        const Inputs inputs = pulleys.inputs(observation_.time, block, at.control ? state_[at.control_begin()] : 0.0);
+        const Inputs inputs = pulleys.inputs(observation_.time, block);
         forces_.bearing = pulleys.bearings(block, inputs, variator_.sheave_forces(phases_, scratch_.loads.data()));
         const SheaveMotion* s = scratch_.sheaves;
         forces_.misalignment = 0.5 * (s[0].z + s[1].z) - 0.5 * (s[2].z + s[3].z);
@@ -142,7 +142,7 @@ void Observer::observe_pulleys(double t, const double* state, const Phase* phase
     const PulleyModel& pulleys = variator_.pulleys();
     const double* block = state + at.pulley_begin();
     Observation& o = observation_;
-    const Inputs inputs = pulleys.inputs(t, block, at.control ? state[at.control_begin()] : 0.0);
+    const Inputs inputs = pulleys.inputs(t, block);
     const SheaveForces forces = variator_.sheave_forces(phases, scratch_.loads.data());
     pulleys.slope(block, inputs, forces, slope_.data() + at.pulley_begin(), &o.account);
     o.work = pulleys.works(block, inputs);

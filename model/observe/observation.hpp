@@ -27,7 +27,7 @@ struct Observation {
     std::array<double, 2> radius{};           ///< mean running radius of the links that touch [m]
     std::array<double, 2> sheave_position{};  ///< w of the movable sheaves against their shafts [m]
     std::array<double, 4> axial_force{};      ///< of all tips on sheaves 1-, 1+, 2-, 2+ [N]
-    bool control_limited = false;             ///< ratio control asks for more than its authority
+    bool control_limited = false;             ///< a controller asks for more than its authority
     double ratio = 0.0;                       ///< ω_1/ω_2 [1]
     std::array<double, 2> pin_speed{};        ///< mean angular speed about the shaft's axis of the pins that touch [rad/s]
     double slip = 0.0;         ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together [1]

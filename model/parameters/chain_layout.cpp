@@ -15,7 +15,7 @@ ChainLayout layout_of(const Parameters& parameters) noexcept {
     return {parameters.detail.order,
             parameters.chain.pins,
             pulley_size,
-            parameters.control.enabled && has_pulleys,
+            has_pulleys ? controllers(parameters.control) : 0,
             parameters.ledger,
             parameters.detail.pins == PinDetail::whole};
 }

@@ -1,9 +1,9 @@
 #pragma once
 /// The only index arithmetic of the state vector.
 ///
-///     link 0: [q (link_size) | v (link_size)]  link 1: …  link N-1  pulleys: [q (pulley_size) | v (pulley_size)]  control: [I]  ledger:
-///     [losses, works] q of a link: [a.x_0…a.x_p  b.x_0…b.x_p | a.y…  b.y… | a.z a.e b.z b.e],  a = rear half (R_link), b = front half
-///     (L_{link+1})
+///     link 0: [q (link_size) | v (link_size)]  link 1: …  link N-1  pulleys: [q (pulley_size) | v (pulley_size)]  control: [I, …]
+///     ledger: [losses, works]   q of a link: [a.x_0…a.x_p  b.x_0…b.x_p | a.y…  b.y… | a.z a.e b.z b.e],  a = rear half (R_link), b = front
+///     half (L_{link+1})
 ///
 /// With whole pins (detail.pins) a block is a pin instead of a link, the one behind which link begins:
 ///
@@ -29,7 +29,7 @@ struct ChainLayout {
     int order = 3;         ///< p
     int links = 84;        ///< N = number of pins
     int pulley_size = 36;  ///< generalized coordinates of shafts and sheaves: 36, 4 or 0
-    bool control = false;
+    int controls = 0;      ///< integrals of controllers, 0…2: of S_1's (or of the only one), of S_2's beside it
     bool ledger = false;
     bool whole = false;  ///< pins are one body each
 
@@ -43,7 +43,7 @@ struct ChainLayout {
     [[nodiscard]] constexpr int pulley_begin() const noexcept { return links * link_block(); }
     [[nodiscard]] constexpr int pulley_block() const noexcept { return 2 * pulley_size; }
     [[nodiscard]] constexpr int control_begin() const noexcept { return pulley_begin() + pulley_block(); }
-    [[nodiscard]] constexpr int ledger_begin() const noexcept { return control_begin() + (control ? 1 : 0); }
+    [[nodiscard]] constexpr int ledger_begin() const noexcept { return control_begin() + controls; }
     /// Number of unknowns.
     [[nodiscard]] constexpr int size() const noexcept { return ledger_begin() + (ledger ? loss_kinds + work_kinds : 0); }
     /// Number of generalized coordinates (half of the second-order unknowns).

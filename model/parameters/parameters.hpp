@@ -34,7 +34,9 @@ enum class FrictionLaw { piecewise, smoothed };
 inline constexpr std::array<std::string_view, 2> friction_law_names{"piecewise", "smoothed"};
 enum class JointLaw { linear, palmgren };
 enum class DriveMode { speed, torque };
-enum class ControlledQuantity { ratio, slip };
+enum class ControlledQuantity { ratio, slip, safety };
+/// What a second controller holds, by S_2 beside ratio control by S_1.
+enum class DrivenControl { none, slip, safety };
 enum class StartLayout { belt, ring };
 
 /// What is resolved at all. Absent detail is absent from the state vector.
@@ -154,18 +156,29 @@ struct Clamping {
     bool operator==(const Clamping&) const = default;
 };
 
-/// PI control of the speed ratio by S_1, or of slip by S_2; present in the state only if enabled.
+/// PI control of the speed ratio by S_1, or of slip or safety factor by S_2, or of both shafts at once; in the state only if enabled.
 struct Control {
     bool enabled = false;
     ControlledQuantity quantity = ControlledQuantity::ratio;
     TimeTable slip{0.01};                         ///< λ_ref, wanted slip against the sheaves' positions [1]
+    TimeTable safety{1.3};                        ///< ν_ref, wanted safety factor of shaft 2 [1]
     TimeTable ratio{1.0};                         ///< i_ref = ω_1/ω_2 [1]
     double proportional = 1e6;                    ///< K_P [N]
     double integral = 5e7;                        ///< K_I [N/s]
     double authority = 1e4;                       ///< A, largest correction of S_1 (of S_2) either way [N]
     double reference_speed = 209.43951023931953;  ///< ω_n in drive mode torque [rad/s]
+    DrivenControl driven = DrivenControl::none;   ///< beside ratio control
+    double driven_proportional = 5e5;             ///< K_P of the second controller [N]
+    double driven_integral = 5e7;                 ///< K_I of the second controller [N/s]
+    double driven_authority = 1e4;                ///< A of the second controller [N]
     bool operator==(const Control&) const = default;
 };
+
+/// Number of controllers that act, and with it of their integrals.
+[[nodiscard]] constexpr int controllers(const Control& control) noexcept {
+    if (!control.enabled) return 0;
+    return control.quantity == ControlledQuantity::ratio && control.driven != DrivenControl::none ? 2 : 1;
+}
 
 /// Where the run begins.
 struct Start {

@@ -180,7 +180,7 @@ constexpr Channel table[] = {
     {"work/drive", "J", "work of the drive so far", "", one, done<0>},
     {"work/load", "J", "work of the load so far (negative: taken out)", "", one, done<1>},
     {"work/clamping", "J", "work of the clamping forces so far", "", one, done<2>},
-    {"control/limited", "1", "1 while ratio control asks for more than its authority", "", one, control_limited},
+    {"control/limited", "1", "1 while a controller asks for more than its authority", "", one, control_limited},
     {"balance/residual", "1", "|change of stored energy - work + losses| over the losses so far", "", one, residual, false},
     {"balance/suspicion", "1", "residual over what an honest integration may leave; above 1 the results are unreliable", "", one, suspicion,
      false},

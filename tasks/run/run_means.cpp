@@ -20,7 +20,7 @@ constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
 
 constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
-    {"control_limit", "ratio control had used up its authority at more than 5 % of the last fifth's outputs"},
+    {"control_limit", "a controller had used up its authority at more than 5 % of the last fifth's outputs"},
     {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
     {"efficiency", "efficiency of all of the run, or of its last fifth, outside 0 … 1"},
     {"unsteady", "ratio of the first and the last fifth differ by more than 1 %, or slip by more than a fifth of it"},
@@ -124,7 +124,7 @@ std::vector<Note> RunMeans::notes() const {
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     const std::string texts[] = {
         fmt::format("the chain slips by {}", percent(last.slip)),
-        fmt::format("ratio control is at the limit of its authority ({} of the last fifth)", percent(last.limited)),
+        fmt::format("control is at the limit of its authority ({} of the last fifth)", percent(last.limited)),
         fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),

@@ -18,7 +18,7 @@ struct SpanMeans {
     double begin = 0.0, end = 0.0;    ///< [s]
     double ratio = 0.0, slip = 0.0;   ///< [1]
     double tight = 0.0, slack = 0.0;  ///< [N]
-    double limited = 0.0;             ///< share of outputs at which ratio control had reached its authority
+    double limited = 0.0;             ///< share of outputs at which a controller had reached its authority
     double loose = 0.0;               ///< share of outputs at which the slack strand carried no tension
     double efficiency = 0.0;          ///< 1 - losses/input; not a number without input [1]
     double periods = 0.0;             ///< whole pin periods that efficiency is over; 0: less than one [1]

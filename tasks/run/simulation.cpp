@@ -102,8 +102,10 @@ constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
 void Simulation::take_state(const engine::SavedState& saved) {
     const model::ChainLayout& at = workspace_->layout();
     const std::size_t mechanical = static_cast<std::size_t>(at.control_begin());
-    const std::size_t beyond = saved.state.size() < mechanical ? 2 : saved.state.size() - mechanical;  // control: 1, ledger: 12, both: 13
-    if ((beyond > 1 && beyond != ledger_size && beyond != ledger_size + 1) || saved.phases.size() != workspace_->tips.phases.size()) {
+    const std::size_t behind_pulleys = saved.state.size() - std::min(saved.state.size(), mechanical);
+    const std::size_t integrals = behind_pulleys % ledger_size;  // of up to 2 controllers, 12 of a ledger
+    const bool fits = saved.state.size() >= mechanical && integrals <= 2 && behind_pulleys / ledger_size <= 1;
+    if (!fits || saved.phases.size() != workspace_->tips.phases.size()) {
         std::string message = fmt::format("{}start.state: {} holds {} unknowns, this scene has {}", scene_.state_place, scene_.state_file,
                                           saved.state.size(), at.size());
         for (const std::string& line : start_differences_) message += "\n  " + line;
@@ -113,11 +115,11 @@ void Simulation::take_state(const engine::SavedState& saved) {
                     [](std::uint8_t phase) { return phase > static_cast<std::uint8_t>(model::Phase::slip); })) {
         throw SimulationError(fmt::format("{}start.state: {} holds a phase that is none", scene_.state_place, scene_.state_file));
     }
-    const bool had_control = beyond % ledger_size == 1;
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
     std::copy(saved.state.begin(), behind, workspace_->states[0]);
-    if (at.control && had_control) workspace_->states[0][at.control_begin()] = *behind;
-    if (at.ledger && beyond >= ledger_size) std::copy(behind + had_control, saved.state.end(), workspace_->states[0] + at.ledger_begin());
+    std::copy_n(behind, std::min(integrals, static_cast<std::size_t>(at.controls)), workspace_->states[0] + at.control_begin());
+    const auto ledger = behind + static_cast<std::ptrdiff_t>(integrals);
+    if (at.ledger) std::copy(ledger, saved.state.end(), workspace_->states[0] + at.ledger_begin());
     const bool stick_slip = scene_.parameters.detail.stick_slip;
     std::transform(saved.phases.begin(), saved.phases.end(), workspace_->tips.phases.begin(),
                    [=](std::uint8_t phase) { return adopted(phase, stick_slip); });

@@ -118,6 +118,14 @@ Violation control_has_speed(const Scene& scene) {
     return "control.enabled: the error of control is relative to drive.speed, which is 0 throughout";
 }
 
+Violation controllers_differ(const Scene& scene) {
+    const auto& control = scene.parameters.control;
+    if (control.driven == model::DrivenControl::none) return {};
+    if (!control.enabled) return "control.driven: the second controller acts beside the first one, which control.enabled has off";
+    if (control.quantity == model::ControlledQuantity::ratio) return {};
+    return "control.driven: control.quantity is a controller of the clamping force of shaft 2 already";
+}
+
 Violation outputs_take_steps(const Scene& scene) {
     if (scene.run.output_interval >= scene.run.step) return {};  // an automatic step is 0 here: it gives way
     return fmt::format("run.output_interval: {} is shorter than run.step = {}", seconds(scene.run.output_interval),
@@ -196,6 +204,7 @@ std::span<const CrossCheck> cross_checks() {
         {{"start.ramp_time", "start.settling_time", "start.layout"}, ramp_within_settling},
         {{"control.enabled", "detail.pulleys"}, control_has_pulleys},
         {{"control.enabled", "control.quantity", "drive.speed", "drive.mode"}, control_has_speed},
+        {{"control.driven", "control.quantity", "control.enabled"}, controllers_differ},
         {{"run.output_interval", "run.step"}, outputs_take_steps},
         {{"run.state_interval", "run.output_interval"}, states_take_outputs},
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},

@@ -123,7 +123,7 @@ TEST(ElasticForces, OnPulleysAreMinusTheGradientPlusInputs) {
     const model::ChainLayout& at = gradient.variator().layout();
     const model::PulleyModel& pulleys = gradient.variator().pulleys();
     const double* block = gradient.state().data() + at.pulley_begin();
-    const model::Inputs inputs = pulleys.inputs(0.0, block, 0.0);
+    const model::Inputs inputs = pulleys.inputs(0.0, block);
     std::vector<double> other(static_cast<std::size_t>(at.pulley_block()));  // what inputs and gyroscopic moments do alone, from rest
     std::vector<double> straight(block, block + at.pulley_block());
     std::fill_n(straight.begin(), at.pulley_size, 0.0);

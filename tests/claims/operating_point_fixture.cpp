@@ -54,6 +54,7 @@ void Operation::output(double now, const tasks::Workspace& workspace, const task
     driven_torque.push_back(o.chain_torque[1]);
     radius.push_back(o.radius[1]);
     chain_speed.push_back(o.chain_speed);
+    clamping_driven.push_back(o.clamping[1]);
     thrust_ratio.push_back(o.clamping[1] > 0.0 ? o.clamping[0] / o.clamping[1] : 0.0);
     strand_height.push_back(height_of_strand(workspace));
     for (std::size_t sheave = 0; sheave < 4; ++sheave) axial_force[sheave].push_back(o.axial_force[sheave]);

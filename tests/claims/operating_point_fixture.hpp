@@ -29,7 +29,8 @@ public:
     tasks::Fault fault;
     tasks::Counters counters;
     long transitions = 0;
-    std::vector<double> time, ratio, slip, tight, slack, driven_speed, driven_torque, radius, chain_speed, thrust_ratio, strand_height;
+    std::vector<double> time, ratio, slip, tight, slack, driven_speed, driven_torque, radius, chain_speed, clamping_driven, thrust_ratio,
+        strand_height;
     std::array<std::vector<double>, 4> axial_force;
     std::vector<std::vector<double>> tip_axial;  ///< [output][tip] [N]
 

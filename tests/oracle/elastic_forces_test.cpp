@@ -28,7 +28,7 @@ std::vector<Real> input_forces(const model::Parameters& p, double t, const std::
         inertia * omega * omega * (p.drive.speed.integral(t) - q(phi[0])) + 2.0L * inertia * omega * (p.drive.speed.at(t) - v(phi[0]));
     force[phi[1]] -= p.load.torque.at(t);
     Real clamping[] = {p.clamping.driving.at(t), p.clamping.driven.at(t)};
-    if (layout.control) {
+    if (layout.controls != 0) {
         const Real error = (v(phi[0]) - p.control.ratio.at(t) * v(phi[1])) / p.drive.speed.largest_magnitude();
         const Real integral = state[layout.control_begin()];
         const Real authority = p.control.authority;

@@ -41,7 +41,7 @@ std::vector<Real> slope_of(const System& system, std::span<const Real> state, co
     const int size = layout.link_size();
     for (int i = 0; i < layout.links; ++i) write_block(slope, state, layout.link_begin(i), size, all.subspan(i * size, size));
     write_block(slope, state, layout.pulley_begin(), layout.pulley_size, all.subspan(layout.links * size));
-    if (layout.control) slope[layout.control_begin()] = totals.control_rate;
+    std::copy_n(totals.control_rate, layout.controls, slope.begin() + layout.control_begin());
     if (layout.ledger) {
         const auto works = std::copy(totals.powers.losses.begin(), totals.powers.losses.end(), slope.begin() + layout.ledger_begin());
         std::copy(totals.powers.works.begin(), totals.powers.works.end(), works);

@@ -104,9 +104,6 @@ Real slip_error(const System& system) {
     return 1.0L - driven / driving - system.parameters.control.slip.at(std::max(system.t, 0.0));
 }
 
-bool controls_slip(const System& system) { return system.parameters.control.quantity == model::ControlledQuantity::slip; }
-Real control_error(const System& system) { return controls_slip(system) ? slip_error(system) : ratio_error(system); }
-
 /// Torque against the travel of shaft 2, before the ramp [N·m].
 Real load_of(const System& system) {
     const auto& load = system.parameters.load;
@@ -114,32 +111,58 @@ Real load_of(const System& system) {
     return load.torque.at(std::max(system.t, 0.0)) + load.linear * speed + load.quadratic * speed * std::abs(speed);
 }
 
-/// Whatever the controlled clamping force gets added to [N].
-Real wanted_correction(const System& system) {
-    const auto& control = system.parameters.control;
-    return control.proportional * control_error(system) + control.integral * system.control_integral;
+/// S_1 or S_2 before control and ramp [N].
+Real given_force(const System& system, int shaft) {
+    const auto& p = system.parameters;
+    const double from = std::max(system.t, 0.0);
+    if (shaft == 0) return p.clamping.driving.at(from);
+    const Real carried = 2.0L * p.tip.friction.coefficient * radius_by_position(system, 1) / std::cos(Real{p.tip.angle});
+    return std::max(Real{p.clamping.driven.at(from)}, p.clamping.safety * std::abs(load_of(system)) / carried);
 }
 
-/// The controller's integral stops while it asks for more than it may have.
-Real control_rate(const System& system) {
-    const Real wanted = wanted_correction(system);
-    const Real error = control_error(system);
-    return std::abs(wanted) > system.parameters.control.authority && wanted * error > 0.0L ? 0.0L : error;
-}
+/// A controller: what it sees and what it asks for, from its own integral.
+struct Controller {
+    enum class Holds { ratio, slip, safety };
+    const System& system;
+    int number;
+
+    [[nodiscard]] bool second() const { return number == 1; }
+    [[nodiscard]] const model::Control& of() const { return system.parameters.control; }
+    [[nodiscard]] Holds holds() const {
+        if (second()) return of().driven == model::DrivenControl::slip ? Holds::slip : Holds::safety;
+        if (of().quantity == model::ControlledQuantity::ratio) return Holds::ratio;
+        return of().quantity == model::ControlledQuantity::slip ? Holds::slip : Holds::safety;
+    }
+    [[nodiscard]] int shaft() const { return holds() == Holds::ratio ? 0 : 1; }
+    [[nodiscard]] Real authority() const { return second() ? of().driven_authority : of().authority; }
+    [[nodiscard]] Real integral_part() const { return (second() ? of().driven_integral : of().integral) * system.control_integral[number]; }
+    /// What S_2 lacks of the force that carries the wanted multiple of the load, of the larger of both.
+    [[nodiscard]] Real safety_error() const {
+        const auto& p = system.parameters;
+        const Real carried_per_force = 2.0L * p.tip.friction.coefficient * radius_by_position(system, 1) / std::cos(Real{p.tip.angle});
+        const Real wanted = of().safety.at(std::max(system.t, 0.0)) * std::abs(load_of(system)) / carried_per_force;
+        const Real stands = std::max(0.0L, given_force(system, 1) + std::clamp(integral_part(), -authority(), authority()));
+        if (wanted == 0.0L && stands == 0.0L) return 0.0L;
+        return wanted > stands ? 1.0L - stands / wanted : wanted / stands - 1.0L;
+    }
+    [[nodiscard]] Real error() const {
+        if (holds() == Holds::ratio) return ratio_error(system);
+        return holds() == Holds::slip ? slip_error(system) : safety_error();
+    }
+    [[nodiscard]] Real wanted() const { return (second() ? of().driven_proportional : of().proportional) * error() + integral_part(); }
+    /// The integral stops while the controller asks for more than it may have.
+    [[nodiscard]] Real rate() const { return std::abs(wanted()) > authority() && wanted() * error() > 0.0L ? 0.0L : error(); }
+};
 
 /// S_1 and S_2 [N].
 Real clamping_force(const System& system, int shaft) {
-    const auto& p = system.parameters;
-    const double from = std::max(system.t, 0.0);
-    const Real ramp = model::ramp(p.start, system.t);
-    Real given = shaft == 0 ? p.clamping.driving.at(from) : p.clamping.driven.at(from);
-    if (shaft == 1) {
-        const Real carried = 2.0L * p.tip.friction.coefficient * radius_by_position(system, 1) / std::cos(Real{p.tip.angle});
-        given = std::max(given, p.clamping.safety * std::abs(load_of(system)) / carried);
+    Real force = given_force(system, shaft);
+    for (int number = 0; number < system.layout.controls; ++number) {
+        const Controller controller{system, number};
+        if (controller.shaft() == shaft)
+            force = std::max(0.0L, force + std::clamp(controller.wanted(), -controller.authority(), controller.authority()));
     }
-    if (!system.layout.control || controls_slip(system) != (shaft == 1)) return ramp * given;
-    const Real authority = p.control.authority;
-    return ramp * std::max(0.0L, given + std::clamp(wanted_correction(system), -authority, authority));
+    return Real{model::ramp(system.parameters.start, system.t)} * force;
 }
 
 void add_clamping(const System& system, int shaft, Totals& totals) {
@@ -195,7 +218,7 @@ void add_inputs(const System& system, Totals& totals) {
     const Real load = Real{model::ramp(system.parameters.start, system.t)} * load_of(system);
     totals.body[1].moment.z -= load;
     totals.work(model::Work::load) -= load * system.body[1].phi_rate;
-    totals.control_rate = control_rate(system);
+    for (int number = 0; number < system.layout.controls; ++number) totals.control_rate[number] = Controller{system, number}.rate();
 }
 
 }  // namespace cvtflow::oracle

@@ -208,7 +208,7 @@ RandomState random_state(const model::Parameters& parameters, std::uint64_t seed
         builder.disturb_pulleys();
     }
     builder.disturb_chain();
-    if (builder.layout.control) builder.state[builder.layout.control_begin()] = builder.dice.about_zero(1e-4L);
+    for (int k = 0; k < builder.layout.controls; ++k) builder.state[builder.layout.control_begin() + k] = builder.dice.about_zero(1e-4L);
     for (int k = builder.layout.ledger_begin(); k < builder.layout.size(); ++k) builder.state[k] = builder.dice.about_zero(1.0L);
     return builder.finish();
 }

@@ -115,7 +115,7 @@ std::array<Body, bodies> unpack_rigid(std::span<const Real> q, std::span<const R
 System unpack(const model::Parameters& parameters, double t, std::span<const Real> state, std::span<const model::Phase> phases) {
     const auto layout = model::layout_of(parameters);
     if (static_cast<int>(state.size()) != layout.size()) throw std::invalid_argument("state of the wrong size");
-    System system{parameters, layout, t, {}, {}, 0.0L, phases, {}, {}};
+    System system{parameters, layout, t, {}, {}, {}, phases, {}, {}};
     if (layout.whole) {
         unpack_whole_pins(system, state);
     } else {
@@ -125,7 +125,7 @@ System unpack(const model::Parameters& parameters, double t, std::span<const Rea
     const auto v = state.subspan(layout.pulley_begin() + layout.pulley_size, layout.pulley_size);
     if (parameters.detail.pulleys == PulleyDetail::elastic) system.body = unpack_elastic(q, v);
     if (parameters.detail.pulleys == PulleyDetail::rigid) system.body = unpack_rigid(q, v);
-    if (layout.control) system.control_integral = state[layout.control_begin()];
+    for (int k = 0; k < layout.controls; ++k) system.control_integral[k] = state[layout.control_begin() + k];
     return system;
 }
 

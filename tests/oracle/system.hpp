@@ -77,7 +77,7 @@ struct System {
     double t;  ///< [s]
     std::vector<Link> links;
     std::array<Body, bodies> body;  ///< of rigid pulleys: sheaves (0, 0, 0, 0, w, φ_k), shafts (0, 0, 0, 0, 0, φ_k)
-    Real control_integral = 0.0L;   ///< I [s]
+    Real control_integral[2] = {};  ///< I of both controllers [s]
     std::span<const model::Phase> phases;
     // Of whole pins only; links are made of them then.
     std::vector<Link> pins;        ///< both ends the pin, frame by the bisector of its pitch lines, length 1
@@ -93,7 +93,7 @@ struct Totals {
     std::array<BodyForce, bodies> body;
     PowersOf<Real> powers;
     EnergiesOf<Real> energies;
-    Real control_rate = 0.0L;    ///< I' [1]
+    Real control_rate[2] = {};   ///< I' [1]
     std::vector<LinkForce> pin;  ///< on whole pins themselves, as on `pins`
     std::vector<Real> rolling;   ///< moment on the link behind a whole pin, against the one before it [N·m]
 

@@ -36,7 +36,7 @@ public:
     [[nodiscard]] int batches() const noexcept { return static_cast<int>(scratch_.size()); }
     [[nodiscard]] int colours() const noexcept { return colours_; }
     /// Evaluations of the right-hand side that a Jacobian takes.
-    [[nodiscard]] int groups() const noexcept { return chain_groups() + 2 * layout_.pulley_size + (layout_.control ? 1 : 0); }
+    [[nodiscard]] int groups() const noexcept { return chain_groups() + 2 * layout_.pulley_size + layout_.controls; }
 
     /// Fills the entries of the groups of one batch. Entries of links that do not touch on the pulleys are cleared.
     void evaluate(int batch, const BasePoint& base, model::AccelerationJacobian& out) noexcept;

@@ -38,7 +38,7 @@ int ContactMap::shaft(int link) const noexcept {
 ImplicitMatrix::ImplicitMatrix(const model::Variator& variator)
     : links_(variator.layout().links),
       size_(variator.layout().link_size()),
-      border_(variator.layout().pulley_size + (variator.layout().control ? 1 : 0)),
+      border_(variator.layout().pulley_size + variator.layout().controls),
       system_(links_, size_, border_, std::max(1, links_ / links_per_chunk)),
       sound_(static_cast<std::size_t>(system_.chunks() + 1), 0),
       lists_(static_cast<std::size_t>(system_.chunks() * border_)) {

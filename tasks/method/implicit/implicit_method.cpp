@@ -23,7 +23,7 @@ ImplicitMethod::ImplicitMethod(Workspace& workspace)
     : w_(workspace),
       size_(w_.layout().link_size()),
       half_(w_.layout().pulley_size),
-      border_size_(half_ + (w_.layout().control ? 1 : 0)),
+      border_size_(half_ + w_.layout().controls),
       q_tail_(w_.layout().pulley_begin()),
       jacobian_(w_.layout()),
       matrix_(w_.variator),

@@ -138,7 +138,7 @@ LinearChain::LinearChain(const model::Variator& variator, const model::Parameter
     : variator_(variator),
       start_(start),
       coordinates_(variator.layout().coordinates()),
-      velocities_(coordinates_ + (variator.layout().control ? 1 : 0)),
+      velocities_(coordinates_ + variator.layout().controls),
       link_velocities_(variator.layout().links * variator.layout().link_size()),
       parts_(std::make_unique<Parts>()) {
     const Derivatives all = derivatives_of(variator, start);

@@ -77,7 +77,7 @@ void EnergyLedger::step(const model::Variator& variator, double begin, const dou
     m_.steps += 1.0;
     if (at.pulley_size == 0 || !on_) return;
     const model::PulleyModel& pulleys = variator.pulleys();
-    const auto inputs = [&](double t, const double* tail) { return pulleys.inputs(t, tail, at.control ? tail[at.pulley_block()] : 0.0); };
+    const auto inputs = [&](double t, const double* tail) { return pulleys.inputs(t, tail); };
     if (!known_) inputs_ = inputs(begin, from);
     const model::Inputs after = inputs(end, to);
     const model::Inputs mean = mean_of(inputs_, after);

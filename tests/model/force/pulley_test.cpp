@@ -34,13 +34,13 @@ TEST(PulleyInputs, ClampingAndLoadRiseSmoothlyWhileSettling) {
     p.start.ramp_time = 0.005;
     const PulleyModel pulleys(p);
     const auto block = at_rest(pulleys);
-    const auto share = [&](double t) { return pulleys.inputs(t, block.data(), 0.0).clamping[1] / 20e3; };
+    const auto share = [&](double t) { return pulleys.inputs(t, block.data()).clamping[1] / 20e3; };
     EXPECT_EQ(share(-0.02), 0.0);
     EXPECT_NEAR(share(-0.01875), 0.15625, 1e-12);  // a quarter: x²(3 - 2x)
     EXPECT_NEAR(share(-0.0175), 0.5, 1e-12);
     for (const double t : {-0.015, -0.001, 0.0, 1.0}) EXPECT_EQ(share(t), 1.0) << t;
-    EXPECT_NEAR(pulleys.inputs(-0.0175, block.data(), 0.0).load_torque, -75.0, 1e-9);
-    EXPECT_NEAR(pulleys.inputs(-0.0175, block.data(), 0.0).clamping[0], 13.55e3, 1e-8);
+    EXPECT_NEAR(pulleys.inputs(-0.0175, block.data()).load_torque, -75.0, 1e-9);
+    EXPECT_NEAR(pulleys.inputs(-0.0175, block.data()).clamping[0], 13.55e3, 1e-8);
 }
 
 TEST(PulleyInputs, TablesAreLinearAndTakenAtZeroBeforeZero) {
@@ -49,7 +49,7 @@ TEST(PulleyInputs, TablesAreLinearAndTakenAtZeroBeforeZero) {
     p.clamping.driving = TimeTable({0.002, 0.004}, {20e3, 30e3});
     const PulleyModel pulleys(p);
     const auto block = at_rest(pulleys);
-    const auto inputs = [&](double t) { return pulleys.inputs(t, block.data(), 0.0); };
+    const auto inputs = [&](double t) { return pulleys.inputs(t, block.data()); };
     EXPECT_NEAR(inputs(0.005).load_torque, -150.0, 1e-10);
     EXPECT_NEAR(inputs(1.0).load_torque, -200.0, 0.0);
     EXPECT_NEAR(inputs(-0.001).load_torque, -100.0, 0.0);
@@ -68,7 +68,7 @@ TEST(PulleyInputs, TheGovernorHoldsItsSpeedAndLagsByTorqueOverStiffness) {
         for (const double t : {-0.01, 0.0, 0.05, 0.2}) {
             const double now = std::max(t, 0.0);
             const double angle = t <= 0.0 ? 200.0 * t : t <= 0.1 ? 200.0 * t + 500.0 * t * t : 25.0 + 300.0 * (t - 0.1);
-            const auto drive = [&] { return pulleys.inputs(t, block.data(), 0.0).drive_torque; };
+            const auto drive = [&] { return pulleys.inputs(t, block.data()).drive_torque; };
             block[static_cast<std::size_t>(pulleys.rotation(0))] = angle;
             block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] = std::min(200.0 + 1000.0 * now, 300.0);
             EXPECT_NEAR(drive(), 0.0, 1e-9) << t;  // angles of 55 rad are known to 7e-15, the stiffness is 7e4
@@ -88,24 +88,29 @@ TEST(PulleyInputs, ControlClampsHarderIfTheDrivenSideIsTooSlowWithinItsAuthority
     p.control.integral = 2e7;
     const PulleyModel pulleys(p);
     auto block = at_rest(pulleys);
+    block.push_back(0.0);  // the integral
+    const auto inputs = [&](const PulleyModel& of, double integral) {
+        block.back() = integral;
+        return of.inputs(0.0, block.data());
+    };
     const double nominal = 200.0 * pi / 3.0;  // 2000 rpm
     block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(0))] = nominal;
     double& driven = block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))];
     driven = 0.5 * nominal;
-    EXPECT_NEAR(pulleys.inputs(0.0, block.data(), 0.0).clamping[0], 27.1e3, 1e-6);
+    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).clamping[0], 27.1e3, 1e-6);
     driven = 0.49 * nominal;  // ε = 0.02
-    const Inputs slow = pulleys.inputs(0.0, block.data(), 3e-5);
-    EXPECT_NEAR(slow.control_rate, 0.02, 1e-15);
+    const Inputs slow = inputs(pulleys, 3e-5);
+    EXPECT_NEAR(slow.control_rate[0], 0.02, 1e-15);
     EXPECT_NEAR(slow.clamping[0], 27.1e3 + 1e5 * 0.02 + 2e7 * 3e-5, 1e-6);
     EXPECT_EQ(slow.clamping[1], 20e3);
-    const Inputs saturated = pulleys.inputs(0.0, block.data(), 1.0);
+    const Inputs saturated = inputs(pulleys, 1.0);
     EXPECT_NEAR(saturated.clamping[0], 27.1e3 + 10e3, 1e-6);
-    EXPECT_EQ(saturated.control_rate, 0.0) << "it does not wind up";
-    const Inputs unwinding = pulleys.inputs(0.0, block.data(), -1.0);
+    EXPECT_EQ(saturated.control_rate[0], 0.0) << "it does not wind up";
+    const Inputs unwinding = inputs(pulleys, -1.0);
     EXPECT_NEAR(unwinding.clamping[0], 27.1e3 - 10e3, 1e-6);
-    EXPECT_GT(unwinding.control_rate, 0.0) << "the error leads back";
+    EXPECT_GT(unwinding.control_rate[0], 0.0) << "the error leads back";
     p.clamping.driving = TimeTable(5e3);
-    EXPECT_EQ(PulleyModel(p).inputs(0.0, block.data(), -1.0).clamping[0], 0.0) << "a cylinder cannot pull";
+    EXPECT_EQ(inputs(PulleyModel(p), -1.0).clamping[0], 0.0) << "a cylinder cannot pull";
 }
 
 TEST(Pulleys, ClampingPushesBothMovableSheavesTowardTheChain) {
@@ -113,7 +118,7 @@ TEST(Pulleys, ClampingPushesBothMovableSheavesTowardTheChain) {
         const PulleyModel pulleys(scene(detail));
         const auto block = at_rest(pulleys);
         auto slope = block;
-        pulleys.slope(block.data(), pulleys.inputs(0.0, block.data(), 0.0), {}, slope.data(), nullptr);
+        pulleys.slope(block.data(), pulleys.inputs(0.0, block.data()), {}, slope.data(), nullptr);
         // 1+ lies at +z and is pushed to -z; 2- the other way round. A sheave weighs 3 kg.
         EXPECT_NEAR(slope[static_cast<std::size_t>(pulleys.size() + pulleys.movable(0))], -27.1e3 / 3.0, 1e-9);
         EXPECT_NEAR(slope[static_cast<std::size_t>(pulleys.size() + pulleys.movable(1))], 20e3 / 3.0, 1e-9);

@@ -110,6 +110,7 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
         for (const bool everything : {false, true}) {
             Scene scene = tiny_scene();
             scene.parameters.control.enabled = everything;
+            if (everything) scene.parameters.control.driven = model::DrivenControl::slip;
             scene.parameters.ledger = everything;
             scene.parameters.detail.stick_slip = everything;
             Simulation simulation(scene);
@@ -126,6 +127,33 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
             ASSERT_FALSE(simulation.run(saved_at + 1e-5, silent, uncancelled));
             EXPECT_EQ(continued.hash(), simulation.hash());
         }
+    }
+}
+
+/// From one controller to two and back: the first one's integral goes on, the second's begins at zero.
+TEST(Simulation, TakesASavedStateWithAnotherNumberOfControllers) {
+    for (const auto driven : {model::DrivenControl::none, model::DrivenControl::safety}) {
+        Scene scene = tiny_scene();
+        scene.parameters.control.enabled = true;
+        scene.parameters.control.driven = driven;
+        scene.parameters.ledger = true;
+        Simulation simulation(scene);
+        ASSERT_FALSE(settle_and_run(simulation, 1e-5));
+        const model::ChainLayout before = simulation.variator().layout();
+        ASSERT_NE(simulation.state()[before.control_begin()], 0.0);
+        const StateFile file(simulation);
+        scene.state_file = file.path();
+        const bool had_two = driven == model::DrivenControl::safety;
+        scene.parameters.control.driven = had_two ? model::DrivenControl::none : model::DrivenControl::safety;
+        Simulation other(scene);
+        const model::ChainLayout& at = other.variator().layout();
+        EXPECT_EQ(before.controls + at.controls, 3);
+        EXPECT_EQ(other.state()[at.control_begin()], simulation.state()[before.control_begin()]);
+        if (!had_two) {
+            EXPECT_EQ(other.state()[at.control_begin() + 1], 0.0);
+        }
+        for (int k = 0; k < model::loss_kinds + model::work_kinds; ++k)
+            EXPECT_EQ(other.state()[at.ledger_begin() + k], simulation.state()[before.ledger_begin() + k]);
     }
 }
 

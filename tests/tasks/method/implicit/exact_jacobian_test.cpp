@@ -36,11 +36,13 @@ TEST(ExactJacobian, IsThatOfTheKernelsAtEveryDetail) {
 }
 
 TEST(ExactJacobian, KnowsEveryLawAndKindOfPulley) {
-    const std::vector<std::vector<std::string>> scenes{{"detail.friction=smoothed"},
-                                                       {"detail.stick_slip=true"},
-                                                       {"detail.pulleys=rigid"},
-                                                       {"detail.plates=each", "detail.joint_points=8"},
-                                                       {"control.enabled=true", "control.ratio=1.0", "record.ledger=true"}};
+    const std::vector<std::vector<std::string>> scenes{
+        {"detail.friction=smoothed"},
+        {"detail.stick_slip=true"},
+        {"detail.pulleys=rigid"},
+        {"detail.plates=each", "detail.joint_points=8"},
+        {"control.enabled=true", "control.ratio=1.0", "record.ledger=true"},
+        {"control.enabled=true", "control.driven=safety", "control.ratio=1.0", "record.ledger=true"}};
     for (const auto& extra : scenes) {
         Settled settled(extra);
         settled.stir(0.01);

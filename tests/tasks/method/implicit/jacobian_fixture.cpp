@@ -27,7 +27,8 @@ int place(const model::ChainLayout& at, int number, With with) {
     const int edge = at.links * at.link_size();
     const bool velocity = with == With::velocity;
     if (number < edge) return at.link_begin(number / at.link_size()) + (velocity ? at.link_size() : 0) + number % at.link_size();
-    if (number == edge + at.pulley_size) return velocity ? at.control_begin() : -1;  // I has no coordinate
+    const int behind = number - edge - at.pulley_size;
+    if (behind >= 0) return velocity ? at.control_begin() + behind : -1;  // I has no coordinate
     return at.pulley_begin() + (velocity ? at.pulley_size : 0) + number - edge;
 }
 

@@ -1,0 +1,47 @@
+/// Controllers of the machine at work on a whole chain.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+
+#include "tests/claims/operating_point_fixture.hpp"
+
+namespace cvtflow::claims {
+namespace {
+
+/// 2 mu r/cos(beta): what a newton of clamping force carries, with the chain at the arc's nominal place [N·m/N].
+double carried_per_force(const tasks::Scene& scene) {
+    const auto& p = scene.parameters;
+    return 2.0 * p.tip.friction.coefficient * p.pulley.arc_position / std::cos(p.tip.angle);
+}
+
+/// Whether the table presses with more or with less than is wanted: the force that carries the wanted multiple of 150 N·m.
+TEST(Controllers, TheOneOfTheSafetyFactorBringsTheDrivenClampingForceToWhatTheoryAsksFor) {
+    for (const char* wanted : {"1.2", "1.6"}) {
+        const tasks::Scene scene =
+            ready_scene("manoeuvre", {"clamping.driven=20 kN", "control.quantity=safety", std::string("control.safety=") + wanted,
+                                      "control.integral=2e7 N/s", "control.proportional=0", "run.until=12 ms"});
+        const Operation run(scene);
+        ASSERT_FALSE(run.fault) << run.fault.message();
+        const double factor = std::strtod(wanted, nullptr), force = run.mean(run.clamping_driven, 8e-3, 12e-3);
+        // The sheaves give way by some 10 um, which is 0.1 % of the radius; the time constant is 1 ms.
+        EXPECT_NEAR(force, factor * 150.0 / carried_per_force(scene), 5e-3 * force) << wanted;
+        EXPECT_NEAR(carried_per_force(scene) * force / std::abs(run.mean(run.driven_torque, 8e-3, 12e-3)), factor, 0.02 * factor)
+            << "by the chain's own torque, which swings";
+    }
+}
+
+/// The second controller lets S_2 down to where the chain carries 1.2 times the load; the first one follows with S_1 and keeps the ratio.
+TEST(NightlyControllers, HoldRatioAndSafetyFactorAtOnce) {
+    const tasks::Scene scene = ready_scene(
+        "control", {"control.driven=safety", "control.safety=1.2", "control.driven_proportional=0", "control.driven_integral=2e6 N/s"});
+    const Operation run(scene);
+    ASSERT_FALSE(run.fault) << run.fault.message();
+    const double end = run.time.back(), force = run.mean(run.clamping_driven, end - 20e-3, end);
+    EXPECT_NEAR(force, 1.2 * 150.0 / carried_per_force(scene), 5e-3 * force);
+    EXPECT_NEAR(run.mean(run.ratio, end - 20e-3, end), 1.0023, 5e-4) << "swings of the first controller, as without the second";
+}
+
+}  // namespace
+}  // namespace cvtflow::claims
