@@ -1,4 +1,6 @@
-#include <cmath>
+#include <algorithm>
+#include <array>
+#include <cstring>
 
 #include "model/kernels/kernels.hpp"
 #include "model/kernels/pins/pin_among_others.hpp"
@@ -24,28 +26,71 @@ void observed_slopes(const ChainModel& model, const ChainRange& range, double* s
 /// A gap as wide as that of a tip that is not there.
 constexpr double no_tip = -1.0;  // m
 
+/// Tips of pins side by side against their sheaves, without forces: what detection looks at after every step.
+template <int P, int W>
+class PinProbe {
+public:
+    using V = Lanes<W>;
+    using Columns = LinkColumns<P, W>;
+
+    PinProbe(const Coefficients& c, const SheaveMotion* sheaves, bool with_slip) noexcept
+        : c_(c), sheaves_(sheaves), with_slip_(with_slip), motion_(c.joint) {}
+
+    /// @param states blocks of neighbouring pins, with one more on each side [unknowns]
+    void run(const double* states, int pins, TipProbe* probes) noexcept {
+        for (int first = 0; first < pins; first += most_pins) {
+            const int count = std::min(most_pins, pins - first);
+            motion_.read(states + (first - 1) * pin_at<P>.link_block(), count + 2);
+            motion_.lines(0, count + 1);
+            motion_.roll(1, count + 1);
+            for (int pin = 0; pin < count; pin += W) group(pin + 1, std::min(W, count - pin), probes + first + pin);
+        }
+    }
+
+private:
+    void group(int at, int count, TipProbe* probes) const noexcept {
+        Columns columns;
+        motion_.pin_as_link(at, columns);
+        std::array<SheaveMotionLanes<W>, 2> sheaves;
+        const V shaft = pulleys_of<P>(c_, sheaves_, columns, sheaves);
+        alignas(64) double depth[2][W], slip[2][W], radius[W];
+        probe(OneTip<W, End::rear, 0>{}, columns, sheaves.data(), depth[0], slip[0]);
+        probe(OneTip<W, End::rear, 1>{}, columns, sheaves.data(), depth[1], slip[1]);
+        const V x = columns.q()[model::at<P>.x(End::rear, 0)] - shaft * c_.centre_distance, y = columns.q()[model::at<P>.y(End::rear, 0)];
+        V(sqrt(x * x + y * y)).copy_to(radius);
+        for (int pin = 0; pin < count; ++pin)
+            probes[pin] = {{depth[0][pin], depth[1][pin], no_tip, no_tip}, {slip[0][pin], slip[1][pin], 0.0, 0.0}, radius[pin]};
+    }
+
+    template <class Corner>
+    void probe(const Corner& corner, const Columns& columns, const SheaveMotionLanes<W>* sheaves, double* depth,
+               double* slip) const noexcept {
+        const auto own = sheaves_at(corner, sheaves);
+        const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
+        geometry.depth.copy_to(depth);
+        V speed(0.0);
+        if (with_slip_) {
+            const auto along = tangential(tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry).material, geometry.normal);
+            speed = sqrt(dot(along, along));
+        }
+        speed.copy_to(slip);
+    }
+
+    const Coefficients& c_;
+    const SheaveMotion* sheaves_;
+    bool with_slip_;
+    PinMotion<P, W> motion_;
+};
+
 template <int P>
 void probe_pin(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool with_slip, TipProbe& probe) noexcept {
-    const PinAmongOthers<P> pin(model, state, sheaves);
-    for (int tip = 0; tip < tips_per_link; ++tip) {
-        probe.depth[tip] = no_tip;
-        probe.slip[tip] = 0.0;
-    }
-    pin.tips([&](int side, const auto& geometry, const auto& motion) {
-        probe.depth[side] = geometry.depth[0];
-        if (!with_slip) return;
-        const auto slip = tangential(motion.material, geometry.normal);
-        probe.slip[side] = std::sqrt(dot(slip, slip)[0]);
-    });
-    const double x = state[pin_at<P>.x(End::rear, 0)] - pin.shaft() * model.coefficients().centre_distance;
-    const double y = state[pin_at<P>.y(End::rear, 0)];
-    probe.radius = std::sqrt(x * x + y * y);
+    PinProbe<P, 1>(model.coefficients(), sheaves, with_slip).run(state, 1, &probe);
 }
 
 template <int P>
 void probe_pins(const ChainModel& model, const double* states, int links, const SheaveMotion* sheaves, bool with_slip,
                 TipProbe* probes) noexcept {
-    for (int pin = 0; pin < links; ++pin) probe_pin<P>(model, states + pin * pin_at<P>.link_block(), sheaves, with_slip, probes[pin]);
+    PinProbe<P, native_lanes>(model.coefficients(), sheaves, with_slip).run(states, links, probes);
 }
 
 /// @param state in a LinkStrip: the link's tension depends on two pins behind it

@@ -6,6 +6,7 @@
 
 #include "engine/event/locate.hpp"
 #include "tasks/step/assembly/motion_check.hpp"
+#include "tasks/step/assembly/near_blocks.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
@@ -70,16 +71,6 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, V
     return false;
 }
 
-/// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.
-struct NearBlocks {
-    static constexpr int most = 2 * model::ChainLayout{3, 84, 36, false, false, true}.probe_halo() + 1;
-    double numbers[most * model::most_link_block];
-
-    [[nodiscard]] double* place(const model::ChainLayout& layout, int from_link) noexcept {
-        return numbers + (layout.probe_halo() + from_link) * layout.link_block();
-    }
-};
-
 /// @param end states at the step's end, of the link and of its neighbours beside it
 void check_middle(Workspace& w, int link, const double* end, Verdict& verdict) noexcept {
     const model::ChainLayout& layout = w.layout();
@@ -115,16 +106,6 @@ void find_due(Workspace& w, int link, Verdict& verdict) noexcept {
             ++verdict.suppressed;
         }
     }
-}
-
-/// State of one link at a share of the step, its neighbours beside it.
-[[nodiscard]] const double* near_at(const Workspace& w, int link, double theta, NearBlocks& blocks) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    for (int from = -layout.probe_halo(); from <= layout.probe_halo(); ++from) {
-        const int begin = layout.link_begin(layout.wrapped(link + from));
-        w.interpolant().evaluate(theta, begin, begin + layout.link_block(), blocks.place(layout, from));
-    }
-    return blocks.place(layout, 0);
 }
 
 /// Tips of one link at a share of the step.
@@ -183,46 +164,6 @@ void change_phases(Workspace& w, int link, const TipIndicator* tips, Verdict& ve
 
 }  // namespace
 
-namespace {
-
-/// Calls put(first link, links, place in a window) for a segment's links and `halo` on each side of them.
-template <class Put>
-void for_each_run(const model::ChainLayout& layout, const Segment& own, int halo, const Put& put) noexcept {
-    put(own.first, own.size(), halo);
-    for (int k = 0; k < halo; ++k) {
-        put(layout.wrapped(own.first + k - halo), 1, k);
-        put(layout.wrapped(own.last + k), 1, halo + own.size() + k);
-    }
-}
-
-/// What workspace.step.row combines for a segment's links and a halo.
-void combine_window(const Workspace& w, const Segment& own, int halo, double* window) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    const int block = layout.link_block();
-    for_each_run(layout, own, halo, [&](int link, int links, int place) {
-        const int begin = layout.link_begin(link);
-        engine::combine(w.step.row, w.step.h, w.slots(), begin, begin + links * block, window + place * block);
-    });
-}
-
-}  // namespace
-
-void fill_window(Workspace& w, const Segment& own, double* window) noexcept { combine_window(w, own, w.layout().halo(), window); }
-
-void copy_window(const Workspace& w, const Segment& own, const double* state, double* window) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    const int block = layout.link_block();
-    for_each_run(layout, own, layout.halo(), [&](int link, int links, int place) {
-        std::memcpy(window + place * block, state + layout.link_begin(link), at(links * block) * sizeof(double));
-    });
-}
-
-const double* window_of(Workspace& w, const double* state, int segment) noexcept {
-    double* window = w.windows[at(segment)].data();
-    copy_window(w, w.partition[segment], state, window);
-    return window;
-}
-
 void evaluate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
@@ -275,16 +216,6 @@ void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept 
         engine::combine(w.step.error_row, w.step.h, w.slots(), begin, begin + layout.link_block(), errors);
         w.links.errors[at(link)] = w.step.error_scale.norm(errors, layout.link_size());
     }
-}
-
-/// States of a segment's links at the step's end, with as many beside them as contact depends on: those of other segments may not be
-/// written yet, so they are combined once more.
-[[nodiscard]] const double* end_blocks(Workspace& w, int segment) noexcept {
-    const Segment& own = w.partition[segment];
-    if (w.layout().probe_halo() == 0) return w.end_state + w.layout().link_begin(own.first);
-    double* window = w.windows[at(segment)].data();
-    combine_window(w, own, w.layout().probe_halo(), window);
-    return window + w.layout().probe_halo() * w.layout().link_block();
 }
 
 }  // namespace
