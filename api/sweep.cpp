@@ -5,6 +5,7 @@
 #include "tasks/batch/batch.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
+#include "tasks/tuning/verified_sweep.hpp"
 
 namespace cvtflow {
 inline namespace v0 {
@@ -30,8 +31,13 @@ struct Sweep::Impl {
             };
         }
         try {
-            return tasks::run_batch(sweep, options);
+            const tasks::TunedSweep tuned = tasks::tuned_sweep(sweep, folder, cancel, {});
+            const tasks::BatchReport report = tasks::run_batch(tuned.sweep, options);
+            if (report.finished && sweep.accuracy.target > 0.0)
+                static_cast<void>(tasks::verify_sweep(sweep, tuned, report.folder, cancel, {}));
+            return report;
         } catch (const tasks::SimulationError& error) {
+            if (cancel.requested()) return {};  // while it was tuned or verified
             throw Error(ErrorCode::state, error.what());
         }
     }

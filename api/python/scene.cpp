@@ -8,11 +8,30 @@ namespace {
     return scene.with(settings.cast<std::vector<std::string>>());
 }
 
+[[nodiscard]] Tuning tuned(const Scene& scene, double accuracy, std::vector<std::string> outputs, double budget, std::string folder) {
+    const TuneOptions options{accuracy, std::move(outputs), budget, std::move(folder)};
+    const Released released;
+    return tune(scene, options);
+}
+
+void bind_tune(py::module_& module) {
+    py::class_<Tuning>(module, "Tuning", "A scene as it should be run for an accuracy.")
+        .def_readonly("scene", &Tuning::scene, "The scene with the detail, method and step that were chosen.")
+        .def_readonly("choice", &Tuning::choice, "What was chosen, in words.")
+        .def_readonly("error", &Tuning::error, "Largest error that was measured.")
+        .def_readonly("kept", &Tuning::kept, "Whether it had been found before.");
+    module.def(
+        "tune", &tuned, py::arg("scene"), py::arg("accuracy") = 0.01, py::arg("outputs") = std::vector<std::string>{},
+        py::arg("budget") = 0.0, py::arg("folder") = "",
+        "The cheapest detail, method and step with which outputs (slip, efficiency, tight_tension, tips) are as accurate: measured, or "
+        "as found before. Takes seconds to minutes.");
+}
+
 }  // namespace
 
 void bind_scene(py::module_& module) {
-    py::class_<Scene>(module, "Scene", "What is simulated: an immutable description, read and checked as a whole.")
-        .def_static("read", &Scene::read, py::arg("path"), "Reads a scene file. Raises SceneError with every problem in it.")
+    py::class_<Scene> scene(module, "Scene", "What is simulated: an immutable description, read and checked as a whole.");
+    scene.def_static("read", &Scene::read, py::arg("path"), "Reads a scene file. Raises SceneError with every problem in it.")
         .def_static("parse", &Scene::parse, py::arg("text"), py::arg("name") = "scene.toml",
                     "A scene given as TOML; name stands for the file in messages, start.state is relative to its folder.")
         .def_static("ready", &Scene::ready, py::arg("name"), "A scene that comes with cvtflow, e.g. \"baseline\".")
@@ -27,6 +46,7 @@ void bind_scene(py::module_& module) {
         .def("__eq__", [](const Scene& one, const Scene& other) { return one.text() == other.text(); })
         .def(py::pickle([](const Scene& scene) { return py::make_tuple(scene.text()); },
                         [](const py::tuple& kept) { return Scene::parse(kept[0].cast<std::string>()); }));
+    bind_tune(module);
 }
 
 }  // namespace cvtflow::python

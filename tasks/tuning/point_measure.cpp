@@ -157,7 +157,7 @@ const PointRun* PointMeasure::reference(double agreement) {
     for (const double share : {0.5, 0.25, 0.125, 0.0625}) {
         if (!references_.contains(share)) {
             try {
-                references_[share] = measured({finest_, RunSettings{}.method, share}, true, nullptr);
+                references_[share] = run({finest_, RunSettings{}.method, share});
             } catch (const SimulationError& error) {
                 objection_ = error.what();
                 return nullptr;

@@ -174,13 +174,13 @@ void Tuner::find_references(double accuracy, TuneResult& result) {
                                       scene_.name, 100.0 * accuracy, fmt::join(result.left_out, "\n  ")));
 }
 
-/// Half the step helps only where the step decides.
+/// A shorter step or another method helps only where the detail is not what is wrong.
 bool Tuner::worth_trying(const TunedChoice& candidate, const TuneResult& result) const {
-    if (candidate.choice.share == 1.0) return true;
-    TuneChoice longer = candidate.choice;
-    longer.share *= 2.0;
-    const auto found = std::find_if(result.choices.begin(), result.choices.end(), [&](const TunedChoice& c) { return c.choice == longer; });
-    return found != result.choices.end() && found->tried && found->error() * tuning_margin <= gained_by_halving * result.accuracy;
+    const double most = gained_by_halving * result.accuracy / tuning_margin;
+    return std::none_of(result.choices.begin(), result.choices.end(), [&](const TunedChoice& before) {
+        const bool alike = before.choice.detail == candidate.choice.detail && before.choice.share <= 2.0 * candidate.choice.share;
+        return alike && before.tried && std::isfinite(before.error()) && before.error() > most;
+    });
 }
 
 /// Until it fails at one of them.
@@ -228,7 +228,7 @@ TuneResult Tuner::tune(double accuracy) {
         else if (settings_.budget > 0.0 && seconds_since(began) > settings_.budget)
             candidate.standing = "the budget was used up";
         else if (!worth_trying(candidate, result))
-            candidate.standing = "a shorter step would not be enough";
+            candidate.standing = "its detail is not enough";
         else
             try_at_points(candidate, accuracy / tuning_margin);
         if (candidate.standing == "chosen") result.chosen = result.choices.size() - 1;

@@ -26,7 +26,7 @@ struct TunedSweep {
 [[nodiscard]] std::vector<long> cases_to_verify(const Sweep& sweep);
 
 /// Runs cases of a finished table again at reference quality and writes errors into their rows (columns `error_of_...`) and the table's
-/// attributes. Rows that have errors keep them; of other shards nothing is touched.
+/// attributes. Rows that have errors keep them; of other shards nothing is touched. A reference settles, too, where cases do.
 /// @param sweep as its file has it, not tuned   @param folder of the table   @return what could not be verified, and why
 /// @throws engine::RecordError; SimulationError: interrupted
 std::vector<std::string> verify_sweep(const Sweep& sweep, const TunedSweep& tuned, const std::string& folder,

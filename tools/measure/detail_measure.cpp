@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -12,6 +11,7 @@
 #include "model/observe/observation.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/study/detail_state.hpp"
+#include "tasks/tuning/output.hpp"
 #include "tools/guard.hpp"
 #include "tools/output/interrupt.hpp"
 #include "tools/scene_arguments.hpp"
@@ -21,41 +21,45 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// Means over the outputs of one part of a run.
-struct Means {
-    std::array<double, 6> sum{};  ///< tight, slack, tip, slip, ratio, thrust ratio
-    double first_ratio = 0.0, last_ratio = 0.0, first_time = 0.0, last_time = 0.0;
-    long count = 0;
-
-    void add(const model::Observation& now) {
-        double tip = 0.0;
-        for (const double axial : now.tip_axial) tip = std::max(tip, std::abs(axial));
-        const std::array values{now.tight, now.slack, tip, now.slip, now.ratio, now.clamping[0] / now.clamping[1]};
-        for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += values[k];
-        if (count == 0) first_ratio = now.ratio;
-        if (count == 0) first_time = now.time;
-        last_ratio = now.ratio;
-        last_time = now.time;
-        ++count;
-    }
-    [[nodiscard]] double mean(std::size_t k) const { return sum[k] / static_cast<double>(count); }
-};
+/// What the table shows of a variant, in this order.
+enum { tight, slack, tip, slip, speed_ratio, thrust_ratio };
+const std::vector<tasks::TunedOutput>& shown() {
+    static const auto outputs = tasks::tuned_outputs({"tight_tension", "slack_tension", "tips", "slip", "ratio", "thrust_ratio"}, true);
+    return outputs;
+}
 
 /// Averages over both halves of a run.
 struct Averager final : tasks::RunObserver {
     Averager(const tasks::Simulation& simulation, double from, double until)
-        : observer(simulation.variator()), middle(0.5 * (from + until)) {}
-    void output(double time, const tasks::Workspace& w, const tasks::Counters&) override {
+        : observer(simulation.variator()),
+          middle(0.5 * (from + until)),
+          first(simulation.variator(), shown(), 0, from),
+          second(simulation.variator(), shown(), 0, middle) {}
+    void output(double time, const tasks::Workspace& w, const tasks::Counters& counters) override {
         const model::Observation& now = observer.observe(time, w.states[0], w.tips.phases.data());
         watch.add(now, w);
-        (time < middle ? first : second).add(now);
+        if (!begun) begin = {now.time, now.ratio};
+        begun = true;
+        end = {now.time, now.ratio};
+        (time < middle ? first : second).output(time, w, counters);
     }
     void transition(const tasks::TransitionRecord&) override {}
 
+    /// Mean of what is shown over both halves.
+    [[nodiscard]] double mean(int which) const {
+        const auto at = static_cast<std::size_t>(which);
+        return 0.5 * (first.values()[at] + second.values()[at]);
+    }
+
+    struct Ratio {
+        double time = 0.0, ratio = 0.0;
+    };
     model::Observer observer;
     double middle;
-    Means first, second;
+    tasks::OutputReader first, second;
     tasks::RunWatch watch;
+    Ratio begin, end;
+    bool begun = false;
 };
 
 /// Two integrations, each with a balance of its own: the jolt with which the state is brought over belongs to the first one. What they came
@@ -109,13 +113,11 @@ void average(tasks::Simulation& simulation, double settle, double length, Detail
     Averager seen(simulation, settled, until);
     settle_and_average(simulation, settled, seen, until, outcome);
     if (!outcome.fault.empty()) return;
-    const Means &first = seen.first, &second = seen.second;
-    const auto both = [&](std::size_t k) { return 0.5 * (first.mean(k) + second.mean(k)); };
-    outcome.tight = both(0), outcome.slack = both(1), outcome.tip = both(2), outcome.slip = both(3);
-    outcome.ratio = both(4);
+    outcome.tight = seen.mean(tight), outcome.slack = seen.mean(slack), outcome.tip = seen.mean(tip), outcome.slip = seen.mean(slip);
+    outcome.ratio = seen.mean(speed_ratio);
     outcome.efficiency = outcome.watch.means.efficiency;
-    outcome.shift = (second.last_ratio / first.first_ratio - 1.0) / (second.last_time - first.first_time);
-    outcome.drift = second.mean(0) / first.mean(0) - 1.0;
+    outcome.shift = (seen.end.ratio / seen.begin.ratio - 1.0) / (seen.end.time - seen.begin.time);
+    outcome.drift = seen.second.values()[tight] / seen.first.values()[tight] - 1.0;
     outcome.cost = cost_of(simulation);
 }
 
@@ -212,7 +214,7 @@ void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, Det
         outcome.fault = "under ratio control: " + controlled.fault;
         return;
     }
-    outcome.thrust = 0.5 * (seen.first.mean(5) + seen.second.mean(5));
+    outcome.thrust = seen.mean(thrust_ratio);
 }
 
 }  // namespace cvtflow::tools

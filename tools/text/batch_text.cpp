@@ -124,15 +124,17 @@ void say_unless(bool quiet, const std::string& what) {
 bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchReport& report, bool quiet) {
     if (!(asked.accuracy.target > 0.0) || catch_interrupts().requested()) return true;
     const auto say = [quiet](const std::string& what) { say_unless(quiet, what); };
+    std::vector<std::string> remarks;
     try {
-        for (const std::string& remark : tasks::verify_sweep(asked, tuned, report.folder, catch_interrupts(), say)) print_error(remark);
+        remarks = tasks::verify_sweep(asked, tuned, report.folder, catch_interrupts(), say);
     } catch (const tasks::SimulationError&) {
         if (!catch_interrupts().requested()) throw;
         return true;
     }
+    for (const std::string& remark : remarks) print_error("not verified: " + remark);
     const std::string file = report.folder + "/cases.h5";
     report.results_hash = engine::CaseReader(file).head().attribute("results_hash");
-    return say_verdict(asked.name, file, quiet);
+    return say_verdict(asked.name, file, quiet) && (remarks.empty() || tasks::sweep_verdict(file).verified > 0);
 }
 
 /// In the child.

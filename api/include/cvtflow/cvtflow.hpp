@@ -7,4 +7,5 @@
 #include <cvtflow/simulation.hpp>
 #include <cvtflow/sweep.hpp>
 #include <cvtflow/threads.hpp>
+#include <cvtflow/tune.hpp>
 #include <cvtflow/version.hpp>

@@ -11,6 +11,8 @@ namespace cvtflow {
 inline namespace v0 {
 
 class Simulation;
+struct TuneOptions;
+struct Tuning;
 
 /// A handle to a checked scene; copies share it. All members are safe to call from several threads at once.
 class CVTFLOW_EXPORT Scene {
@@ -41,6 +43,7 @@ private:
     struct Data;
     explicit Scene(std::shared_ptr<const Data> data) noexcept;
     friend class Simulation;
+    friend CVTFLOW_EXPORT Tuning tune(const Scene& scene, const TuneOptions& options);
 
     std::shared_ptr<const Data> data_;
 };

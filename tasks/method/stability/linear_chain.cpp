@@ -66,7 +66,7 @@ struct Derivatives {
     };
     for (int link = 0; link < layout.links; ++link) add(layout.link_begin(link), layout.link_size());
     add(layout.pulley_begin(), layout.pulley_size);
-    if (layout.control) places[1].push_back(layout.control_begin());
+    for (int k = 0; k < layout.controls; ++k) places[1].push_back(layout.control_begin() + k);
     const auto size = static_cast<Eigen::Index>(places[1].size());
     const auto part = [&](const std::vector<int>& columns) {
         Entries entries;

@@ -34,7 +34,7 @@ TEST(SweepKeys, AnUnknownOneIsAnErrorWithASuggestion) {
 }
 
 TEST(SweepKeys, SectionsAreThoseOfTheFile) {
-    EXPECT_THAT(sweep_sections(), testing::ElementsAre("sweep", "set", "axes", "outputs", "budget", "start"));
+    EXPECT_THAT(sweep_sections(), testing::ElementsAre("sweep", "set", "axes", "outputs", "budget", "start", "accuracy"));
 }
 
 TEST(SweepSchema, HasEveryKeyAndTheKeysOfScenes) {

@@ -1,0 +1,37 @@
+#pragma once
+/// The cheapest detail, method and step for a wanted accuracy, found by measuring, as `cvtflow run --accuracy` does it.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <cvtflow/export.hpp>
+#include <cvtflow/scene.hpp>
+
+namespace cvtflow {
+inline namespace v0 {
+
+struct TuneOptions {
+    double accuracy = 0.01;  ///< largest error of the outputs, above 0 and at most 0.5 [1]
+    /// Whose error: "slip", "efficiency", … or as in a sweep, "slip median"; none: slip, efficiency, tight_tension, tips.
+    std::vector<std::string> outputs;
+    double budget = 0.0;  ///< wall time after which no further choice is tried; 0: no limit [s]
+    std::string folder;   ///< where what was found is kept; empty: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow
+    std::function<void(const std::string&)> progress{};  ///< told what is being measured; may be empty
+};
+
+struct Tuning {
+    Scene scene;         ///< as it should be run, from a state of its own detail
+    std::string choice;  ///< in words: "medium, leapfrog-chebyshev, automatic step"
+    double error = 0.0;  ///< largest that was measured [1]
+    bool kept = false;   ///< found before, not measured now
+};
+
+/// Measures at the scene's start and at the extremes of its tables over time, or takes what was found before. Serial, in the calling
+/// thread; takes seconds to minutes.
+/// @throws Error (argument) accuracy; (scene) outputs that there are not; (start_state); (state) nothing is as accurate, or nothing can be
+/// measured: what() says what was nearest
+[[nodiscard]] CVTFLOW_EXPORT Tuning tune(const Scene& scene, const TuneOptions& options);
+
+}  // namespace v0
+}  // namespace cvtflow

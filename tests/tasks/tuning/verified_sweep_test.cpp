@@ -1,0 +1,128 @@
+#include "tasks/tuning/verified_sweep.hpp"
+
+#include <gmock/gmock.h>
+
+#include <unistd.h>
+#include <filesystem>
+#include <fstream>
+
+#include "engine/record/table/case_table.hpp"
+#include "tasks/batch/batch.hpp"
+#include "tasks/batch/results/results.hpp"
+#include "tasks/scene/ready_scenes.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+class VerifiedSweeps : public testing::Test {
+protected:
+    VerifiedSweeps() : folder_(std::filesystem::path(testing::TempDir()) / ("verified_" + std::to_string(getpid()))) {
+        std::filesystem::create_directories(folder_);
+    }
+    ~VerifiedSweeps() override { std::filesystem::remove_all(folder_); }
+    /// Four cases of tiny.
+    [[nodiscard]] Sweep sweep(const std::string& accuracy,
+                              const std::string& axis = "key = \"load.torque\"\nvalues = [6, 8, 10, 12]") const {
+        const std::string file = (folder_ / "sweep.toml").string();
+        std::ofstream(file) << "[sweep]\nscene = \"tiny\"\n[set]\nrun.until = \"1 ms\"\nrun.method = \"leapfrog-chebyshev\"\n"
+                               "start.settling_time = \"2 ms\"\nstart.ramp_time = \"1 ms\"\n[[axes]]\n"
+                            << axis << "\n[outputs]\nfrom = \"0.4 ms\"\nscalars = [\"tight_tension mean\", \"slack_tension mean\"]\n"
+                            << "[start]\nmode = \"settle\"\n"
+                            << accuracy;
+        return read_sweep(file, find_scene);
+    }
+    [[nodiscard]] BatchReport run(const Sweep& of) const {
+        BatchOptions options;
+        options.folder = out();
+        options.threads = 1;
+        return run_batch(of, options);
+    }
+    [[nodiscard]] std::string out() const { return (folder_ / "out").string(); }
+    [[nodiscard]] std::string table() const { return out() + "/cases.h5"; }
+    const engine::Cancellation go_on_;
+    std::filesystem::path folder_;
+};
+
+constexpr const char* three = "[accuracy]\ntarget = \"20 %\"\nverify = 3\n";
+
+TEST_F(VerifiedSweeps, CarryTheErrorsOfTheCasesThatWereRunAgain) {
+    const Sweep asked = sweep(three);
+    const TunedSweep tuned = tuned_sweep(asked, out(), go_on_, {});
+    ASSERT_TRUE(tuned.result);
+    EXPECT_EQ(tuned.result->points, (std::vector<std::string>{"case 0", "case 3"})) << "the ends of the only axis";
+    EXPECT_TRUE(run(tuned.sweep).finished);
+    EXPECT_THAT(verify_sweep(asked, tuned, out(), go_on_, {}), testing::IsEmpty());
+    const SweepVerdict verdict = sweep_verdict(table());
+    EXPECT_EQ(verdict.verified, 3);
+    EXPECT_EQ(verdict.missed, 0) << verdict.text();
+    EXPECT_TRUE(verdict.held());
+    EXPECT_THAT(verdict.scalars, testing::ElementsAre("tight_tension_mean", "slack_tension_mean"));
+    EXPECT_GT(verdict.worst[0], 0.0) << "a tuned run is not the reference";
+    const engine::CaseTable all = engine::read_cases(table());
+    EXPECT_EQ(all.attribute("accuracy_target"), "0.2");
+    EXPECT_EQ(all.attribute("accuracy_choice"), tuned.kept.choice.text());
+    EXPECT_EQ(all.attribute("results_hash"), results_hash(all)) << "of the rows as they are now";
+}
+
+TEST_F(VerifiedSweeps, AreTunedOnceAndAloneDecideWhatIsRun) {
+    const Sweep asked = sweep(three);
+    const TunedSweep first = tuned_sweep(asked, out(), go_on_, {}), second = tuned_sweep(asked, out(), go_on_, {});
+    EXPECT_FALSE(second.result) << "as kept in the folder of the results";
+    EXPECT_EQ(second.sweep.definition(), first.sweep.definition());
+    EXPECT_NE(sweep("").definition(), first.sweep.definition());
+    const TunedSweep elsewhere = tuned_sweep(asked, (folder_ / "elsewhere").string(), go_on_, {});
+    EXPECT_TRUE(elsewhere.result);
+    EXPECT_EQ(elsewhere.sweep.definition(), first.sweep.definition()) << "shards on other machines find the same";
+}
+
+TEST_F(VerifiedSweeps, MissTheirTargetWhereMoreThanOneCaseInTwentyDoes) {
+    SweepVerdict verdict{0.01, {"slip_mean"}, {0.02}, 20, 1};
+    EXPECT_TRUE(verdict.held());
+    verdict.missed = 2;
+    EXPECT_FALSE(verdict.held());
+    EXPECT_EQ(verdict.text(), "20 cases verified, 2 beyond 1 %; at most: slip_mean 2 %");
+}
+
+TEST_F(VerifiedSweeps, FindOutWhereATableIsNotAsAccurateAsItSays) {
+    const Sweep asked = sweep(three);
+    TunedSweep coarse{asked, {{"coarse", "leapfrog-chebyshev"}, 0.0, 0.0, {}}, std::nullopt};
+    coarse.sweep.accuracy.target = 0.004;
+    Sweep strict = asked;
+    strict.accuracy.target = 0.004;
+    coarse.sweep.scene = chosen_scene(asked.scene, coarse.kept.choice, 0.0);
+    EXPECT_TRUE(run(coarse.sweep).finished);
+    static_cast<void>(verify_sweep(strict, coarse, out(), go_on_, {}));
+    const SweepVerdict verdict = sweep_verdict(table());
+    EXPECT_EQ(verdict.verified, 3);
+    EXPECT_EQ(verdict.missed, 3) << verdict.text() << ": rigid sheaves are wrong by per cents";
+    EXPECT_FALSE(verdict.held());
+}
+
+TEST_F(VerifiedSweeps, DrawTheirCasesByASeed) {
+    Sweep asked = sweep(three);
+    const auto drawn = cases_to_verify(asked);
+    EXPECT_EQ(drawn.size(), 3u);
+    EXPECT_TRUE(std::is_sorted(drawn.begin(), drawn.end()));
+    EXPECT_EQ(cases_to_verify(asked), drawn);
+    asked.accuracy.verify = 100;
+    EXPECT_THAT(cases_to_verify(asked), testing::ElementsAre(0, 1, 2, 3)) << "all there are";
+}
+
+TEST_F(VerifiedSweeps, RefuseWhatCannotBe) {
+    const auto problem = [&](const std::string& accuracy, const std::string& axis = "key = \"load.torque\"\nvalues = [6, 8]") {
+        try {
+            static_cast<void>(sweep(accuracy, axis));
+        } catch (const SceneError& error) {
+            return std::string(error.what());
+        }
+        return std::string("nothing");
+    };
+    EXPECT_THAT(problem("[accuracy]\ntarget = \"1 mm\"\n"), testing::HasSubstr("target: not a share above 0 and up to 50 %"));
+    EXPECT_THAT(problem("[accuracy]\nverify = 3\n"), testing::HasSubstr("accuracy.target: is missing"));
+    EXPECT_THAT(problem(three, "key = \"detail.order\"\nvalues = [0, 1]"), testing::HasSubstr("accuracy: detail.order varies"));
+    EXPECT_EQ(problem(three), "nothing");
+    EXPECT_EQ(sweep("[accuracy]\ntarget = 0.01\n").accuracy.verify, 10);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
