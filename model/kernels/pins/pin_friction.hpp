@@ -84,7 +84,7 @@ private:
         V fz(0.0), fe(0.0);
         for (int j = 0; j < field_.components.plates; ++j) {
             const double xi = c_.plates.position[static_cast<std::size_t>(j)];
-            const V slide = contact(field_.components.plate(j), own) * held<W, Steepest>(c_.plate_friction, gap_z + xi * gap_e);
+            const V slide = contact(field_.components.plate(j), own) * sliding_share<W, Steepest>(c_.plate_friction, gap_z + xi * gap_e);
             fz += slide;
             fe += xi * slide;
         }
