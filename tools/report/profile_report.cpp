@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/provenance.hpp"
+#include "tools/text/text.hpp"
 
 namespace cvtflow::tools {
 
@@ -12,7 +13,8 @@ using tasks::ScheduleResult;
 namespace {
 
 std::string numbered(std::size_t number, const ScheduleResult& result) {
-    return fmt::format("{} {}, {} threads, {} segments", number, result.name, result.schedule.threads, result.schedule.segments);
+    return fmt::format("{} {}, {}, {}", number, result.name, plural(result.schedule.threads, "thread"),
+                       plural(result.schedule.segments, "segment"));
 }
 
 std::string measured_on() {

@@ -78,6 +78,7 @@ TEST(Profile, MeasuresAndFindsEqualStates) {
     options.rounds = 2;
     options.steps = 5;
     options.neighbours = {0, 1};
+    options.predict_crowded = true;  // whoever else runs here
     const auto schedules = chosen_schedules(ready_tiny(), {.names = {"serial:staged", "flow:fused", "flow:staged"}, .threads = {2}});
     const Profile profile = profile_schedules(ready_tiny(), schedules, options);
     EXPECT_THAT(profile.differences, testing::IsEmpty());

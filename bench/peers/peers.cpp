@@ -1,0 +1,247 @@
+/// Solvers of others beside our methods, on the same right-hand side, over the same stretch, with errors by the same comparison: seconds
+/// per simulated second against error. Phases of tips are ours to change, so the stretch ends before the first transition: the peers have
+/// no events to locate, and begin only once.
+///
+/// Committed figures come from `bench_peers baseline -o bench/results` on a quiet machine.
+///
+///     bench_peers [SCENE] [--time US] [--interval US] [--rounds N] [--tolerances LIST] [--methods METHOD@US,…] [--agree ERROR] [-o DIR]
+
+#include <fmt/format.h>
+#include <fmt/os.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+#include "bench/peers/solvers.hpp"
+#include "engine/base/provenance.hpp"
+#include "engine/executor/cancellation.hpp"
+#include "engine/executor/runtimes.hpp"
+#include "engine/thread/crowding.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/study/profile/report.hpp"
+#include "tasks/study/profile/statistics.hpp"
+#include "tasks/study/relative_error.hpp"
+#include "tools/plot/plot.hpp"
+
+namespace {
+
+using namespace cvtflow;
+
+struct Settings {
+    std::string scene = "baseline", folder;
+    double time = 120e-6, interval = 6e-6;  ///< [s]
+    int rounds = 3;
+    double agreement = 0.0;  ///< the smallest error of tensions that every solver has to come down to; 0: any [1]
+    std::vector<double> tolerances{1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
+    std::vector<tasks::Candidate> methods{{"rk4", 50e-9},
+                                          {"rk4", 25e-9},
+                                          {"dumka3-p5", 3e-6},
+                                          {"dumka3-p5", 2e-6},
+                                          {"dumka3-p5", 1e-6},
+                                          {"leapfrog-chebyshev", 3e-6},
+                                          {"leapfrog-chebyshev", 2e-6},
+                                          {"leapfrog-chebyshev", 1e-6},
+                                          {"leapfrog-chebyshev", 0.5e-6},
+                                          {"leapfrog-rkc", 2e-6},
+                                          {"leapfrog-rkc", 1e-6},
+                                          {"leapfrog-rkc", 0.5e-6}};
+};
+
+/// One solver with one step or tolerance.
+struct Row {
+    std::string solver, choice, fault;
+    double cost = 0.0;  ///< seconds per simulated second
+    double error_axial = 0.0, error_tension = 0.0;
+    long steps = 0, evaluations = 0, jacobians = 0;
+};
+
+std::vector<std::string> parts_of(const std::string& list) {
+    std::vector<std::string> parts;
+    std::stringstream stream(list);
+    for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
+    return parts;
+}
+
+tasks::Candidate candidate_of(const std::string& word) {
+    const std::size_t at = word.find('@');
+    if (at == std::string::npos) throw std::invalid_argument("--methods: METHOD@US, not '" + word + "'");
+    return {word.substr(0, at), 1e-6 * std::stod(word.substr(at + 1))};
+}
+
+Settings parse(int count, char** words) {
+    Settings settings;
+    int i = 1;
+    if (i < count && words[i][0] != '-') settings.scene = words[i++];
+    for (; i < count; i += 2) {
+        const std::string key = words[i];
+        if (i + 1 == count) throw std::invalid_argument(key + " wants a value");
+        const std::string value = words[i + 1];
+        if (key == "--time")
+            settings.time = 1e-6 * std::stod(value);
+        else if (key == "--interval")
+            settings.interval = 1e-6 * std::stod(value);
+        else if (key == "--rounds")
+            settings.rounds = std::max(1, std::stoi(value));
+        else if (key == "--agree")
+            settings.agreement = std::stod(value);
+        else if (key == "-o")
+            settings.folder = value;
+        else if (key == "--tolerances") {
+            settings.tolerances.clear();
+            for (const std::string& part : parts_of(value)) settings.tolerances.push_back(std::stod(part));
+        } else if (key == "--methods") {
+            settings.methods.clear();
+            for (const std::string& part : parts_of(value)) settings.methods.push_back(candidate_of(part));
+        } else
+            throw std::invalid_argument("there is no option " + key);
+    }
+    return settings;
+}
+
+/// The longest time, a multiple of the interval, before any tip changes its phase [s].
+double quiet_stretch(const tasks::Scene& scene, const tasks::FrozenStart& start, const Settings& settings) {
+    tasks::ComparisonOptions options;
+    options.duration = settings.time;
+    options.output_interval = settings.interval;
+    options.reference = {"rk4", 25e-9};
+    options.rounds = 0;
+    const engine::Cancellation never;
+    const tasks::Comparison look = tasks::compare(scene.parameters, start, {}, options, never);
+    if (look.reference.transitions.empty()) return settings.time;
+    const double first = look.reference.transitions.front().time - start.time;
+    return std::floor(first / settings.interval) * settings.interval;
+}
+
+std::vector<Row> our_rows(const tasks::Comparison& comparison, double duration) {
+    std::vector<Row> rows;
+    for (const tasks::Compared& each : comparison.candidates) {
+        rows.push_back({each.candidate.method, fmt::format("{:.4g} us", 1e6 * each.step), each.fault ? each.fault.message() : "",
+                        each.seconds / duration, each.error_axial, each.error_tension, each.counters.steps, each.counters.evaluations, 0});
+    }
+    return rows;
+}
+
+double error_of(const std::vector<std::vector<double>>& is, const std::vector<std::vector<double>>& should) {
+    tasks::RelativeError error;
+    for (std::size_t row = 0; row < should.size(); ++row) error.add(is[row], should[row]);
+    return error.value();
+}
+
+Row peer_row(const bench::Peer& peer, bench::Problem& problem, double tolerance, const tasks::Course& reference, const Settings& settings,
+             double duration) {
+    std::vector<double> seconds;
+    bench::PeerRun run;
+    for (int round = 0; round < settings.rounds && run.fault.empty(); ++round) {
+        run = peer.run(problem, tolerance);
+        seconds.push_back(run.seconds);
+    }
+    Row row{
+        peer.name,    fmt::format("{:g}", tolerance), run.fault, tasks::median(seconds) / duration, NAN, NAN, run.steps, run.evaluations,
+        run.jacobians};
+    if (!run.fault.empty()) return row;
+    row.error_axial = error_of(run.course.tip_axial, reference.tip_axial);
+    row.error_tension = error_of(run.course.tension, reference.tension);
+    return row;
+}
+
+void print(const std::vector<Row>& rows) {
+    fmt::print("{:<20} {:>10} {:>9} {:>12} {:>10} {:>14} {:>11} {:>11}  {}\n", "solver", "step, tol.", "steps", "evaluations", "Jacobians",
+               "s/simulated s", "err axial", "err tension", "remark");
+    for (const Row& row : rows) {
+        fmt::print("{:<20} {:>10} {:>9} {:>12} {:>10} {:>14.4g} {:>11.2e} {:>11.2e}  {}\n", row.solver, row.choice, row.steps,
+                   row.evaluations, row.jacobians, row.cost, row.error_axial, row.error_tension, row.fault);
+    }
+}
+
+void write_csv(const std::string& path, const std::vector<Row>& rows, const Settings& settings, double duration, double got) {
+    const engine::Provenance here = engine::current_provenance();
+    auto file = fmt::output_file(path);
+    file.print(
+        "scene,duration_us,solver,choice,steps,evaluations,jacobians,seconds_per_simulated_second,error_axial,error_tension,fault,rounds,");
+    file.print("calibrated,sundials,commit,compiler,flags,runtimes,cpu,cores,date\n");
+    for (const Row& row : rows) {
+        file.print("{},{:g},{},{},{},{},{},{:.6g},{:.4e},{:.4e},\"{}\",{},{:.3f},{},{},\"{} {}\",\"{}\",\"{}\",\"{}\",{},{}\n",
+                   settings.scene, 1e6 * duration, row.solver, row.choice, row.steps, row.evaluations, row.jacobians, row.cost,
+                   row.error_axial, row.error_tension, row.fault, settings.rounds, got, bench::sundials_version(), here.commit,
+                   here.compiler, here.build_type, tasks::compiler_flags(), engine::runtime_versions(), here.cpu, here.cores, here.date);
+    }
+}
+
+tools::Plot picture(const std::vector<Row>& rows, const Settings& settings, double duration, double got) {
+    tools::Plot plot;
+    plot.title = fmt::format("Cost against error: {}, {:g} us without a transition", settings.scene, 1e6 * duration);
+    plot.subtitle = fmt::format("one thread; SUNDIALS {}; calibration got {:.2f} of 1 processor; commit {}", bench::sundials_version(), got,
+                                engine::current_provenance().commit);
+    plot.x = {"error of the tips' axial forces", tools::Scale::logarithmic, 1.0, {}, {}};
+    plot.y = {"seconds per simulated second", tools::Scale::logarithmic, 1.0, {}, {}};
+    for (const Row& row : rows) {
+        if (!row.fault.empty()) continue;
+        if (plot.series.empty() || plot.series.back().name != row.solver)
+            plot.series.push_back({row.solver, {}, tools::Mark::dot, tools::Line::solid, ""});
+        plot.series.back().points.push_back({row.error_axial, row.cost});
+    }
+    return plot;
+}
+
+/// Every solver has to come down to the agreement with one of its choices. @return the exit status
+int verdict(const std::vector<Row>& rows, double agreement) {
+    std::map<std::string, double> least;
+    for (const Row& row : rows) {
+        const auto [entry, fresh] = least.try_emplace(row.solver, row.error_tension);
+        if (!fresh && !(entry->second <= row.error_tension)) entry->second = row.error_tension;
+    }
+    int status = 0;
+    for (const auto& [solver, error] : least) {
+        if (agreement == 0.0 || error <= agreement) continue;
+        fmt::print(stderr, "bench_peers: {} comes down to {:.2e}, not to {:.2e}\n", solver, error, agreement);
+        status = 1;
+    }
+    return status;
+}
+
+int run(const Settings& settings) {
+    const tasks::Scene scene = tasks::read_scene(std::filesystem::path(CVTFLOW_SOURCE_DIR "/scenes") / (settings.scene + ".toml"));
+    tasks::Simulation simulation(scene);
+    tasks::SilentObserver nobody;
+    const engine::Cancellation never;
+    if (simulation.needs_settling() && simulation.settle(nobody, never)) throw std::runtime_error("the start does not settle");
+    const tasks::FrozenStart start = tasks::frozen_start(simulation);
+    const double duration = quiet_stretch(scene, start, settings);
+    if (duration < settings.interval) throw std::runtime_error("a tip changes its phase within the first interval: take a shorter one");
+    double got = engine::processors_got(1, 0.1);
+    tasks::ComparisonOptions options;
+    options.duration = duration;
+    options.output_interval = settings.interval;
+    options.rounds = settings.rounds;
+    const tasks::Comparison comparison = tasks::compare(scene.parameters, start, settings.methods, options, never);
+    std::vector<Row> rows = our_rows(comparison, duration);
+    bench::Problem problem(scene, start, duration, settings.interval);
+    for (const bench::Peer& peer : bench::peers()) {
+        for (const double tolerance : settings.tolerances)
+            rows.push_back(peer_row(peer, problem, tolerance, comparison.reference, settings, duration));
+    }
+    got = std::min(got, engine::processors_got(1, 0.1));
+    fmt::print("{}: {:g} us before the first transition, {} unknowns, one thread; SUNDIALS {}; calibration got {:.2f} of 1 processor\n",
+               scene.name, 1e6 * duration, problem.size(), bench::sundials_version(), got);
+    for (const bench::Peer& peer : bench::peers()) fmt::print("  {:<18} {}\n", peer.name, peer.description);
+    print(rows);
+    if (settings.folder.empty()) return verdict(rows, settings.agreement);
+    std::filesystem::create_directories(settings.folder);
+    const std::string stem = settings.folder + "/peers_" + settings.scene;
+    write_csv(stem + ".csv", rows, settings, duration, got);
+    fmt::output_file(stem + ".svg").print("{}", tools::svg(picture(rows, settings, duration, got)));
+    fmt::print("  written             {0}.csv, {0}.svg\n", stem);
+    return verdict(rows, settings.agreement);
+}
+
+}  // namespace
+
+int main(int count, char** words) try { return run(parse(count, words)); } catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_peers: %s\n", error.what());
+    return 1;
+}
