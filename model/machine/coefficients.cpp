@@ -88,7 +88,7 @@ LinkKind link_kind(const Parameters& p, double pitch) {
 }
 
 /// Share of the width of contact that slides in effect: the loss is that of joints between halves. (model/EQUATIONS.md section 10)
-constexpr double rolling_share = 0.15;
+constexpr double rolling_share = 0.11;
 
 /// Half the width over which two profiles of radius ρ touch under N is sqrt(ρ N/k_J).
 double rolling_arm(const Parameters& p) noexcept { return rolling_share * std::sqrt(p.joint.radius / p.joint.stiffness); }

@@ -3,14 +3,14 @@
 #include "model/parameters/chain_layout.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/step/control/step_choice.hpp"
+#include "tasks/step/control/longest_step.hpp"
 
 namespace cvtflow::tasks {
 
 double case_cost(const Sweep& sweep, const Scene& scene) {
     const bool settles = sweep.start == StartMode::settle || (sweep.start == StartMode::scene && scene.state_file.empty());
     const double time = scene.run.until + (settles ? scene.parameters.start.settling_time : 0.0);
-    return time / scene.run.step.value_or(StepChoice::longest_step) * step_cost(scene);
+    return time / scene.run.step.value_or(longest_automatic_step(scene.parameters.detail.pins)) * step_cost(scene);
 }
 
 double step_cost(const Scene& scene) {

@@ -11,6 +11,7 @@
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/schedule/schedule.hpp"
+#include "tasks/step/control/longest_step.hpp"
 
 namespace cvtflow::tasks {
 
@@ -103,7 +104,7 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
 double measure(const Scene& scene, double seconds, std::string& untried) {
     try {
         const double time = scene.run.until + (scene.state_file.empty() ? scene.parameters.start.settling_time : 0.0);
-        const long most = std::max(2L, std::lround(time / scene.run.step.value_or(AutoStep::longest_step)));
+        const long most = std::max(2L, std::lround(time / scene.run.step.value_or(longest_automatic_step(scene.parameters.detail.pins))));
         Pace pace;
         const auto begin = std::chrono::steady_clock::now();
         const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };

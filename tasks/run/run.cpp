@@ -14,6 +14,7 @@
 #include "model/kernels/contraction.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/run_recorder.hpp"
+#include "tasks/step/control/longest_step.hpp"
 
 namespace cvtflow::tasks {
 
@@ -94,7 +95,8 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
 void foretell(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
     if (scene.run.step.automatic()) return;  // what chooses it knows the limit
     AutoStep advice(simulation.variator(), scene.run.method);
-    const double automatic = advice.longest(simulation.time(), simulation.state(), simulation.phases().data());
+    const double automatic = std::min(longest_automatic_step(simulation.workspace().parameters.detail.pins),
+                                      advice.longest(simulation.time(), simulation.state(), simulation.phases().data()));
     report.stable_step = advice.stable_step();
     report.step = scene.run.step;
     if (!report.beyond_stability()) return;

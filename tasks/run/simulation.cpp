@@ -13,6 +13,7 @@
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/schedule/auto_schedule.hpp"
+#include "tasks/step/control/longest_step.hpp"
 
 namespace cvtflow::tasks {
 
@@ -153,7 +154,8 @@ StepSettings step_settings(const RunSettings& run, double begin, double until, d
 }  // namespace
 
 double Simulation::automatic_step() const {
-    return AutoStep(workspace_->variator, scene_.run.method).longest(time_, state(), phases().data());
+    return std::min(longest_automatic_step(scene_.parameters.detail.pins),
+                    AutoStep(workspace_->variator, scene_.run.method).longest(time_, state(), phases().data()));
 }
 
 StepSettings Simulation::settling_settings() const {

@@ -81,7 +81,7 @@ void add_rolling(const System& system, Totals& totals) {
     const auto& joint = system.parameters.joint;
     for (int i = 0; i < system.layout.links; ++i) {
         const Real normal = std::max(0.0L, -dot(pulled_apart(system, totals, i), system.pins[i].t));
-        const Real arm = 0.15L * std::sqrt(joint.radius * normal / joint.stiffness);
+        const Real arm = 0.11L * std::sqrt(joint.radius * normal / joint.stiffness);
         const Real sliding = arm * (system.lines[i].turning - line_before(system, i).turning);
         const Real force =
             joint.friction.coefficient * normal * friction_slope(system.parameters.detail, joint.friction, std::abs(sliding)) * sliding;

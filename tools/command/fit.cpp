@@ -9,6 +9,7 @@
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/run/simulation.hpp"
+#include "tasks/step/control/longest_step.hpp"
 #include "tasks/study/spectrum.hpp"
 #include "tasks/study/stability/frozen_step.hpp"
 #include "tools/command.hpp"
@@ -69,7 +70,7 @@ ExitStatus fit(const FitArguments& arguments) {
         throw tasks::SceneError(
             fmt::format("{}: the start is not settled, its spectrum would mean nothing (cvtflow settle)", loaded.scene.name));
     const tasks::FrozenStart start = tasks::frozen_start(simulation);
-    const double step = loaded.scene.run.step.value_or(tasks::AutoStep::longest_step);
+    const double step = loaded.scene.run.step.value_or(tasks::longest_automatic_step(loaded.scene.parameters.detail.pins));
     fmt::print("{}: polynomial for steps of {}\n", loaded.scene.name, time_text(step));
     const Extent extent = arguments.eigenvalues ? extent_by_eigenvalues(simulation.variator(), start)
                                                 : extent_by_power_iteration(simulation.variator(), start);

@@ -8,6 +8,7 @@
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/step/control/longest_step.hpp"
 #include "tasks/study/spectrum.hpp"
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
@@ -95,7 +96,7 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
     result.time = start.time;
     result.touching = touching_tips(start);
     result.method = scene.run.method;
-    result.step = scene.run.step.value_or(tasks::AutoStep::longest_step);
+    result.step = scene.run.step.value_or(tasks::longest_automatic_step(scene.parameters.detail.pins));
     find_values(result, variator, start, arguments.extremal, tell);
     result.limit = limit_of(result, variator, start, tell);
     result.program_limit = program_limit_of(scene, variator, start, tell);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "tasks/step/control/longest_step.hpp"
 #include "tasks/step/integration_state.hpp"
 #include "tasks/step/method_memory.hpp"
 #include "tasks/step/stage_method.hpp"
@@ -17,14 +18,14 @@ namespace {
 constexpr double shortest_step = 1e-7;
 
 /// With the error in charge, the grid is that of outputs.
-[[nodiscard]] StepGrid grid_of(const StepSettings& settings) noexcept {
+[[nodiscard]] StepGrid grid_of(const StepSettings& settings, model::PinDetail pins) noexcept {
     StepGrid grid;
     grid.begin = settings.begin;
     grid.output_interval = settings.output_interval;
     const bool free = settings.control == StepControl::error;
     if (settings.automatic() && !free)
         grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
-    grid.divide(free ? settings.output_interval : settings.automatic() ? StepChoice::longest_step : settings.step);
+    grid.divide(free ? settings.output_interval : settings.automatic() ? longest_automatic_step(pins) : settings.step);
     return grid;
 }
 
@@ -51,7 +52,7 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
       settings_(settings),
       observer_(observer),
       cancel_(cancel),
-      grid_(grid_of(settings)),
+      grid_(grid_of(settings, workspace.parameters.detail.pins)),
       control_(longest_free_step(settings), std::max(1, method_.error_power())),
       phases_before_(workspace.tips.phases) {
     w_.step.estimate_error = settings.control != StepControl::fixed;
@@ -75,7 +76,7 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
       observer_(observer),
       cancel_(cancel),
       outputs_(from.outputs),
-      grid_(grid_of(settings)),
+      grid_(grid_of(settings, workspace.parameters.detail.pins)),
       control_(longest_free_step(settings), std::max(1, method_.error_power())),
       counters_(from.counters),
       phases_before_(workspace.tips.phases) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "tasks/step/control/longest_step.hpp"
 #include "tasks/step/control/step_controller.hpp"
 
 namespace cvtflow::tasks {
@@ -36,7 +37,7 @@ int StepController::finish_observation() {
 /// Steps of the leg that begins: shorter ones as soon as they are needed, longer ones where it is worth while.
 void StepController::choose_step() {
     if (settings_.control == StepControl::error) return;
-    const double longest = std::min(method_.longest_step(StepChoice::longest_step),
+    const double longest = std::min(method_.longest_step(longest_automatic_step(w_.parameters.detail.pins)),
                                     settings_.choice->longest(w_.step.time, w_.states[0], w_.tips.phases.data()));
     StepGrid next = grid_;
     next.divide(longest);

@@ -17,10 +17,9 @@ namespace {
 
 const char* const methods[] = {"rk4", "dopri54", "dumka3-p3", "leapfrog-chebyshev"};
 
-/// Levels of detail: rigid halves and sheaves; whole pins; the scene itself; everything.
+/// Levels of detail: rigid halves and sheaves; the scene itself; everything.
 const std::pair<const char*, std::vector<std::string>> details[] = {
     {"rigid", {"detail.order=0", "detail.pulleys=rigid"}},
-    {"pins", {"detail.pins=whole"}},
     {"tiny", {}},
     {"full", {"detail.order=3", "detail.plates=each", "detail.joint_points=3"}},
 };

@@ -14,8 +14,8 @@ TEST(DetailPresets, SetFourDialsAndKeepTheOthers) {
         scene.parameters.detail.smoothing = 0.25;
         scene.parameters.detail.stick_slip = true;
         apply_detail(scene, preset.name);
-        const model::Detail expected{preset.order, preset.plates, preset.joint_points, preset.pulleys, model::FrictionLaw::smoothed,
-                                     0.25,         true};
+        const model::Detail expected{
+            preset.pins, preset.order, preset.plates, preset.joint_points, preset.pulleys, model::FrictionLaw::smoothed, 0.25, true};
         EXPECT_EQ(scene.parameters.detail, expected) << preset.name;
         EXPECT_FALSE(preset.meaning.empty());
     }
