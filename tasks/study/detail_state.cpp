@@ -70,6 +70,15 @@ engine::SavedState brought_over(const engine::SavedState& saved, const model::Pa
     return result;
 }
 
+void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle) {
+    const ChainLayout at = model::layout_of(parameters);
+    double* coordinates = state.state.data() + at.pulley_begin();
+    if (at.pulley_size == 4) coordinates[shaft] += angle;
+    if (at.pulley_size != 36) return;
+    for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})
+        coordinates[model::body_freedom(body, turn)] += angle;
+}
+
 StateFile::StateFile(const engine::SavedState& state)
     : path_((std::filesystem::temp_directory_path() / ("cvtflow_detail_" + std::to_string(getpid()) + ".h5")).string()) {
     engine::write_state(path_, state);

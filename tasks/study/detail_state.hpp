@@ -13,6 +13,9 @@ namespace cvtflow::tasks {
 /// Control and ledger are left out: they begin at zero.
 [[nodiscard]] engine::SavedState brought_over(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to);
 
+/// Turns a shaft with its sheaves, which are the same all round: a governor counts angles from t = 0. shaft 0 or 1, angle [rad]
+void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle);
+
 /// A state file in the system's folder for such things, removed with this object.
 class StateFile {
 public:

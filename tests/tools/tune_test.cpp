@@ -19,7 +19,7 @@ using Words = std::vector<std::string>;
 class Tune : public Sweeps {
 protected:
     /// tiny, settled for a moment.
-    const Words tiny_{"tiny", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.until=20us"};
+    const Words tiny_{"tiny", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms", "--set", "run.until=1ms"};
     const Words brief_{"--accuracy", "20 %", "--outputs", "tight_tension, slip", "--settling", "1 ms", "--average", "1 ms"};
     const std::vector<std::string> cache_{"XDG_CACHE_HOME=" + folder_.string()};
 };
