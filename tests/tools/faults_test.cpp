@@ -189,6 +189,12 @@ TEST_F(Faults, SampledCallsOfEveryCommandEndInAStatedOutcome) {
     }
 }
 
+TEST_F(Faults, AListWithoutScenesSaysThatNoneCanBeRead) {
+    const Outcome outcome = run({"list", "scenes"}, environment("read", 1, true));
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, testing::StartsWith("none: no folder of ready scenes can be read; "));
+}
+
 TEST_P(NightlyFaults, EveryCallEndsInAStatedOutcome) {
     auto calls = calls_of(GetParam());
     for (const std::string family : families) {
