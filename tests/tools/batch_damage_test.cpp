@@ -24,7 +24,7 @@ protected:
         whole_ = run({"batch", "sweep.toml", "-o", "whole"});
         ASSERT_EQ(whole_.status, 0) << whole_.err;
         Child child({"batch", "sweep.toml", "-o", "out", "--threads", "2", "--grace", "1 us", "-q"}, folder_);
-        ASSERT_TRUE(eventually([&] { return exists("out/records/case-000001.h5.part"); }));
+        ASSERT_TRUE(eventually([&] { return exists("out/records/case-000000.h5.part") && exists("out/records/case-000001.h5.part"); }));
         std::this_thread::sleep_for(std::chrono::milliseconds(100));
         child.send(SIGTERM);
         ASSERT_EQ(child.wait().status, 130);

@@ -20,6 +20,7 @@ namespace {
 struct Order {
     std::string name;
     Words arguments;
+    friend void PrintTo(const Order& order, std::ostream* out) { *out << order.name; }  // in the names of tests
 };
 
 const Words briefly{
@@ -121,7 +122,7 @@ protected:
         clean();
         const Outcome outcome = run(order.arguments, environment(family, n, lasting));
         const std::string where = order.name + ", " + family + ":" + std::to_string(n) + (lasting ? "+" : "") + "\n" + outcome.err;
-        ++endings_[order.name][family + ": " + std::to_string(outcome.status)];
+        ++endings_[family + ": " + std::to_string(outcome.status)];
         if (family == "malloc") return expect_untouched(where);  // libhdf5 and the loader may end the process there: docs/security.md
         EXPECT_TRUE(std::set<int>({0, 1, 2, 3, 4, 5, 130}).contains(outcome.status)) << outcome.status << ": " << where;
         // Where not even stderr can be written, the status has to tell.
@@ -145,21 +146,25 @@ protected:
             << "after: " << where << "\nthen: " << again.err;
     }
 
-    /// How often a command ended with which status, by what failed.
-    void print_endings(const Order& order) {
-        std::printf("%-12s", order.name.c_str());
-        for (const auto& [ending, count] : endings_[order.name]) std::printf(" %s x %ld;", ending.c_str(), count);
+    /// How often the command ended with which status, by what failed.
+    void print_endings() const {
+        for (const auto& [ending, count] : endings_) std::printf(" %s x %ld;", ending.c_str(), count);
         std::printf("\n");
-        std::fflush(stdout);  // all orders take hours on a busy machine
     }
 
     std::vector<std::string> kept_;
-    std::map<std::string, std::map<std::string, long>> endings_;
+    std::map<std::string, long> endings_;
     std::map<std::string, std::string> contents_;
     std::string checkpoint_, part_;
 };
 
-class NightlyFaults : public Faults {};  // every call of every command
+/// Every call of a command.
+class NightlyFaults : public Faults, public testing::WithParamInterface<Order> {};
+INSTANTIATE_TEST_SUITE_P(Commands, NightlyFaults, testing::ValuesIn(orders()), [](const auto& order) {
+    std::string name = order.param.name;
+    std::erase(name, '-');
+    return name;
+});
 
 TEST_F(Program, HasAnOrderWithFaultsForEveryCommandOrAReasonWhyNot) {
     std::set<std::string> found;
@@ -184,26 +189,28 @@ TEST_F(Faults, SampledCallsOfEveryCommandEndInAStatedOutcome) {
     }
 }
 
-TEST_F(NightlyFaults, EveryCallOfEveryCommandEndsInAStatedOutcome) {
-    for (const Order& order : orders()) {
-        auto calls = calls_of(order);
-        for (const std::string family : families) {
-            for (long n = 1; n <= calls[family]; ++n) {
-                for (const bool lasting : {false, true}) expect_stated_outcome(order, family, n, lasting);
-            }
-        }
-        print_endings(order);
-    }
+TEST_F(Faults, AListWithoutScenesSaysThatNoneCanBeRead) {
+    const Outcome outcome = run({"list", "scenes"}, environment("read", 1, true));
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, testing::StartsWith("none: no folder of ready scenes can be read; "));
 }
 
-TEST_F(NightlyFaults, AllocationsThatFailLeaveResultsAsTheyWere) {
-    for (const Order& order : orders()) {
-        const long count = calls_of(order)["malloc"];
-        for (long n = 1; n <= count; n += std::max(1L, count / 200)) {
-            for (const bool lasting : {false, true}) expect_stated_outcome(order, "malloc", n, lasting);
+TEST_P(NightlyFaults, EveryCallEndsInAStatedOutcome) {
+    auto calls = calls_of(GetParam());
+    for (const std::string family : families) {
+        for (long n = 1; n <= calls[family]; ++n) {
+            for (const bool lasting : {false, true}) expect_stated_outcome(GetParam(), family, n, lasting);
         }
-        print_endings(order);
     }
+    print_endings();
+}
+
+TEST_P(NightlyFaults, AllocationsThatFailLeaveResultsAsTheyWere) {
+    const long count = calls_of(GetParam())["malloc"];
+    for (long n = 1; n <= count; n += std::max(1L, count / 200)) {
+        for (const bool lasting : {false, true}) expect_stated_outcome(GetParam(), "malloc", n, lasting);
+    }
+    print_endings();
 }
 
 }  // namespace

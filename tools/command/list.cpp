@@ -76,6 +76,7 @@ std::string scenes() {
             table.add({ready.name, "", "(has errors, see cvtflow check)"});
         }
     }
+    if (folders.empty()) return "none: no folder of ready scenes can be read; the environment variable CVTFLOW_SCENES names further ones\n";
     return table.text() + fmt::format("\nFrom {}. Further folders: environment variable CVTFLOW_SCENES.\n", fmt::join(folders, ", "));
 }
 
