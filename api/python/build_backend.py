@@ -4,7 +4,7 @@ CMake builds the module and libcvtflow.so, as `cmake --install` would; the wheel
 package's folder. Needed on the machine: what building cvtflow needs (README), python3-dev and pybind11-dev.
 
     pip install .                                       # into build-wheel/
-    pip install . -C build-dir=DIR -C cmake-args="-DCVTFLOW_NATIVE=ON -DCMAKE_CXX_COMPILER=clang++" -C jobs=2
+    pip install . --config-settings build-dir=DIR --config-settings jobs=2 --config-settings cmake-args="-DCVTFLOW_NATIVE=ON -DCMAKE_CXX_COMPILER=clang++"
 """
 
 import base64
@@ -78,7 +78,7 @@ def contents(folder):
     for file in sorted(package.iterdir()):
         if file.is_file():
             yield f"{PACKAGE}/{file.name}", file
-    library = next(file for file in sorted(folder.glob("libcvtflow.so.*")) if file.is_symlink())  # by the name that the module looks for
+    library = folder / os.readlink(folder / "libcvtflow.so")  # by the name that the module looks for
     yield f"{PACKAGE}/lib/{library.name}", library
     for file in sorted((TOP / "scenes").rglob("*")):
         if file.is_file():

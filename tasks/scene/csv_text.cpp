@@ -1,5 +1,7 @@
 #include "tasks/scene/csv_text.hpp"
 
+#include <utility>
+
 namespace cvtflow::tasks {
 
 std::string trimmed(std::string_view text) {
@@ -7,19 +9,27 @@ std::string trimmed(std::string_view text) {
     return first == std::string_view::npos ? "" : std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
 }
 
-std::vector<std::string> cells_of(const std::string& line) {
-    std::vector<std::string> cells(1);
+std::vector<std::vector<std::string>> csv_lines(std::string_view text) {
+    std::vector<std::vector<std::string>> lines(1, {""});
     bool quoted = false;
-    for (std::size_t i = 0; i < line.size(); ++i) {
-        if (line[i] == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"')
-            cells.back() += line[i++];
-        else if (line[i] == '"')
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (c == '"' && quoted && i + 1 < text.size() && text[i + 1] == '"')
+            lines.back().back() += text[i++];
+        else if (c == '"')
             quoted = !quoted;
-        else if (line[i] == ',' && !quoted)
-            cells.emplace_back();
-        else
-            cells.back() += line[i];
+        else if (c == ',' && !quoted)
+            lines.back().emplace_back();
+        else if (c == '\n' && !quoted)
+            lines.push_back({""});
+        else if (c != '\r')
+            lines.back().back() += c;
     }
+    return lines;
+}
+
+std::vector<std::string> cells_of(const std::string& line) {
+    std::vector<std::string> cells = std::move(csv_lines(line).front());
     for (std::string& cell : cells) cell = trimmed(cell);
     return cells;
 }

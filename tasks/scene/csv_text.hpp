@@ -13,7 +13,11 @@ inline constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;  ///< a m
 /// Without white space around it.
 [[nodiscard]] std::string trimmed(std::string_view text);
 
-/// Cells of a line, trimmed; a cell in double quotes may hold commas, and "" for a quote.
+/// Lines of cells, blank ones and white space too; a cell in double quotes may hold commas and line breaks, and "" for a quote. Carriage
+/// returns are left out.
+[[nodiscard]] std::vector<std::vector<std::string>> csv_lines(std::string_view text);
+
+/// Cells of one line, trimmed.
 [[nodiscard]] std::vector<std::string> cells_of(const std::string& line);
 
 /// Whether a line holds nothing but a comment (#) or white space.

@@ -48,6 +48,21 @@ TEST_F(ReportCommand, ShowsSeveralRecordsBesideEachOther) {
     EXPECT_THAT(read("both.html"), testing::AllOf(HasSubstr("<h3>run.h5</h3>"), HasSubstr("<h3>other.h5</h3>")));
 }
 
+TEST_F(ReportCommand, OfTwoRecordsTellsTheirDifferences) {
+    ASSERT_EQ(run_briefly({"-o", "other.h5", "--set", "run.output_interval=1 us", "--set", "load.torque=8 N*m"}).status, 0);
+    ASSERT_EQ(run({"report", "run.h5", "other.h5", "-o", "both.html"}).status, 0);
+    const std::string page = read("both.html");
+    EXPECT_THAT(page, HasSubstr("<tr data-key=\"load.torque\"><td><code>load.torque</code></td><td>7</td><td>8</td>"));
+    EXPECT_THAT(page, Not(HasSubstr("<tr data-key=\"chain.pitch\">")));
+    EXPECT_THAT(page, testing::AllOf(HasSubstr("<tr data-difference=\"slip\">"), HasSubstr("slip: B - A")));
+    ASSERT_EQ(run({"report", "run.h5", "-o", "one.html"}).status, 0);
+    EXPECT_THAT(read("one.html"), Not(HasSubstr("id=\"differences\"")));
+    std::filesystem::copy_file(folder_ / "run.h5", folder_ / "copy.h5");
+    ASSERT_EQ(run({"report", "run.h5", "copy.h5", "-o", "same.html"}).status, 0);
+    EXPECT_THAT(read("same.html"),
+                testing::AllOf(HasSubstr("Every key of both scenes has the same value"), HasSubstr("The same in every common row: ")));
+}
+
 TEST_F(ReportCommand, TextsOfASceneCannotBecomePartsOfThePage) {
     const Outcome outcome = run_briefly({"-o", "evil.h5", "--set", "scene.description=</script><b>&"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;

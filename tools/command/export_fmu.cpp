@@ -15,6 +15,7 @@
 #include "tools/command.hpp"
 #include "tools/fmu/fmu_variables.hpp"
 #include "tools/fmu/model_description.hpp"
+#include "tools/fmu/terminals.hpp"
 #include "tools/fmu/zip_file.hpp"
 #include "tools/guard.hpp"
 #include "tools/output/output_place.hpp"
@@ -80,13 +81,16 @@ std::string fmu_bytes(const FmuArguments& arguments, const tasks::Scene& wanted,
     FmuFacts facts{wanted.name, identifier_of(wanted.name), "", wanted.description, wanted.run.until, wanted.run.output_interval};
     facts.token = fmt::format(
         "{{{:016x}}}", engine::Hash().add(std::string_view(text)).add(std::string_view(state_bytes)).add(std::string_view(table)).value());
-    return zip_file({
+    std::vector<ZipPart> files{
         {"modelDescription.xml", third ? model_description_3(facts, variables) : model_description_2(facts, variables)},
         {fmt::format("binaries/{}/{}.so", third ? "x86_64-linux" : "linux64", facts.identifier), bytes_of(fmu_library())},
         {"resources/scene.toml", text},
         {"resources/state.bin", state_bytes},
         {"resources/variables.txt", table},
-    });
+    };
+    const std::string terminals = third ? terminals_text(variables) : "";  // 2.0 has none
+    if (!terminals.empty()) files.push_back({"terminalsAndIcons/terminalsAndIcons.xml", terminals});
+    return zip_file(files);
 }
 
 /// Under its name only when it is complete.

@@ -9,6 +9,7 @@
 #include "tasks/run/run_means.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tools/html/curve_data.hpp"
+#include "tools/html/difference_body.hpp"
 #include "tools/html/page.hpp"
 #include "tools/text/attribute_text.hpp"
 #include "tools/text/markup.hpp"
@@ -191,6 +192,7 @@ std::string run_page(const std::vector<RecordedRun>& runs) {
     page.sections = {{"simulated", "What was simulated", of_all(runs, simulated)},
                      {"figures", "Key figures", of_all(runs, figures)},
                      {"curves", "Curves", curves_body(page.data)}};
+    if (runs.size() > 1) page.sections.insert(page.sections.begin() + 2, {"differences", "Differences", difference_body(runs)});
     add_chain(page, runs.front());
     page.sections.push_back({"spectra", "Spectra", spectra(runs)});
     const auto has_losses = [](const RecordedRun& run) { return !run.group("loss").empty(); };

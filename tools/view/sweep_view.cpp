@@ -10,6 +10,7 @@
 #include "engine/base/input_file.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/scene/csv_text.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tools/guard.hpp"
 
@@ -38,27 +39,6 @@ double as_number(const std::string& cell) {
     return error == std::errc() && end == cell.data() + cell.size() ? value : NAN;
 }
 
-/// Lines of cells; a cell in double quotes may hold commas and line breaks, and "" for a quote.
-std::vector<std::vector<std::string>> parse(const std::string& text) {
-    std::vector<std::vector<std::string>> lines(1, {""});
-    bool quoted = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (c == '"' && quoted && i + 1 < text.size() && text[i + 1] == '"')
-            lines.back().back() += text[i++];
-        else if (c == '"')
-            quoted = !quoted;
-        else if (c == ',' && !quoted)
-            lines.back().emplace_back();
-        else if (c == '\n' && !quoted)
-            lines.push_back({""});
-        else if (c != '\r')
-            lines.back().back() += c;
-    }
-    std::erase_if(lines, [](const auto& cells) { return cells.size() == 1 && cells[0].empty(); });
-    return lines;
-}
-
 SweepView from_csv(const std::string& path) {
     std::string text;
     try {
@@ -66,7 +46,8 @@ SweepView from_csv(const std::string& path) {
     } catch (const engine::InputError& error) {
         throw engine::RecordError(path + ": " + error.what());
     }
-    auto lines = parse(text);
+    auto lines = tasks::csv_lines(text);
+    std::erase_if(lines, [](const auto& cells) { return cells.size() == 1 && cells[0].empty(); });
     if (lines.size() < 2 || std::find(lines[0].begin(), lines[0].end(), "status") == lines[0].end())
         throw engine::RecordError(path + ": not a sweep's table as cvtflow table --csv prints it");
     SweepView view{path, std::filesystem::path(path).stem().string(), {}, {}, {}};

@@ -39,7 +39,23 @@ public:
 private:
     Axis csv(const TableView& view) {
         const auto name = view.text("csv");
-        return name ? read_csv_axis(folder_ / *name, view.find("csv")->position, problems_) : Axis{};
+        const std::vector<CsvColumn> columns = view.has("columns") ? csv_columns(view) : std::vector<CsvColumn>{};
+        if (!name || !problems_.empty()) return {};
+        return read_csv_axis(folder_ / *name, columns, view.find("csv")->position, problems_);
+    }
+
+    std::vector<CsvColumn> csv_columns(const TableView& view) {
+        std::vector<CsvColumn> columns;
+        const Node::Array* parts = view.list("columns");
+        for (const Node& part : parts != nullptr ? *parts : Node::Array{}) {
+            const auto* table = std::get_if<Node::Table>(&part.value);
+            if (table == nullptr) return view.problem(part.position, "columns: not a table {column = …, key = …}"), columns;
+            const TableView own("axes.columns", *table, part.position, names_in_sweep("axes.columns"), problems_);
+            const auto name = own.require("column") ? own.text("column") : std::nullopt;
+            const Parameter* parameter = key_of(own);
+            if (name && parameter != nullptr) columns.push_back({parameter, *name});
+        }
+        return columns;
     }
 
     const Parameter* key_of(const TableView& view) {

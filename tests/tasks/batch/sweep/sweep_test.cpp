@@ -86,6 +86,23 @@ TEST_F(SweepFile, ZipsKeysAndReadsCsv) {
     EXPECT_EQ(scene.parameters.detail.pulleys, model::PulleyDetail::rigid);
 }
 
+TEST_F(SweepFile, TakesColumnsOfAMeasuredFileByTheirNames) {
+    write("bench.csv", "run, T_2 [N*m], note, S_2 [kN]\n1, 6, warm, 5\n2, 7, \"cold, later warm\", 4\n");
+    const std::string axis = "[[axes]]\ncsv = \"bench.csv\"\n";
+    const std::string load = "{column = \"T_2\", key = \"load.torque\"}", clamping = "{column = \"S_2\", key = \"clamping.driven\"}";
+    const Sweep sweep = read(head + axis + "columns = [" + clamping + ", " + load + "]\n");
+    ASSERT_EQ(sweep.cases(), 2);
+    EXPECT_EQ(value(sweep, 1, "load.torque"), 7.0);
+    EXPECT_EQ(value(sweep, 1, "clamping.driven"), 4e3);
+    EXPECT_EQ(read(head + axis + "columns = [" + load + "]\n").cases(), 2) << "one column alone";
+    EXPECT_EQ(error(head + axis + "columns = [{column = \"T2\", key = \"load.torque\"}]\n"),
+              "s.toml:6:7: axes.csv: bench.csv:1:1: there is no column \"T2\" (did you mean \"T_2\"?)");
+    EXPECT_EQ(error(head + axis + "columns = [{column = \"T_2\", key = \"load.torqe\"}]\n"),
+              "s.toml:7:35: axes.columns.key: there is no key \"load.torqe\" (did you mean \"load.torque\"?)");
+    EXPECT_EQ(error(head + axis + "columns = [" + load + ", " + load + "]\n"),
+              error(head + axis + "columns = [" + load + "]\n[[axes]]\nkey = \"load.torque\"\nvalues = [1]\n"));
+}
+
 TEST_F(SweepFile, LatinHypercubeHitsEveryIntervalOnceAndIsTheSameEverywhere) {
     const auto samples = latin_hypercube(50, 3, 4);
     for (std::size_t d = 0; d < 3; ++d) {

@@ -1,0 +1,50 @@
+/// Terminals of FMUs. Parts of an FMU are stored as they are, so they can be read in the file.
+
+#include <gmock/gmock.h>
+
+#include <regex>
+
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class FmuTerminals : public Program {};
+
+TEST_F(FmuTerminals, GatherInputsAndOutputsByShaft) {
+    ASSERT_EQ(run({"export-fmu", "tiny", "-q", "-o", "t.fmu", "--outputs", "ratio,shaft_1/speed,shaft_2/speed"}).status, 0);
+    const std::string fmu = read("t.fmu");
+    const auto member = [](const char* variable, const char* name) {
+        return HasSubstr("variableName=\"" + std::string(variable) + "\" memberName=\"" + name + "\" variableKind=\"signal\"");
+    };
+    const auto begin = fmu.find("<fmiTerminalsAndIcons fmiVersion=\"3.0\">"), driven = fmu.find("<Terminal name=\"shaft_2\"", begin);
+    ASSERT_NE(begin, std::string::npos);
+    ASSERT_NE(driven, std::string::npos);
+    const std::string first = fmu.substr(begin, driven - begin), second = fmu.substr(driven, fmu.find("</fmiTerminalsAndIcons>") - driven);
+    EXPECT_THAT(first, testing::AllOf(member("shaft_1/speed", "speed"), member("clamping_driving", "clamping_driving"),
+                                      member("drive_speed", "drive_speed"), Not(HasSubstr("load_torque")), Not(HasSubstr("ratio"))));
+    EXPECT_THAT(second, testing::AllOf(member("shaft_2/speed", "speed"), member("load_torque", "load_torque"),
+                                       member("clamping_driven", "clamping_driven"), Not(HasSubstr("shaft_1"))));
+}
+
+TEST_F(FmuTerminals, NameOnlyVariablesThatTheFmuHas) {
+    ASSERT_EQ(run({"export-fmu", "tiny", "-q", "-o", "t.fmu", "--inputs", "load_torque", "--outputs", "ratio"}).status, 0);
+    const std::string fmu = read("t.fmu");
+    EXPECT_THAT(fmu, Not(HasSubstr("<Terminal name=\"shaft_1\"")));
+    const std::regex used("TerminalMemberVariable variableName=\"([^\"]*)\"");
+    const std::string from = fmu.substr(fmu.find("<fmiTerminalsAndIcons"));
+    const auto count = std::distance(std::sregex_iterator(from.begin(), from.end(), used), std::sregex_iterator());
+    EXPECT_EQ(count, 1) << "the load alone";
+    EXPECT_THAT(fmu, HasSubstr("variableName=\"load_torque\""));
+}
+
+TEST_F(FmuTerminals, AreNotPartOfTheSecondVersionOfTheStandard) {
+    ASSERT_EQ(run({"export-fmu", "tiny", "-q", "-o", "t.fmu", "--fmi", "2"}).status, 0);
+    EXPECT_THAT(read("t.fmu"), Not(HasSubstr("TerminalMemberVariable variableName")));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools
