@@ -32,14 +32,14 @@ public:
     /// @param resources folder of the FMU's resources. @throws Error
     explicit Instance(std::string resources);
 
-    void set_start(double time) noexcept { start_ = now_ = time; }
+    void set_start(double time) noexcept { start_ = now_ = time; }  ///< time [s]
     /// The start state with the parameters and inputs so far; settles it if parameters ask for that. @throws Error
     void finish_initialisation();
     void reset();
 
     /// All values of a variable, appended. @throws Error (argument) for a reference that is none
     void get(std::uint32_t reference, std::vector<double>& values);
-    /// @throws Error (argument) for outputs, and for parameters after the initialisation
+    /// value [unit of the variable]. @throws Error (argument) for outputs, and for parameters after the initialisation
     void set(std::uint32_t reference, double value);
     [[nodiscard]] std::size_t width(std::uint32_t reference) const { return variable(reference).width; }
 

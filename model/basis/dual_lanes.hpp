@@ -44,7 +44,8 @@ requires(W < 0) struct Lanes<W> {
         return a;
     }
     friend Lanes operator-(const Lanes& a) noexcept { return a.mapped(-a.value, -1.0); }
-    friend Lanes operator*(const Lanes& a, const Lanes& b) noexcept {
+    /// Compiled once per width: the many products of an element are not worth their code side by side.
+    [[gnu::noinline]] friend Lanes operator*(const Lanes& a, const Lanes& b) noexcept {
         Lanes product;
         product.value = a.value * b.value;
         for (std::size_t k = 0; k < count; ++k) product.slope[k] = a.slope[k] * b.value + a.value * b.slope[k];

@@ -15,7 +15,7 @@
 namespace cvtflow::model {
 namespace {
 
-/// W numbers, W a power of two. Wider than the processor's vectors: two halves.
+/// W numbers of one unit [any], W a power of two. Wider than the processor's vectors: two halves.
 template <int W>
 struct Lanes {
     Lanes<W / 2> low, high;
@@ -39,7 +39,7 @@ struct Lanes {
     friend Lanes abs(const Lanes& a) noexcept { return {abs(a.low), abs(a.high)}; }
 };
 
-/// One vector of the processor.
+/// One vector of the processor [any unit].
 template <int W>
 requires(W > 0 && W <= native_lanes) struct Lanes<W> {
     using Vector = typename NativeVector<W>::Type;
@@ -76,6 +76,7 @@ requires(W > 0 && W <= native_lanes) struct Lanes<W> {
     friend Lanes abs(const Lanes& a) noexcept { return native_abs<W>(a.v); }
 };
 
+/// from [W]
 template <int W>
 [[nodiscard]] inline Lanes<W> load(const double* from) noexcept {
     if constexpr (W <= native_lanes) {

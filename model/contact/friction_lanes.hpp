@@ -139,7 +139,7 @@ private:
         if constexpr (n > 3) modes[3] += basis(c_.joint_points, 3, g) * difference;
     }
 
-    static void store(const V& lanes, double* to) noexcept { lanes.copy_to(to); }
+    static void store(const V& lanes, double* to) noexcept { lanes.copy_to(to); }  ///< to [W]
     [[nodiscard]] int column(int own) const noexcept { return range_.first + own + 1; }
     [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
     [[nodiscard]] V contact(int row, int own) const noexcept { return load<W>(field_.columns.at(row, column(own))); }
@@ -265,7 +265,7 @@ private:
         return larger<W>(smaller<W>(sqrt(square), contact(row + Tip::most, own)), contact(row + Tip::least, own));
     }
 
-    static void add(const V& lanes, double* to) noexcept { store(load<W>(to) + lanes, to); }
+    static void add(const V& lanes, double* to) noexcept { store(load<W>(to) + lanes, to); }  ///< to [W]
 
     void accelerate(int own, const V* f, const FrictionStage& stage) const noexcept {
         if (stage.next == nullptr) return accelerate(f, SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride()});

@@ -89,7 +89,7 @@ template <int P, bool Observe, class Kind, class Real>
                                      Real* f, Account* account) noexcept {
     constexpr int za = at<P>.z(End::rear);
     constexpr int zb = at<P>.z(End::front);
-    const Real lean = 2.0 * kind.inverse_length;
+    const auto lean = 2.0 * kind.inverse_length;
     const Real rise = lean * (q[zb] - q[za]);
     const Real rise_rate = lean * (v[zb] - v[za]);
     if constexpr (P == 0) {

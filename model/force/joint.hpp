@@ -93,6 +93,14 @@ struct LineContact {
     Lanes<W> energy;   ///< [J]
 };
 
+/// x^(10/9) of every lane, x ≥ 0.
+template <int W>
+[[nodiscard]] inline Lanes<W> ten_ninths(const Lanes<W>& x) noexcept {
+    Lanes<W> result;
+    for (std::size_t lane = 0; lane < W; ++lane) result.set(lane, ten_ninths(x[lane]));
+    return result;
+}
+
 template <int W>
 [[nodiscard]] inline LineContact<W> line_contact(const JointCoefficients& j, const Lanes<W>& weight, const Lanes<W>& depth) noexcept {
     const Lanes<W> pressed = positive_part<W>(depth);
@@ -100,9 +108,7 @@ template <int W>
         const Lanes<W> elastic = j.stiffness * weight * pressed;
         return {elastic, 0.5 * elastic * pressed};
     }
-    Lanes<W> grown;
-    for (int lane = 0; lane < W; ++lane) grown.set(lane, ten_ninths(pressed[lane] / j.reference_depth));
-    const Lanes<W> elastic = j.stiffness * j.reference_depth * weight * grown;
+    const Lanes<W> elastic = j.stiffness * j.reference_depth * weight * ten_ninths<W>(pressed / j.reference_depth);
     return {elastic, (9.0 / 19.0) * elastic * pressed};
 }
 
@@ -110,25 +116,36 @@ template <int W>
 template <int P, int W>
 using JointTerms = std::array<Lanes<W>, JointForce<P>::rows>;
 
-/// Pressing and friction of the rolling contact.
+/// Pressing of the rolling contact.
 template <int W>
-struct RollingForces {
+struct NormalForce {
     LineContact<W> contact;
     Lanes<W> closing;  ///< δ' [m/s]
     Lanes<W> normal;   ///< N [N]
-    Lanes<W> square;   ///< |v_t|² [m²/s²]
-    Lanes<W> grip;     ///< friction per speed of sliding [N·s/m]
+};
+
+template <int W>
+[[nodiscard, gnu::always_inline]] inline NormalForce<W> normal_force(const JointCoefficients& j, const Lanes<W>& weight,
+                                                                     const JointMotion<W>& m) noexcept {
+    const Lanes<W> closing = -(m.nx * m.vx + m.ny * m.vy);
+    const auto contact = line_contact<W>(j, weight, m.depth);
+    return {contact, closing, positive_part<W>(contact.elastic * (1.0 + j.damping * closing))};
+}
+
+/// Pressing and friction of the rolling contact.
+template <int W>
+struct RollingForces {
+    NormalForce<W> pressing;
+    Lanes<W> square;  ///< |v_t|² [m²/s²]
+    Lanes<W> grip;    ///< friction per speed of sliding [N·s/m]
 };
 
 template <int W>
 [[nodiscard, gnu::always_inline]] inline RollingForces<W> rolling_forces(const JointCoefficients& j, const Lanes<W>& weight,
                                                                          const JointMotion<W>& m) noexcept {
-    using V = Lanes<W>;
-    const V closing = -(m.nx * m.vx + m.ny * m.vy);
-    const auto contact = line_contact<W>(j, weight, m.depth);
-    const V normal = positive_part<W>(contact.elastic * (1.0 + j.damping * closing));
-    const V square = m.slip * m.slip + m.axial * m.axial;
-    return {contact, closing, normal, square, j.friction.coefficient * normal * slip_factor_of_square<W>(j.friction, square)};
+    const auto pressing = normal_force<W>(j, weight, m);
+    const Lanes<W> square = m.slip * m.slip + m.axial * m.axial;
+    return {pressing, square, j.friction.coefficient * pressing.normal * slip_factor_of_square<W>(j.friction, square)};
 }
 
 /// Rolling contact: normal force and friction.
@@ -136,7 +153,8 @@ template <int P, int W, bool Observe, class Real, class Points>
 [[nodiscard]] inline JointTerms<P, W> press(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
                                             const Lanes<W>& weight, const JointMotion<W>& m, Account* account) noexcept {
     using V = Lanes<W>;
-    const auto [contact, closing, normal, square, grip] = rolling_forces<W>(j, weight, m);
+    const auto [pressing, square, grip] = rolling_forces<W>(j, weight, m);
+    const auto& [contact, closing, normal] = pressing;
     const V tangential = -grip * m.slip;
     JointTerms<P, W> terms;
     points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, -grip * m.axial, terms.data());

@@ -69,6 +69,7 @@ public:
     void slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept;
     [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;  ///< block [unknowns of the pulleys]
     /// Elastic pulleys: springs and dampers of the bearings. Rigid ones: what holds shaft and sheaves against chain and cylinder.
+    /// block [unknowns of the pulleys]
     [[nodiscard]] std::array<BearingLoad, 2> bearings(const double* block, const Inputs& inputs, const SheaveForces& chain) const noexcept;
     /// Work of constant inputs while the pulleys move from one position to another [J]. @param from, to blocks [q | v]
     [[nodiscard]] WorkRates work(const double* from, const double* to, const Inputs& inputs) const noexcept;
@@ -104,13 +105,14 @@ private:
     void add_bearings(int shaft);
     void add_attachment(int shaft, int side);
     void spring(std::array<int, 3> index, std::array<double, 3> factor, double stiffness, double mass);  ///< stiffness [N/m], mass [kg]
-    void add_supports(const double* block, double* force,
-                      Account* account) const noexcept;                  ///< block [unknowns of the pulleys], force [N, N·m]
+    /// block [unknowns of the pulleys], force [N, N·m]
+    void add_supports(const double* block, double* force, Account* account) const noexcept;
     void add_gyroscopic(const double* v, double* force) const noexcept;  ///< v [velocities of the pulleys], force [N, N·m]
-    void add_clamping(const double* block, const Inputs& inputs, double* force,
-                      Account* account) const noexcept;                               ///< block [unknowns of the pulleys], force [N, N·m]
+    /// block [unknowns of the pulleys], force [N, N·m]
+    void add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept;
     void add_chain(const SheaveForces& chain, double* force) const noexcept;          ///< force [N, N·m]
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;  ///< t [s], block [unknowns of the pulleys]
+    /// [N]. table: S_2(t) [N], load: M [N·m], block [unknowns of the pulleys]
     [[nodiscard]] double driven_clamping(double table, double load, const double* block) const noexcept;
     /// One of the machine's controllers: what it holds, by which clamping force, and its gains.
     struct Governing {
@@ -121,7 +123,8 @@ private:
     void add_controllers();
     /// Error of what a controller holds [1]; `built_up` is the force of its shaft without its proportional part [N].
     [[nodiscard]] double control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept;
-    [[nodiscard]] BearingLoad sprung_bearing(const double* block, int shaft) const noexcept;
+    [[nodiscard]] BearingLoad sprung_bearing(const double* block, int shaft) const noexcept;  ///< block [unknowns of the pulleys]
+    /// block [unknowns of the pulleys]
     [[nodiscard]] BearingLoad held_bearing(const double* block, int shaft, const Inputs& inputs, const SheaveForces& chain) const noexcept;
 
     Pulley pulley_;
@@ -135,8 +138,8 @@ private:
     HeldInputs held_;
     int size_;
     double half_length_;           ///< ℓ_p/2, distance of a flank plane from the middle [m]
-    double gripping_;              ///< 2μ/cos β, tangential force that a pulley can carry per clamping force
-    double narrowing_;             ///< 1/(2 tan β), loss of running radius per opening of the groove
+    double gripping_;              ///< 2μ/cos β, tangential force that a pulley can carry per clamping force [1]
+    double narrowing_;             ///< 1/(2 tan β), loss of running radius per opening of the groove [1]
     std::vector<double> inertia_;  ///< diagonal [kg, kg·m²]
     std::vector<Support> supports_;
     double governor_stiffness_, governor_damping_, reference_speed_;  ///< [N·m/rad, N·m·s/rad, rad/s]

@@ -25,16 +25,16 @@ struct FourTips {
     using Tips = TipLanes;
     static constexpr int width = tips_per_link;
 
-    /// (-, +, -, +): what differs between the two sides.
+    /// (-, +, -, +): what differs between the two sides [any unit].
     [[nodiscard]] static Tips by_side(double minus, double plus) noexcept {
         const Lanes<2> sides = join<1>(minus, plus);
         return join<2>(sides, sides);
     }
-    /// (rear, rear, front, front): what differs between the two ends of the link.
+    /// (rear, rear, front, front): what differs between the two ends of the link [any unit].
     [[nodiscard]] static Tips by_end(double rear, double front) noexcept { return join<2>(Lanes<2>(rear), Lanes<2>(front)); }
 };
 
-/// One corner of W links. @param side 0 is -z
+/// One corner of W links, numbers of any unit [any]. @param side 0 is -z
 template <int W, End end, int side>
 struct OneTip {
     using Real = Lanes<W>;

@@ -92,10 +92,10 @@ template <int W>
 [[nodiscard]] inline Lanes<W> phase_slip_factor(const FrictionCurve& curve, const Lanes<W>& square, const TipPhases& phases) noexcept {
     Lanes<W> factor = slip_factor_of_square<W>(curve, square);
     if (!phases.by_phase) return factor;
-    const Lanes<W> speed = sqrt(square);
+    const Lanes<W> inverse = 1.0 / sqrt(square);
     for (std::size_t tip = 0; tip < phases.count; ++tip) {
-        if (phases[tip] == Phase::stick) factor.set(tip, 1.0 / curve.saturation_speed);
-        if (phases[tip] == Phase::slip) factor.set(tip, 1.0 / speed[tip]);
+        if (phases[tip] == Phase::stick) take<W>(Lanes<W>(curve.inverse_saturation_speed), tip, factor);
+        if (phases[tip] == Phase::slip) take<W>(inverse, tip, factor);
     }
     return factor;
 }

@@ -57,7 +57,7 @@ private:
 
     int links_, size_, border_;
     int columns_begin_, rows_begin_, corner_begin_;
-    std::vector<double> numbers_;  ///< links, columns, rows, corner
+    std::vector<double> numbers_;  ///< links, columns, rows, corner [m/s² or rad/s² per unit of the unknown]
 };
 
 }  // namespace cvtflow::model

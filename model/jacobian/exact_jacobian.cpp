@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "model/jacobian/link_contacts.hpp"
+#include "model/jacobian/tip_rows.hpp"
 
 namespace cvtflow::model {
 
@@ -17,8 +18,12 @@ template <int P>
     constexpr int n = at<P>.link_size(), xa = at<P>.x(End::rear, 0), ya = at<P>.y(End::rear, 0), xb = at<P>.x(End::front, 0),
                   yb = at<P>.y(End::front, 0);
     using T = Dual<4>;
-    return frame_of_difference<T>(T::variable(state[xb] - state[xa], 0), T::variable(state[yb] - state[ya], 1),
-                                  T::variable(state[n + xb] - state[n + xa], 2), T::variable(state[n + yb] - state[n + ya], 3));
+    T q[at<0>.link_size()], v[at<0>.link_size()];  // of a link of order 0 whose rear half is at the origin
+    q[at<0>.x(End::front, 0)] = T::variable(state[xb] - state[xa], 0);
+    q[at<0>.y(End::front, 0)] = T::variable(state[yb] - state[ya], 1);
+    v[at<0>.x(End::front, 0)] = T::variable(state[n + xb] - state[n + xa], 2);
+    v[at<0>.y(End::front, 0)] = T::variable(state[n + yb] - state[n + ya], 3);
+    return link_frame<0>(q, v);
 }
 
 /// Rows of a link, brought to the blocks of the Jacobian.

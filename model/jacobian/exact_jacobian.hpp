@@ -34,7 +34,7 @@ public:
         std::array<int, sheave_directions> coordinate;  ///< pulley coordinate of each direction, -1: none
         struct Effect {
             int coordinate;
-            double factor;  ///< acceleration per unit of load
+            double factor;  ///< acceleration per unit of load [1/kg or 1/(kg·m²)]
         };
         std::array<std::vector<Effect>, 6> effects;
     };
@@ -50,8 +50,8 @@ private:
     const Variator& variator_;
     LinkFunction link_;
     std::array<SheaveMap, 4> sheaves_;
-    std::vector<SheaveStiffness> stiffness_;  ///< [links][side], summed over the ends
-    std::vector<double> tail_, above_, below_;
+    std::vector<SheaveStiffness> stiffness_;    ///< [links][side], summed over the ends
+    std::vector<double> tail_, above_, below_;  ///< [unknowns of the pulleys] and their slopes
 };
 
 }  // namespace cvtflow::model

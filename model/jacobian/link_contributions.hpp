@@ -1,9 +1,9 @@
 #pragma once
-/// What plates, joints, tips and inner elasticity add to the rows of a link.
+/// What plates and inner elasticity add to the rows of a link: the elements of model/force, over numbers with derivatives.
 
-#include "model/force/difference.hpp"
+#include "model/force/inner.hpp"
+#include "model/jacobian/dual_elements.hpp"
 #include "model/jacobian/link_rows.hpp"
-#include "model/jacobian/tip_point.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -18,7 +18,7 @@ inline void add_inner(const Coefficients& c, const LinkKind& kind, const double*
         q[k] = T::variable(state[k], k);
         v[k] = T::variable(state[n + k], n + k);
     }
-    const T moment = inner_force<P>(c, kind, q, v, f);
+    const T moment = inner_elasticity<P, false>(c, kind, link_frame<P>(q, v), q, v, f, nullptr);
     const auto add = [](const T& from, double* row) {
         for (int k = 0; k < 2 * n; ++k) row[LinkRows<P>::column(1, With::position, 0) + k] += from.slope[static_cast<std::size_t>(k)];
     };
@@ -39,8 +39,8 @@ template <int P, int Most>
 template <int P>
 struct PointWeights {
     static constexpr int count = 2 * (P + 1) + 2;
-    double x[P + 1];
-    double xi;
+    double x[P + 1];  ///< P_m(ξ) [1]
+    double xi;        ///< ξ [1]
 
     template <class Points>
     PointWeights(const Points& points, std::size_t lane) noexcept : xi(points.position[lane]) {
@@ -65,20 +65,22 @@ struct PointWeights {
 template <int P>
 inline void add_plates(const Coefficients& c, const LinkKind& kind, const double* state, LinkRows<P>& rows) noexcept {
     constexpr int n = LinkRows<P>::size;
-    using T = Dual<6>;
+    using T = Lanes<six>;  // x y z | their rates
     using Weights = PointWeights<P>;
     double local[Weights::count][2 * Weights::count] = {};
     const Difference<P> d(state, End::front, state, End::rear), rate(state + n, End::front, state + n, End::rear);
     for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
         const Weights weights(c.plates, j);
-        const auto point = [&](const Difference<P>& of, int first) {
-            return Force3<T>{T::variable(along_axis<P>(c.plates, j, of.x), first), T::variable(along_axis<P>(c.plates, j, of.y), first + 1),
-                             T::variable(of.z + weights.xi * of.e, first + 2)};
+        const auto point = [&](const Difference<P>& of, int first) {  // seen alone, it is a difference of order 0
+            Difference<0, T> alone;
+            alone.x[0] = T::variable(along_axis<P>(c.plates, j, of.x), first);
+            alone.y[0] = T::variable(along_axis<P>(c.plates, j, of.y), first + 1);
+            alone.z = T::variable(of.z + weights.xi * of.e, first + 2);
+            return alone;
         };
-        const Force3<T> force = plate_force<T>(c, kind.free_length, j, point(d, 0), point(rate, 3));
-        const T* parts[3] = {&force.x, &force.y, &force.z};
+        const auto parts = plate_at(c, kind, static_cast<int>(j), point(d, 0), point(rate, 3));
         for (int r = 0; r < Weights::count; ++r) {
-            const T& part = *parts[Weights::component(r)];
+            const T& part = parts[static_cast<std::size_t>(Weights::component(r))];
             for (int k = 0; k < 2 * Weights::count; ++k) {
                 const int of = k % Weights::count, direction = Weights::component(of) + (k < Weights::count ? 0 : 3);
                 local[r][k] += weights.weight(r) * weights.weight(of) * part.slope[static_cast<std::size_t>(direction)];

@@ -4,16 +4,16 @@
 
 #include <cstring>
 
+#include "model/basis/dual_lanes.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/jacobian/exact_jacobian.hpp"
-#include "model/jacobian/inner_point.hpp"
 #include "model/machine/link_inertia.hpp"
 
 namespace cvtflow::model {
 namespace {
 
 /// Frame of a link, differentiated in (dx, dy, vx, vy), the difference of its halves and its rate.
-using DualFrame = FrameOf<Dual<4>>;
+using DualFrame = LinkFrameOf<Dual<4>>;
 
 template <int P>
 class LinkRows {
@@ -34,7 +34,7 @@ public:
     [[nodiscard]] double* moment_row() noexcept { return rows_[size]; }
     double moment = 0.0;  ///< value of the moment [N·m]
 
-    /// row += g_tx ∂tx + g_ty ∂ty + g_w ∂θ' with respect to the coordinates and velocities of a link with this frame.
+    /// row += g_tx ∂tx + g_ty ∂ty + g_w ∂θ' with respect to the coordinates and velocities of a link with this frame. row [width]
     static void add_frame(double* row, int link, const DualFrame& frame, double g_tx, double g_ty, double g_turning) noexcept {
         for (std::size_t d = 0; d < 4; ++d)
             add_difference(row, link, static_cast<int>(d),
@@ -59,6 +59,7 @@ public:
     }
 
 private:
+    /// row [width]
     static void add_difference(double* row, int link, int direction, double value) noexcept {
         const With with = direction < 2 ? With::position : With::velocity;
         const bool x = direction % 2 == 0;
@@ -84,7 +85,7 @@ private:
         std::memcpy(rows_[first], products, sizeof products);
     }
 
-    double rows_[size + 1][width] = {};
+    double rows_[size + 1][width] = {};  ///< [force or moment][unknown]
 };
 
 }  // namespace

@@ -79,8 +79,8 @@ private:
                       const Column& column) const noexcept {
         const AxisPoints<P, W> points(c_.joint_points, first);
         const auto m = joint_motion<P, W>(c_.joint, frames, points, gap, rate);
-        const auto line = line_contact<W>(c_.joint, load<W>(&c_.joint_points.weight[static_cast<std::size_t>(first)]), m.depth);
-        const Lanes<W> normal = positive_part<W>(line.elastic * (1.0 - c_.joint.damping * (m.nx * m.vx + m.ny * m.vy)));
+        const Lanes<W> weight = load<W>(&c_.joint_points.weight[static_cast<std::size_t>(first)]);
+        const Lanes<W> normal = normal_force<W>(c_.joint, weight, m).normal;
         for (int g = first; g < std::min(first + W, c_.joint_points.count); ++g) {
             const int row = field_.components.joint(g);
             const auto lane = static_cast<std::size_t>(g - first);

@@ -48,8 +48,8 @@ struct PiecewiseLaw {
 struct SmoothedLaw {
     static constexpr FrictionLaw law = FrictionLaw::smoothed;
 
-    [[nodiscard]] static double proportional(double d) noexcept { return 1.0 - d; }
-    [[nodiscard]] static double full(double d) noexcept { return 1.0 + d; }
+    [[nodiscard]] static double proportional(double d) noexcept { return 1.0 - d; }  ///< d [1]
+    [[nodiscard]] static double full(double d) noexcept { return 1.0 + d; }          ///< d [1]
     /// 1/(4 d v0²) [s²/m²]
     [[nodiscard]] static double shape(double d, double v0) noexcept { return 0.25 / (d * v0 * v0); }
 

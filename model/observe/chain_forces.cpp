@@ -100,7 +100,7 @@ void read_joint(const ForceReading& from, int pin) {
         joint_motion<P, W>(c.joint, frames, AxisPoints<P, W>(c.joint_points, 0), Difference<P>(before, End::front, after, End::rear),
                            Difference<P>(before + size, End::front, after + size, End::rear));
     const auto rolling = rolling_forces<W>(c.joint, load<W>(c.joint_points.weight.data()), motion);
-    from.forces.joint_normal[place(pin)] = sum<W>(rolling.normal);
+    from.forces.joint_normal[place(pin)] = sum<W>(rolling.pressing.normal);
     from.forces.joint_friction[place(pin)] = -sum<W>(rolling.grip * motion.slip);
     from.forces.joint_axial[place(pin)] = -sum<W>(rolling.grip * motion.axial);
 }

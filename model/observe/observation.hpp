@@ -62,7 +62,7 @@ private:
     std::vector<double> slope_;  ///< [unknowns, per second]
     Observation observation_;
     ForceObservation forces_;
-    const double* state_ = nullptr;  ///< observed last
+    const double* state_ = nullptr;  ///< observed last [unknowns]
     const Phase* phases_ = nullptr;  ///< observed last
     bool forces_known_ = false;      ///< of the instant observed last
 };

@@ -312,10 +312,12 @@ const std::vector<Parameter>& rows() {
      "model choice", [](Scene& s) -> Slot { return &s.state_file; }},
 
     {"run.method", "", 0, 0, {},
-     "Integration method, a name from the catalogue. The default takes a twentieth of rk4's time at an error of 1e-4 to 6e-4 (axial forces).",
+     "Integration method, a name from the catalogue. "
+     "The default takes a twentieth of rk4's time at an error of 1e-4 to 6e-4 (axial forces).",
      "model choice", [](Scene& s) -> Slot { return &s.run.method; }},
     {"run.step", "s", 1e-12, 1e-2, {},
-     "Time step, the longest one if the error decides (run.step_control); auto: 0.85 of the longest stable one, looked at every ms (cvtflow check).",
+     "Time step, the longest one if the error decides (run.step_control); "
+     "auto: 0.85 of the longest stable one, looked at every ms (cvtflow check).",
      "model choice", [](Scene& s) -> Slot { return &s.run.step; }},
     {"run.step_control", "", 0, 0, {"fixed", "report", "error"},
      "Steps of run.step; the same with their local error reported; or steps as long as run.tolerance allows, up to run.step.",
@@ -342,7 +344,8 @@ const std::vector<Parameter>& rows() {
      "Pin whose own channels are recorded, counted from 0.",
      "model choice", [](Scene& s) -> Slot { return &s.run.followed_pin; }},
     {"run.schedule", "", 0, 0, {},
-     "Executor of the step's task graph, a name from the catalogue, or auto: the fastest by trials during the run; does not change results.",
+     "Executor of the step's task graph, a name from the catalogue, or auto: "
+     "the fastest by trials during the run; does not change results.",
      "model choice", [](Scene& s) -> Slot { return &s.run.schedule; }},
     {"run.assembly", "", 0, 0, {"fused", "staged"},
      "How a step is cut into tasks: one per segment, or one per stage and segment as published; does not change results.",

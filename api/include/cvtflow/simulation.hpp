@@ -63,8 +63,8 @@ struct Counters {
 struct Energy {
     double residual = 0.0;    ///< change of the stored energy - work of the inputs + losses [J]
     double dissipated = 0.0;  ///< [J]
-    double suspicion =
-        0.0;               ///< |residual| over what an honest integration may leave, the largest of settling, of windows of 5 ms and of all
+    /// |residual| over what an honest integration may leave, the largest of settling, of windows of 5 ms and of all [1]
+    double suspicion = 0.0;
     bool reliable = true;  ///< suspicion ≤ 1; else results are wrong: take a shorter step, or run.step = "auto"
     bool operator==(const Energy&) const = default;
 };

@@ -18,14 +18,14 @@ struct ZeroPair {
 
 /// One row of a recurrence of stage values: g_j = (1 - older) g_{j-1} + older g_{j-2} + h slope f(g_{j-1}).
 struct RecurrenceRow {
-    double slope, older;
+    double slope, older;  ///< [1]
 };
 
 /// Extended precision: what is left of a long recurrence after rounding has to be of its order to the last digits.
 struct NearOptimalPolynomial {
     int degree = 0;
-    long double origin = 1.0L;    ///< a > 1: x of z = 0
-    long double scale = 1.0L;     ///< dz/dx
+    long double origin = 1.0L;    ///< a > 1: x of z = 0 [1]
+    long double scale = 1.0L;     ///< dz/dx [1]
     std::vector<ZeroPair> zeros;  ///< of w, as many as half the order
     std::vector<long double> centre,
         coupling;  ///< monic recurrence P_j = (x - centre_j) P_{j-1} - coupling_j P_{j-2}, j = 1 … degree - order

@@ -71,7 +71,7 @@ private:
                 put(c_.sides, joint * size() + 2 * point + i, get(g.root, root + i) * d[0] + get(g.root, root + 2 + i) * d[1]);
         }
     }
-    /// The front parts of the links before.
+    /// The front parts of the links before. to [slip_lanes]
     void from_before(int group, int row, double* to) const noexcept {
         if (group > 1) {
             std::copy_n(groups_[static_cast<std::size_t>(group - 1)].part.at(row), slip_lanes, to);

@@ -170,7 +170,7 @@ struct SlipGroup {
     FloatRows factor, panel;  ///< elimination inside a link: L with D⁻¹ on its diagonal; L⁻¹ [Rᵀ g W R of joints | right-hand side]
     FloatRows element;        ///< SlipElement, without right-hand sides of the joints themselves
     double widening = 1.0;    ///< saturation speeds are taken so many times as high [1]
-    double slope_before = 0.0, slope_after = 0.0;  ///< of the energy along the Newton step, at its start and where it was looked at
+    double slope_before = 0.0, slope_after = 0.0;  ///< of the energy along the Newton step, at its start and where it was evaluated [W]
     double residual = 0.0;                         ///< largest change of slip that a contact's force is off [m/s]
 };
 
@@ -234,7 +234,7 @@ private:
     FrictionOperator friction_;
     SlipContacts contacts_;
     FrictionCurve tip_curve_;
-    std::vector<double> lateral_gram_, axial_gram_;
+    std::vector<double> lateral_gram_, axial_gram_;  ///< [direction][direction], over mass [1/kg]
     SlipKernels kernels_;
 };
 

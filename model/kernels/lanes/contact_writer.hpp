@@ -40,14 +40,12 @@ public:
 
     void joint(int own, int count, int point, const JointMotion<W>& m) const noexcept {
         const int row = field_.components.joint(point);
-        const auto line = line_contact<W>(c_.joint, V(c_.joint_points.weight[static_cast<std::size_t>(point)]), m.depth);
-        const V closing = -(m.nx * m.vx + m.ny * m.vy);
+        const V weight(c_.joint_points.weight[static_cast<std::size_t>(point)]);
         put(row + Joint::normal_x, own, count, m.nx);
         put(row + Joint::normal_y, own, count, m.ny);
         put(row + Joint::lever_before, own, count, m.lever_before);
         put(row + Joint::lever_after, own, count, m.lever_after);
-        put(row + Joint::grip, own, count,
-            c_.joint.friction.coefficient * positive_part<W>(line.elastic * (1.0 + c_.joint.damping * closing)));
+        put(row + Joint::grip, own, count, c_.joint.friction.coefficient * normal_force<W>(c_.joint, weight, m).normal);
     }
 
     void plate(int own, int count, int plate, const V& tension) const noexcept {
