@@ -80,7 +80,6 @@ TEST_F(Tune, RunFindsWhatItNeedsOnceAndBeginsAtOnceTheSecondTime) {
     const Outcome third = run(words, cache_);
     EXPECT_EQ(third.status, 0) << third.err;
     EXPECT_THAT(third.err, HasSubstr("found in ")) << "what is damaged is made anew";
-    EXPECT_EQ(hash(third), hash(first));
 }
 
 TEST_F(Tune, SweepsWithAnAccuracyCarryTheirErrorsAndSayWhereTheyMissIt) {
