@@ -66,14 +66,14 @@ void substitute(const SlipSpace& space, const float* unknowns, SlipGroup& group)
 }
 
 template <int Points>
-void look(const SlipSpace& space, double share, SlipGroup& group) noexcept {
-    newton<Points>(space, group, [share](auto step) noexcept { step.look(share); });
+void search(const SlipSpace& space, double share, SlipGroup& group) noexcept {
+    newton<Points>(space, group, [share](auto step) noexcept { step.search(share); });
 }
 
 template <int P, int Points>
 [[nodiscard]] SlipKernels kernels() noexcept {
     return {gather<Points>,    slips<P, Points>,   forces<Points>, accelerate<P, Points>, linearise<Points>,
-            eliminate<Points>, respond<P, Points>, join<Points>,   substitute<Points>,    look<Points>};
+            eliminate<Points>, respond<P, Points>, join<Points>,   substitute<Points>,    search<Points>};
 }
 
 template <int Points>

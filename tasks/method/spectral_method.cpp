@@ -32,7 +32,7 @@ void SpectralMethod::look() {
     looked_ = w.step.time;
 }
 
-int SpectralMethod::begin() {
+NextCycle SpectralMethod::begin() {
     look();
     choose(workspace().step.h);
     return StageMethod::begin();

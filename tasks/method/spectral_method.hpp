@@ -16,7 +16,7 @@ public:
     /// Extents of the spectrum are taken so many times as large, for what estimates from below and changes within a tenth of a millisecond.
     static constexpr double real_margin = 1.2, imaginary_margin = 1.15;  ///< [1]
 
-    [[nodiscard]] int begin() final;
+    [[nodiscard]] NextCycle begin() final;
     void restart() noexcept override;
     void rejected() noexcept override;
     [[nodiscard]] double longest_step(double wanted) final;  ///< wanted [s]

@@ -13,7 +13,7 @@ void close_evaluation(Workspace& w, double time, const double* tail, const model
     w.variator.close(time, tail, chain, w.links.accounts.data(), slope + w.layout().pulley_begin());
 }
 
-int StageMethod::begin() {
+NextCycle StageMethod::begin() {
     bring_slope();
     return start_stage(slope_at_ == SlopeAt::start && plan_->stages() > 1 ? 1 : 0);
 }
@@ -65,12 +65,12 @@ int StageMethod::start_stage(int stage) {
     return evaluate_cycle;
 }
 
-int StageMethod::next() {
+NextCycle StageMethod::next() {
     close_evaluation(w_, w_.step.time + w_.step.row.time * w_.step.h, w_.pulleys.tail.data(), w_.sheave_forces(), w_.step.slope_out);
     if (stage_ + 1 < plan_->stages()) return start_stage(stage_ + 1);
     w_.step.row = plan_->result();
     slope_at_ = plan_->last_is_result() ? SlopeAt::last : SlopeAt::nowhere;
-    return done;
+    return NextCycle::done();
 }
 
 }  // namespace cvtflow::tasks

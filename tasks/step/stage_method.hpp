@@ -15,8 +15,8 @@ public:
     explicit StageMethod(Workspace& workspace, int error_power = 0) noexcept
         : w_(workspace), plan_(&workspace.plan), error_power_(error_power) {}
 
-    [[nodiscard]] int begin() override;
-    [[nodiscard]] int next() override;
+    [[nodiscard]] NextCycle begin() override;
+    [[nodiscard]] NextCycle next() override;
     void restart() noexcept override { slope_at_ = SlopeAt::nowhere; }
     void transition() noexcept override { slope_at_ = SlopeAt::nowhere; }
     void rejected() noexcept override { slope_at_ = SlopeAt::start; }

@@ -8,22 +8,20 @@
 #include <vector>
 
 #include "engine/graph/task_graph.hpp"
+#include "tasks/step/next_cycle.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
 
 class StepMethod {
 public:
-    /// What begin() and next() answer instead of a cycle.
-    static constexpr int done = -2;    ///< the step is taken: workspace.step.row combines its result from the slots
-    static constexpr int failed = -3;  ///< it could not be taken: see fault()
-
     virtual ~StepMethod() = default;
 
     /// Begins the step from workspace.states[0] at workspace.step.time over workspace.step.h: the first cycle to run.
-    [[nodiscard]] virtual int begin() = 0;
-    /// After every cycle that it has named: the next one, or done, or failed.
-    [[nodiscard]] virtual int next() = 0;
+    [[nodiscard]] virtual NextCycle begin() = 0;
+    /// After every cycle that it has named: the next one; or done, and workspace.step.row combines the result from the slots; or failed,
+    /// for which fault() has the reason.
+    [[nodiscard]] virtual NextCycle next() = 0;
 
     /// Adds the method's own cycles to a graph that is not frozen yet, numbered from method_cycles on; their tasks are members of the
     /// method (engine::code_of). Called again whenever segments change.

@@ -26,8 +26,8 @@ public:
     /// Rooted: with R, else only the force. @param w the contact's two slips
     template <bool Rooted>
     [[nodiscard]] SlipLaw law(int contact, const V* w) const noexcept {
-        if (this->g_.widening == 1.0) return usual<Rooted>(contact, w);
-        const double inverse = 1.0 / this->g_.widening;
+        if (this->g_.continuation == 1.0) return usual<Rooted>(contact, w);
+        const double inverse = 1.0 / this->g_.continuation;
         const V less[2] = {inverse * w[0], inverse * w[1]};
         SlipLaw wide = usual<Rooted>(contact, less);
         if (!Rooted) return wide;

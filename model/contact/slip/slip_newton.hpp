@@ -59,7 +59,7 @@ public:
     }
 
     /// Slope of the energy along the step at its start and at a share of it, and how far forces are off there. Joints count as rear ones.
-    void look(double share) noexcept {
+    void search(double share) noexcept {
         V before(0.0), after(0.0), residual(0.0);
         for (int contact = 0; contact < SlipContacts::first_joint + this->points(); ++contact) {
             if (is_missing(contact)) continue;

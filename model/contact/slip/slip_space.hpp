@@ -169,7 +169,7 @@ struct SlipGroup {
     FloatRows root;                        ///< R [contact][4]
     FloatRows factor, panel;  ///< elimination inside a link: L with D⁻¹ on its diagonal; L⁻¹ [Rᵀ g W R of joints | right-hand side]
     FloatRows element;        ///< SlipElement, without right-hand sides of the joints themselves
-    double widening = 1.0;    ///< saturation speeds are taken so many times as high [1]
+    double continuation = 1.0;                     ///< saturation speeds are taken so many times as high [1]
     double slope_before = 0.0, slope_after = 0.0;  ///< of the energy along the Newton step, at its start and where it was evaluated [W]
     double residual = 0.0;                         ///< largest change of slip that a contact's force is off [m/s]
 };
@@ -185,7 +185,7 @@ struct SlipKernels {
     void (*respond)(const SlipSpace&, const LaneRows& force, SlipGroup&, LaneRows&) noexcept;
     void (*join)(const SlipSpace&, std::span<const SlipGroup>, SlipChain&) noexcept;
     void (*substitute)(const SlipSpace&, const float* unknowns, SlipGroup&) noexcept;
-    void (*look)(const SlipSpace&, double share, SlipGroup&) noexcept;  ///< share [1]
+    void (*search)(const SlipSpace&, double share, SlipGroup&) noexcept;  ///< share [1]
 };
 
 /// Constants of slips and forces for one chain, and the kernels that work on groups. @param chain must outlive this
@@ -217,7 +217,7 @@ public:
         kernels_.respond(*this, group.next_force, group, group.own);
     }
     /// The energy's slope along the step, and what is left, at a share of it in [0, 1].
-    void look(double share, SlipGroup& group) const noexcept { kernels_.look(*this, share, group); }
+    void search(double share, SlipGroup& group) const noexcept { kernels_.search(*this, share, group); }
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return friction_.chain(); }
     [[nodiscard]] const FrictionOperator& friction() const noexcept { return friction_; }

@@ -33,7 +33,7 @@ std::optional<engine::PlanStep> AdditiveMethod::error_row() const noexcept {
     return engine::PlanStep{{}, error_, -1, -1, 0.0};
 }
 
-int AdditiveMethod::begin() {
+NextCycle AdditiveMethod::begin() {
     stage_ = 0;
     std::copy(w_.states[0] + w_.layout().pulley_begin(), w_.states[0] + w_.layout().size(), w_.pulleys.tail.data());
     if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.pulleys.tail.data(), w_.pulleys.sheaves);
@@ -41,7 +41,7 @@ int AdditiveMethod::begin() {
 }
 
 /// The right-hand side of the stage at hand; the tail is at its state already.
-int AdditiveMethod::evaluate(std::span<const engine::Term> states) noexcept {
+NextCycle AdditiveMethod::evaluate(std::span<const engine::Term> states) noexcept {
     at_ = At::evaluate;
     w_.step.evaluate_end = false;
     w_.step.row = {states, {}, -1, stage_ + 1, table_.times[at(stage_)]};
@@ -49,7 +49,7 @@ int AdditiveMethod::evaluate(std::span<const engine::Term> states) noexcept {
     return evaluate_cycle;
 }
 
-int AdditiveMethod::next() {
+NextCycle AdditiveMethod::next() {
     switch (at_) {
         case At::evaluate: return after_evaluation();
         case At::stage: at_ = At::record; return record_cycle;
@@ -58,10 +58,10 @@ int AdditiveMethod::next() {
         case At::solve: return after_solve(solve_.next());
         case At::finish: return evaluate({&kept, 1});
     }
-    return failed;
+    return NextCycle::failed();
 }
 
-int AdditiveMethod::after_evaluation() {
+NextCycle AdditiveMethod::after_evaluation() {
     close_evaluation(w_, w_.step.time + table_.times[at(stage_)] * w_.step.h, w_.pulleys.tail.data(),
                      w_.variator.sheave_forces(w_.tips.phases.data(), w_.links.loads.data()), slope(stage_));
     if (stage_ == 0) {  // friction of the first stage is not solved for
@@ -70,22 +70,22 @@ int AdditiveMethod::after_evaluation() {
     }
     if (stage_ + 1 < table_.stages()) return start_stage();
     w_.step.row = {{&start, 1}, weights_, -1, -1, 1.0};
-    return done;
+    return NextCycle::done();
 }
 
-int AdditiveMethod::after_gathering() {
+NextCycle AdditiveMethod::after_gathering() {
     if (stage_ == 0) return start_stage();
     at_ = At::solve;
     return solve_.begin(w_.step.h);
 }
 
-int AdditiveMethod::after_solve(int cycle) {
-    if (cycle != done) return cycle;
+NextCycle AdditiveMethod::after_solve(NextCycle cycle) {
+    if (!cycle.is_done()) return cycle;
     at_ = At::finish;
     return finish_cycle;
 }
 
-int AdditiveMethod::start_stage() {
+NextCycle AdditiveMethod::start_stage() {
     ++stage_;
     const model::ChainLayout& layout = w_.layout();
     for (int k = 0; k < w_.tail_size(); ++k) {
@@ -151,7 +151,7 @@ void AdditiveMethod::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Stages& own = stages_[at(number)];
     const int numbers = w_.layout().link_size() * model::slip_lanes;
-    if (stage_ <= 1) solve_.share(number, g.slip);
+    if (stage_ <= 1) solve_.assemble(number, g.slip);
     if (stage_ == 0) {
         solve_.space().forces(g);
         solve_.space().accelerate(g);

@@ -22,8 +22,8 @@ public:
 
     AdditiveMethod(Workspace& workspace, AdditiveTable table);
 
-    [[nodiscard]] int begin() override;
-    [[nodiscard]] int next() override;
+    [[nodiscard]] NextCycle begin() override;
+    [[nodiscard]] NextCycle next() override;
     [[nodiscard]] std::optional<engine::PlanStep> error_row() const noexcept override;
     [[nodiscard]] int error_power() const noexcept override { return table_.embedded.empty() ? 0 : table_.order; }
 
@@ -42,11 +42,11 @@ private:
         std::vector<model::LaneRows> friction;  ///< [stage] f_i
     };
 
-    int evaluate(std::span<const engine::Term> states) noexcept;
-    int after_evaluation();
-    int after_gathering();
-    int after_solve(int cycle);
-    int start_stage();
+    NextCycle evaluate(std::span<const engine::Term> states) noexcept;
+    NextCycle after_evaluation();
+    NextCycle after_gathering();
+    NextCycle after_solve(NextCycle cycle);
+    NextCycle start_stage();
     [[nodiscard]] bool predicts_from_start() const noexcept;
     [[nodiscard]] double* stage_state() noexcept { return w_.states[1]; }
     [[nodiscard]] double* slope(int stage) const noexcept { return w_.slopes[static_cast<std::size_t>(stage) + 1]; }

@@ -103,7 +103,7 @@ void FrictionImplicit::add_tasks(engine::TaskGraph& graph) {
                                          accesses().all(joints_field, 1).own(own_field).list()}));
         graph.order(eliminate, join);
         graph.order(join, substitutes.back());
-        graph.add({numbered("look", k), search_cycle, engine::code_of<&FrictionSolve::look>(solve_), k, accesses().list()});
+        graph.add({numbered("search", k), search_cycle, engine::code_of<&FrictionSolve::search>(solve_), k, accesses().list()});
         graph.add({numbered("stage", k), stage_cycle, engine::code_of<&FrictionImplicit::stage>(*this), k,
                    accesses()
                        .links(Field::states_read, false)
@@ -125,11 +125,11 @@ void FrictionImplicit::add_neighbours(engine::TaskGraph& graph, const std::vecto
                                     shared = sharing(k, others);
         forces.insert(forces.end(), shared.begin(), shared.end());
         const int base = graph.add({numbered("base", k), gather_cycle, engine::code_of<&FrictionImplicit::base>(*this), k, forces});
-        const int look =
-            graph.add({numbered("look", k), iterate_cycle, engine::code_of<&FrictionSolve::look>(solve_), k, sharing(k, others)});
+        const int search =
+            graph.add({numbered("search", k), iterate_cycle, engine::code_of<&FrictionSolve::search>(solve_), k, sharing(k, others)});
         for (const int other : others) {
             graph.order(gathers[static_cast<std::size_t>(other)], base);
-            graph.order(substitutes[static_cast<std::size_t>(other)], look);
+            graph.order(substitutes[static_cast<std::size_t>(other)], search);
         }
     }
 }

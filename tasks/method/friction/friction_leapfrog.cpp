@@ -76,7 +76,7 @@ void FrictionLeapfrog::restart() noexcept {
     system_.restart();
 }
 
-int FrictionLeapfrog::begin() {
+NextCycle FrictionLeapfrog::begin() {
     if (frame_.is_new()) {
         frame_.turn_over();
         system_.turn_over();
@@ -90,11 +90,11 @@ int FrictionLeapfrog::begin() {
     return evaluate_cycle;
 }
 
-int FrictionLeapfrog::next() {
+NextCycle FrictionLeapfrog::next() {
     switch (state_) {
         case State::evaluating: state_ = State::pushing; return push_cycle;
         case State::pushing: return start_kick();
-        case State::finishing: frame_.end(); return done;
+        case State::finishing: frame_.end(); return NextCycle::done();
         case State::stages: break;
     }
     if (stage_ + 1 < table_->plan.stages()) return start_stage(stage_ + 1);
@@ -102,7 +102,7 @@ int FrictionLeapfrog::next() {
     return finish_kick_cycle;
 }
 
-int FrictionLeapfrog::start_kick() {
+NextCycle FrictionLeapfrog::start_kick() {
     if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
     table_ = tables_.reaching(margin * radius_ * w_.step.h);
@@ -110,13 +110,13 @@ int FrictionLeapfrog::start_kick() {
         fault_ = std::isfinite(radius_)
                      ? Fault{FaultKind::too_stiff, w_.step.time, -1, radius_ * w_.step.h, tables_.longest_reach() / margin}
                      : Fault{FaultKind::non_finite, w_.step.time, first_not_finite(w_), 0.0, 0.0};
-        return failed;
+        return NextCycle::failed();
     }
     state_ = State::stages;
     return start_stage(0);
 }
 
-int FrictionLeapfrog::start_stage(int stage) {
+NextCycle FrictionLeapfrog::start_stage(int stage) {
     stage_ = stage;
     row_ = table_->row(stage);
     lean_ = table_->lean(row_.here.time, frame_.rise());

@@ -26,8 +26,8 @@ public:
 
     FrictionLeapfrog(Workspace& workspace, Kick kick);
 
-    [[nodiscard]] int begin() override;
-    [[nodiscard]] int next() override;
+    [[nodiscard]] NextCycle begin() override;
+    [[nodiscard]] NextCycle next() override;
     void add_tasks(engine::TaskGraph& graph) override;
     void repartitioned() override { system_.repartition(w_.partition); }
     [[nodiscard]] bool retakes() const noexcept override { return true; }
@@ -45,8 +45,8 @@ public:
 private:
     enum class State { evaluating, pushing, stages, finishing };
 
-    int start_kick();
-    int start_stage(int stage);
+    NextCycle start_kick();
+    NextCycle start_stage(int stage);
 
     Workspace& w_;
     LeapfrogFrame frame_;

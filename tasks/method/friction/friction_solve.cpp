@@ -20,7 +20,7 @@ constexpr double margin = 0.05;
 /// Iterations after which saturation speeds are changed: by which factor upwards, and how far at most; by which at first downwards. A
 /// stride that fails is repeated shorter and with twice the iterations.
 constexpr int first_patience = 10, most_patience = 320;
-constexpr double widening_step = 10.0, most_widening = 1e5, first_stride = 2.0, least_stride = 1.01;
+constexpr double continuation_step = 10.0, most_continuation = 1e5, first_stride = 2.0, least_stride = 1.01;
 /// A stride that took no more iterations than these is followed by a longer one.
 constexpr int few_tries = 5;
 constexpr double longer = 1.3;
@@ -31,7 +31,7 @@ std::string text(const SolveStatistics& s) {
     const double solves = s.solves > 0 ? static_cast<double>(s.solves) : 1.0;
     std::string line = fmt::format("{:.2f} iterations per friction solve (most {}), {:.2f} searches",
                                    static_cast<double>(s.iterations) / solves, s.most, static_cast<double>(s.searches) / solves);
-    if (s.widened > 0) line += fmt::format(", {} solves by way of higher saturation speeds", s.widened);
+    if (s.continued > 0) line += fmt::format(", {} solves by way of higher saturation speeds", s.continued);
     if (s.unconverged > 0)
         line += fmt::format("; {} of {} solves did not converge and went on with the last iterate (residual up to {:.2g} m/s)",
                             s.unconverged, s.solves, s.worst);
@@ -49,21 +49,21 @@ double FrictionSolve::tolerance(double step) noexcept {
     return std::max(usual_tolerance * share * share, least_tolerance);
 }
 
-int FrictionSolve::begin(double step) noexcept {
+NextCycle FrictionSolve::begin(double step) noexcept {
     ++statistics_.solves;
     tolerance_ = tolerance(step);
     iterations_ = tries_ = 0;
-    widening_ = widened_before_ = 1.0;
+    continuation_ = continuation_before_ = 1.0;
     solved_ = 0.0;
     stride_ = first_stride;
     patience_ = first_patience;
     keeps_ = returns_ = false;
     steps_ = searching_ = false;
-    share_ = 1.0;
+    fraction_ = 1.0;
     return iterate_cycle;
 }
 
-int FrictionSolve::next() noexcept {
+NextCycle FrictionSolve::next() noexcept {
     double before = 0.0, after = 0.0;
     residual_ = 0.0;
     for (const model::SlipGroup& group : groups_) {
@@ -71,18 +71,18 @@ int FrictionSolve::next() noexcept {
         after += group.slope_after;
         if (!(group.residual <= residual_)) residual_ = group.residual;
     }
-    if (!std::isfinite(residual_)) return StepMethod::failed;
+    if (!std::isfinite(residual_)) return NextCycle::failed();
     if (!searching_) {
         ++iterations_;
         ++tries_;
-        widened_before_ = widening_;
+        continuation_before_ = continuation_;
         keeps_ = returns_ = false;
         low_ = searches_ = 0;
         high_ = 1.0;
         slope_low_ = before;
         slope_high_ = after;
     } else {
-        (after > 0.0 ? high_ : low_) = share_;
+        (after > 0.0 ? high_ : low_) = fraction_;
         (after > 0.0 ? slope_high_ : slope_low_) = after;
     }
     // The first step starts from slips that belong to no forces: it is taken whole.
@@ -92,31 +92,31 @@ int FrictionSolve::next() noexcept {
 }
 
 /// The secant's zero of the slope within the bracket; every other time its middle: slopes have kinks, past which a secant creeps.
-int FrictionSolve::judge() noexcept {
+NextCycle FrictionSolve::judge() noexcept {
     const double width = high_ - low_;
     const double zero = searches_ % 2 == 0 ? low_ - slope_low_ * width / (slope_high_ - slope_low_) : low_ + 0.5 * width;
-    share_ = std::clamp(zero, low_ + margin * width, high_ - margin * width);
+    fraction_ = std::clamp(zero, low_ + margin * width, high_ - margin * width);
     ++searches_;
     ++statistics_.searches;
     searching_ = true;
     return search_cycle;
 }
 
-int FrictionSolve::accept() noexcept {
+NextCycle FrictionSolve::accept() noexcept {
     steps_ = true;
     searching_ = false;
-    settled_ = std::exchange(share_, 1.0);
-    const bool converged = residual_ <= tolerance_, ends = converged && widening_ == 1.0;
+    settled_ = std::exchange(fraction_, 1.0);
+    const bool converged = residual_ <= tolerance_, ends = converged && continuation_ == 1.0;
     if (ends || iterations_ >= most_iterations) return finish(ends);
-    if (converged) return narrow();
-    return tries_ < patience_ ? iterate_cycle : widen();
+    if (converged) return lower_speeds();
+    return tries_ < patience_ ? iterate_cycle : raise_speeds();
 }
 
 /// From a solution with higher saturation speeds towards those that are asked for.
-int FrictionSolve::narrow() noexcept {
-    if (solved_ > 0.0 && tries_ <= few_tries) stride_ = std::min(model::portable_pow(stride_, longer), widening_step);
-    solved_ = widening_;
-    widening_ = std::max(widening_ / stride_, 1.0);
+NextCycle FrictionSolve::lower_speeds() noexcept {
+    if (solved_ > 0.0 && tries_ <= few_tries) stride_ = std::min(model::portable_pow(stride_, longer), continuation_step);
+    solved_ = continuation_;
+    continuation_ = std::max(continuation_ / stride_, 1.0);
     keeps_ = true;
     patience_ = first_patience;
     tries_ = 0;
@@ -124,30 +124,30 @@ int FrictionSolve::narrow() noexcept {
 }
 
 /// No solution was found: to higher saturation speeds, or back to the last solution and on from there by a shorter stride.
-int FrictionSolve::widen() noexcept {
+NextCycle FrictionSolve::raise_speeds() noexcept {
     tries_ = 0;
     if (solved_ == 0.0) {
-        widening_ = std::min(widening_step * widening_, most_widening);
+        continuation_ = std::min(continuation_step * continuation_, most_continuation);
         return iterate_cycle;
     }
     stride_ = std::max(std::sqrt(stride_), least_stride);
     patience_ = std::min(2 * patience_, most_patience);
-    widening_ = std::max(solved_ / stride_, 1.0);
-    widened_before_ = solved_;
+    continuation_ = std::max(solved_ / stride_, 1.0);
+    continuation_before_ = solved_;
     returns_ = true;
     return iterate_cycle;
 }
 
-int FrictionSolve::finish(bool converged) noexcept {
+NextCycle FrictionSolve::finish(bool converged) noexcept {
     statistics_.iterations += iterations_;
     statistics_.most = std::max<long>(statistics_.most, iterations_);
-    if (solved_ > 0.0) ++statistics_.widened;
-    for (model::SlipGroup& group : groups_) group.widening = 1.0;
+    if (solved_ > 0.0) ++statistics_.continued;
+    for (model::SlipGroup& group : groups_) group.continuation = 1.0;
     if (!converged) {
         ++statistics_.unconverged;
         statistics_.worst = std::max(statistics_.worst, residual_);
     }
-    return StepMethod::done;
+    return NextCycle::done();
 }
 
 void FrictionSolve::settle(int number) noexcept {
@@ -170,13 +170,13 @@ void FrictionSolve::settle(int number) noexcept {
 void FrictionSolve::keep_forces(int number) noexcept {
     model::SlipGroup& g = group(number);
     const model::Coefficients& c = space_.chain().coefficients();
-    const double ratio = widening_ / widened_before_;
+    const double ratio = continuation_ / continuation_before_;
     for (int contact = 0; contact < space_.contacts().count(); ++contact) {
         const bool joint = contact >= model::SlipContacts::first_joint;
         const model::FrictionCurve& curve = joint                                    ? c.joint.friction
                                             : contact == model::SlipContacts::plates ? c.plate_friction
                                                                                      : space_.tip_curve();
-        const double stuck = widened_before_ * curve.saturation_speed;
+        const double stuck = continuation_before_ * curve.saturation_speed;
         for (int lane = 0; lane < model::slip_lanes; ++lane) {
             double &first = g.slip.at(2 * contact)[lane], &second = g.slip.at(2 * contact + 1)[lane];
             if (first * first + second * second > stuck * stuck) continue;
@@ -191,8 +191,8 @@ void FrictionSolve::change_speeds(int number) noexcept {
     const int numbers = space_.contacts().slips() * model::slip_lanes;
     if (keeps_) std::copy_n(g.slip.at(0), numbers, g.solved_slip.at(0));
     if (returns_) std::copy_n(g.solved_slip.at(0), numbers, g.slip.at(0));
-    if (widening_ != widened_before_) keep_forces(number);
-    g.widening = widening_;
+    if (continuation_ != continuation_before_) keep_forces(number);
+    g.continuation = continuation_;
 }
 
 void FrictionSolve::eliminate(int number) noexcept {
@@ -205,12 +205,12 @@ void FrictionSolve::substitute(int number) noexcept {
     space_.substitute(joints_.unknowns.at(number * space_.contacts().joint_slips()), group(number));
 }
 
-void FrictionSolve::look(int number) noexcept {
-    if (!searching_) share(number, group(number).next_slip);
-    space_.look(share_, group(number));
+void FrictionSolve::search(int number) noexcept {
+    if (!searching_) assemble(number, group(number).next_slip);
+    space_.search(fraction_, group(number));
 }
 
-void FrictionSolve::share(int number, model::LaneRows& slips, model::LaneRows model::SlipGroup::*parts) noexcept {
+void FrictionSolve::assemble(int number, model::LaneRows& slips, model::LaneRows model::SlipGroup::*parts) noexcept {
     const model::SlipContacts& contacts = space_.contacts();
     const int size = contacts.joint_slips(), rear = 2 * contacts.joint(model::End::rear, 0), front = rear + size;
     const model::LaneRows& own = group(number).*parts;

@@ -2,8 +2,8 @@
 /// The nonlinear friction solve in the task graph: Newton's method with a line search on the convex energy of slips
 /// (model/contact/slip/slip_space.hpp), by groups of links.
 ///
-///     iterate   eliminate[group] ─► join ─► substitute[group] ─► look[group]     one whole Newton step, and what it is worth
-///     search    look[group]                                                     a share of it
+///     iterate   eliminate[group] ─► join ─► substitute[group] ─► search[group]   one whole Newton step, and what it is worth
+///     search    search[group]                                                   a share of it
 ///
 /// Where saturation speeds are so low that this does not get there (the energy is almost one with kinks), they are taken ten times as high,
 /// a hundred times and so on, until it does; from there they are brought back in strides, each solution being the start of the next solve.
@@ -23,9 +23,9 @@ namespace cvtflow::tasks {
 struct SolveStatistics {
     long solves = 0;
     long iterations = 0;
-    long most = 0;      ///< iterations of the worst solve
-    long searches = 0;  ///< shares of steps that were tried
-    long widened = 0;   ///< solves that got there by way of higher saturation speeds
+    long most = 0;       ///< iterations of the worst solve
+    long searches = 0;   ///< shares of steps that were tried
+    long continued = 0;  ///< solves that got there by way of higher saturation speeds
     long unconverged = 0;
     double worst = 0.0;  ///< largest residual that was gone on with [m/s]
 };
@@ -52,27 +52,27 @@ public:
 
     /// Begins a solve from group.predicted (this link's part of ŵ) and group.slip (where to start): the first cycle to run. @param step h
     /// [s]
-    [[nodiscard]] int begin(double step) noexcept;
-    /// After each of its cycles: the next one, or StepMethod::done, or StepMethod::failed where forces are no numbers.
-    [[nodiscard]] int next() noexcept;
+    [[nodiscard]] NextCycle begin(double step) noexcept;
+    /// After each of its cycles: the next one, or done, or failed where forces are no numbers.
+    [[nodiscard]] NextCycle next() noexcept;
     [[nodiscard]] const SolveStatistics& statistics() const noexcept { return statistics_; }
 
     // Bodies of tasks.
     void eliminate(int group) noexcept;
     void join() noexcept { space_.join(groups_, joints_); }
     void substitute(int group) noexcept;
-    void look(int group) noexcept;
+    void search(int group) noexcept;
     /// Takes the share of the Newton step that was settled on; to be called for every group in the cycle after the solve.
     void settle(int group) noexcept;
     /// Slips of a group's contacts from the `own` parts, or others like them, of the group and its neighbours.
-    void share(int group, model::LaneRows& slips, model::LaneRows model::SlipGroup::*parts = &model::SlipGroup::own) noexcept;
+    void assemble(int group, model::LaneRows& slips, model::LaneRows model::SlipGroup::*parts = &model::SlipGroup::own) noexcept;
 
 private:
-    [[nodiscard]] int judge() noexcept;
-    [[nodiscard]] int accept() noexcept;
-    [[nodiscard]] int finish(bool converged) noexcept;
-    [[nodiscard]] int narrow() noexcept;
-    [[nodiscard]] int widen() noexcept;
+    [[nodiscard]] NextCycle judge() noexcept;
+    [[nodiscard]] NextCycle accept() noexcept;
+    [[nodiscard]] NextCycle finish(bool converged) noexcept;
+    [[nodiscard]] NextCycle lower_speeds() noexcept;
+    [[nodiscard]] NextCycle raise_speeds() noexcept;
     void keep_forces(int group) noexcept;
     void change_speeds(int group) noexcept;
 
@@ -83,15 +83,15 @@ private:
     double tolerance_ = least_tolerance;  ///< [m/s]
     int iterations_ = 0, searches_ = 0;
     int tries_ = 0;                         ///< iterations with the saturation speeds at hand
-    double widening_ = 1.0;                 ///< of the saturation speeds [1]
-    double widened_before_ = 1.0;           ///< that slips belong to [1]
-    double solved_ = 0.0;                   ///< lowest widening that has been solved with, 0: none yet [1]
+    double continuation_ = 1.0;             ///< of the saturation speeds [1]
+    double continuation_before_ = 1.0;      ///< that slips belong to [1]
+    double solved_ = 0.0;                   ///< lowest continuation that has been solved with, 0: none yet [1]
     double stride_ = 1.0;                   ///< from there to the next [1]
     int patience_ = 0;                      ///< iterations after which saturation speeds are changed
     bool keeps_ = false, returns_ = false;  ///< the iteration that begins follows a solution, or goes back to it
     bool searching_ = false;
     bool steps_ = false;                                                  ///< a Newton step has not been settled yet
-    double share_ = 1.0;                                                  ///< of the Newton step that is looked at [1]
+    double fraction_ = 1.0;                                               ///< of the Newton step that is looked at [1]
     double settled_ = 1.0;                                                ///< of the last one, that was taken [1]
     double low_ = 0.0, high_ = 1.0, slope_low_ = 0.0, slope_high_ = 0.0;  ///< bracket of the search
     double residual_ = 0.0;                                               ///< [m/s]

@@ -46,7 +46,7 @@ ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table)
     }
 }
 
-int ImplicitLeapfrog::begin() {
+NextCycle ImplicitLeapfrog::begin() {
     if (frame_.is_new()) {
         frame_.turn_over();
         for (Kick& kick : kicks_) std::swap(kick.base, kick.before);
@@ -58,20 +58,20 @@ int ImplicitLeapfrog::begin() {
     return record_cycle;
 }
 
-int ImplicitLeapfrog::next() {
+NextCycle ImplicitLeapfrog::next() {
     switch (at_) {
         case At::evaluate: at_ = At::record; return record_cycle;
         case At::record: at_ = At::gather; return gather_cycle;
         case At::gather:
         case At::stage: at_ = At::solve; return solve_.begin(w_.step.h);
         case At::solve: return after_solve(solve_.next());
-        case At::finish: frame_.end(); return done;
+        case At::finish: frame_.end(); return NextCycle::done();
     }
-    return failed;
+    return NextCycle::failed();
 }
 
-int ImplicitLeapfrog::after_solve(int cycle) {
-    if (cycle != done) return cycle;
+NextCycle ImplicitLeapfrog::after_solve(NextCycle cycle) {
+    if (!cycle.is_done()) return cycle;
     if (stage_ + 1 == static_cast<int>(table_.times.size())) {
         at_ = At::finish;
         return finish_cycle;
@@ -110,8 +110,8 @@ void ImplicitLeapfrog::gather(int number) noexcept {
 void ImplicitLeapfrog::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
-    solve_.share(number, g.slip);
-    solve_.share(number, kick.begun, &model::SlipGroup::own_start);
+    solve_.assemble(number, g.slip);
+    solve_.assemble(number, kick.begun, &model::SlipGroup::own_start);
     guess(number,
           std::min(2.0 * table_.times[0], 1.0));  // slips at hand belong to the middle; beyond it they are no better when extrapolated
     for (int row = 0; row < w_.layout().link_size(); ++row) {

@@ -38,8 +38,8 @@ public:
 
     ImplicitLeapfrog(Workspace& workspace, DirkTable table);
 
-    [[nodiscard]] int begin() override;
-    [[nodiscard]] int next() override;
+    [[nodiscard]] NextCycle begin() override;
+    [[nodiscard]] NextCycle next() override;
     void restart() noexcept override { frame_.restart(); }
     void save(std::vector<double>& memory) const override;
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
@@ -61,7 +61,7 @@ private:
         model::LaneRows impulses;             ///< mean force of the tips' friction along their tangents [8]
     };
 
-    int after_solve(int cycle);
+    NextCycle after_solve(NextCycle cycle);
     void guess(int group, double share) noexcept;  ///< share [1]
     void predict(int group) noexcept;
     void end_stage(int group) noexcept;

@@ -43,32 +43,32 @@ LinearMethod::LinearMethod(Workspace& workspace, const LinearPlan& plan)
 
 double LinearMethod::theta() const noexcept { return plan_.stages[stage_].gamma * w_.step.h; }
 
-int LinearMethod::begin() {
+NextCycle LinearMethod::begin() {
     stage_ = 0;
     return begin_stage();
 }
 
-int LinearMethod::begin_stage() noexcept {
+NextCycle LinearMethod::begin_stage() noexcept {
     at_ = At::evaluate;
     return evaluate(states_[stage_], times_.stage[stage_], stage_slope);
 }
 
-int LinearMethod::next() {
+NextCycle LinearMethod::next() {
     switch (at_) {
         case At::evaluate: close_evaluate(); return after_evaluation();
         case At::jacobian: return begin_factor();
         case At::factor:
-            if (!matrix_.sound()) return failed;
+            if (!matrix_.sound()) return NextCycle::failed();
             at_ = At::prepare;
             return prepare_cycle;
         case At::prepare: return begin_solve();
         case At::solve: return finish_stage();
     }
-    return failed;
+    return NextCycle::failed();
 }
 
 /// A step that is retaken begins at the same state: its Jacobian stays.
-int LinearMethod::after_evaluation() noexcept {
+NextCycle LinearMethod::after_evaluation() noexcept {
     const bool at_hand = has_jacobian_ && time_of_jacobian_ == w_.step.time;
     if (stage_ == 0 && !at_hand) {
         has_jacobian_ = true;
@@ -81,7 +81,7 @@ int LinearMethod::after_evaluation() noexcept {
     return prepare_cycle;
 }
 
-int LinearMethod::begin_factor() noexcept {
+NextCycle LinearMethod::begin_factor() noexcept {
     at_ = At::factor;
     return factorise(theta());
 }
@@ -134,7 +134,7 @@ void LinearMethod::prepare_tail() noexcept {
     }
 }
 
-int LinearMethod::begin_solve() noexcept {
+NextCycle LinearMethod::begin_solve() noexcept {
     prepare_tail();
     at_ = At::solve;
     ++solves_;
@@ -152,7 +152,7 @@ void LinearMethod::finish(int first, int last) noexcept {
     }
 }
 
-int LinearMethod::finish_stage() noexcept {
+NextCycle LinearMethod::finish_stage() noexcept {
     double* u = state(static_cast<int>(stage_) + 1) + q_tail_;
     for (int k = 0; k < border_size_; ++k) u[half_ + k] = border(solution_)[k];
     for (int k = 0; k < half_; ++k) u[k] = *(right_q_.end() - half_ + k) + theta() * border(solution_)[k];
@@ -160,7 +160,7 @@ int LinearMethod::finish_stage() noexcept {
     coordinates_right(ledger, w_.layout().size() - ledger, state(static_cast<int>(stage_) + 1) + ledger);
     if (++stage_ < plan_.stages.size()) return begin_stage();
     w_.step.row = {result_, {}, -1, -1, 1.0};
-    return done;
+    return NextCycle::done();
 }
 
 std::string LinearMethod::report() const {

@@ -17,8 +17,8 @@ public:
     /// State slots of a workspace for this plan: the start and one increment per stage. One slope slot beside the controller's.
     [[nodiscard]] static int state_slots(const LinearPlan& plan) noexcept { return static_cast<int>(plan.stages.size()) + 1; }
 
-    [[nodiscard]] int begin() override;
-    [[nodiscard]] int next() override;
+    [[nodiscard]] NextCycle begin() override;
+    [[nodiscard]] NextCycle next() override;
     void restart() noexcept override { has_jacobian_ = false; }
     [[nodiscard]] std::string report() const override;
 
@@ -29,11 +29,11 @@ private:
     enum class At { evaluate, jacobian, factor, prepare, solve };
     static constexpr int stage_slope = 1;
 
-    int begin_stage() noexcept;
-    int after_evaluation() noexcept;
-    int begin_factor() noexcept;
-    int begin_solve() noexcept;
-    int finish_stage() noexcept;
+    NextCycle begin_stage() noexcept;
+    NextCycle after_evaluation() noexcept;
+    NextCycle begin_factor() noexcept;
+    NextCycle begin_solve() noexcept;
+    NextCycle finish_stage() noexcept;
     void coordinates_right(int begin, int size, double* out) const noexcept;  ///< out [coordinates]
     void prepare_link(int link) noexcept;
     void prepare_tail() noexcept;

@@ -30,7 +30,7 @@ void TrapezoidalMethod::broyden_direction() noexcept {
 }
 
 /// Squares of the change over what each row sees.
-int TrapezoidalMethod::begin_update() noexcept {
+NextCycle TrapezoidalMethod::begin_update() noexcept {
     const ContactMap contacts{w_.tips.phases.data(), w_.links.loads.data()};
     squares_[0] = squares_[1] = 0.0;
     for (int link = 0; link < w_.layout().links; ++link) {

@@ -63,7 +63,7 @@ void TrapezoidalMethod::load(std::span<const double> memory) {
     if (has_jacobian_) static_cast<void>(load_factors(broyden_.load(memory)));
 }
 
-int TrapezoidalMethod::begin() {
+NextCycle TrapezoidalMethod::begin() {
     ++statistics_.steps;
     iterations_ = 0;
     refreshed_ = false;
@@ -80,7 +80,7 @@ int TrapezoidalMethod::begin() {
     return evaluate({terms_, 1}, 0.0, start_slope);
 }
 
-int TrapezoidalMethod::next() {
+NextCycle TrapezoidalMethod::next() {
     switch (at_) {
         case At::start_slope:
             close_evaluate();
@@ -97,10 +97,10 @@ int TrapezoidalMethod::next() {
         case At::factor: return matrix_.sound() ? begin_solve() : give_up();
         case At::solve: return finish_solve();
     }
-    return failed;
+    return NextCycle::failed();
 }
 
-int TrapezoidalMethod::predict() noexcept {
+NextCycle TrapezoidalMethod::predict() noexcept {
     end_slope_ = false;
     first_ = true;
     direction_ = false;
@@ -110,7 +110,7 @@ int TrapezoidalMethod::predict() noexcept {
 }
 
 /// Trial = iterate + λ increment, into the trial's slot.
-int TrapezoidalMethod::evaluate_trial(double lambda) noexcept {
+NextCycle TrapezoidalMethod::evaluate_trial(double lambda) noexcept {
     lambda_ = lambda;
     at_ = At::evaluate;
     terms_[0] = {iterate_, 1.0};
@@ -130,7 +130,7 @@ void TrapezoidalMethod::prepare(int first, int last) noexcept {
 }
 
 /// Start of the iteration: v⁺ = v, or v + h a.
-int TrapezoidalMethod::judge() noexcept {
+NextCycle TrapezoidalMethod::judge() noexcept {
     double energy = residual_of_tail();
     for (const double part : energies_) energy += part;
     const double norm = std::isfinite(energy) ? std::sqrt(energy / link_mass_) : HUGE_VAL;
@@ -140,7 +140,7 @@ int TrapezoidalMethod::judge() noexcept {
     return lambda_ > (since_jacobian_ == 0 ? shortest : shortest_with_old) ? evaluate_trial(0.5 * lambda_) : stuck();
 }
 
-int TrapezoidalMethod::accept_trial(double norm) noexcept {
+NextCycle TrapezoidalMethod::accept_trial(double norm) noexcept {
     std::swap(iterate_, trial_);
     if (!std::exchange(first_, false)) {
         ++iterations_;
@@ -159,7 +159,7 @@ int TrapezoidalMethod::accept_trial(double norm) noexcept {
 }
 
 /// The matrix of the next iteration, by the variant's rule.
-int TrapezoidalMethod::iterate() noexcept {
+NextCycle TrapezoidalMethod::iterate() noexcept {
     const bool by_rule =
         options_.matrix == NewtonMatrix::every_iteration || (options_.matrix == NewtonMatrix::once_per_step && iterations_ == 0);
     if (by_rule || !has_jacobian_) return begin_jacobian();
@@ -174,7 +174,7 @@ int TrapezoidalMethod::iterate() noexcept {
     return begin_factor();
 }
 
-int TrapezoidalMethod::begin_jacobian() noexcept {
+NextCycle TrapezoidalMethod::begin_jacobian() noexcept {
     has_jacobian_ = true;
     direction_ = false;
     since_jacobian_ = 0;
@@ -183,18 +183,18 @@ int TrapezoidalMethod::begin_jacobian() noexcept {
     return take_jacobian(1.0, iterate_, trial_slope);
 }
 
-int TrapezoidalMethod::begin_factor() noexcept {
+NextCycle TrapezoidalMethod::begin_factor() noexcept {
     at_ = At::factor;
     return factorise(theta());
 }
 
-int TrapezoidalMethod::begin_solve() noexcept {
+NextCycle TrapezoidalMethod::begin_solve() noexcept {
     at_ = At::solve;
     ++solves_;
     return solve_cycle;
 }
 
-int TrapezoidalMethod::finish_solve() noexcept {
+NextCycle TrapezoidalMethod::finish_solve() noexcept {
     if (options_.matrix == NewtonMatrix::broyden) broyden_direction();
     direction_ = true;
     step_ = solution_;
@@ -221,22 +221,22 @@ void TrapezoidalMethod::finish(int first, int last) noexcept {
 }
 
 /// No share of the step makes the residual fall: a new Jacobian, if the one at hand is not of this iterate.
-int TrapezoidalMethod::stuck() noexcept {
+NextCycle TrapezoidalMethod::stuck() noexcept {
     if (since_jacobian_ == 0) return give_up();
     refreshed_ = true;
     renew_ = first_ = true;
     return evaluate_trial(0.0);
 }
 
-int TrapezoidalMethod::give_up() noexcept {
-    if (!std::isfinite(norm_)) return failed;
+NextCycle TrapezoidalMethod::give_up() noexcept {
+    if (!std::isfinite(norm_)) return NextCycle::failed();
     ++statistics_.unconverged;
     statistics_.worst = std::max(statistics_.worst, norm_);
     has_jacobian_ = false;
     return finish_step();
 }
 
-int TrapezoidalMethod::finish_step() noexcept {
+NextCycle TrapezoidalMethod::finish_step() noexcept {
     const int ledger = w_.layout().ledger_begin();
     for (int k = ledger; k < w_.layout().size(); ++k)
         state(iterate_)[k] = state(0)[k] + theta() * (slope(start_slope)[k] + slope(trial_slope)[k]);
@@ -245,7 +245,7 @@ int TrapezoidalMethod::finish_step() noexcept {
     statistics_.most = std::max<long>(statistics_.most, iterations_);
     terms_[0] = {iterate_, 1.0};
     w_.step.row = {{terms_, 1}, {}, -1, -1, 1.0};
-    return done;
+    return NextCycle::done();
 }
 
 std::string TrapezoidalMethod::report() const { return text(statistics()); }

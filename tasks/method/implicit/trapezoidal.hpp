@@ -20,8 +20,8 @@ public:
 
     TrapezoidalMethod(Workspace& workspace, const NewtonOptions& options);
 
-    [[nodiscard]] int begin() override;
-    [[nodiscard]] int next() override;
+    [[nodiscard]] NextCycle begin() override;
+    [[nodiscard]] NextCycle next() override;
     void restart() noexcept override;
     void transition() noexcept override { start_slope_ = end_slope_ = false; }  // a kept Jacobian may still serve
     /// Slope at the end of the last step; with a matrix that is kept over steps, its Jacobian and updates.
@@ -40,19 +40,19 @@ private:
 
     [[nodiscard]] double theta() const noexcept { return 0.5 * w_.step.h; }
     [[nodiscard]] bool keeps_over_steps() const noexcept { return options_.matrix >= NewtonMatrix::frozen; }
-    int predict() noexcept;
-    int evaluate_trial(double lambda) noexcept;  ///< lambda [1]
-    int judge() noexcept;
-    int accept_trial(double norm) noexcept;  ///< norm [m/s]
-    int iterate() noexcept;
-    int begin_jacobian() noexcept;
-    int begin_factor() noexcept;
-    int begin_update() noexcept;
-    int begin_solve() noexcept;
-    int finish_solve() noexcept;
-    int stuck() noexcept;
-    int give_up() noexcept;
-    int finish_step() noexcept;
+    NextCycle predict() noexcept;
+    NextCycle evaluate_trial(double lambda) noexcept;  ///< lambda [1]
+    NextCycle judge() noexcept;
+    NextCycle accept_trial(double norm) noexcept;  ///< norm [m/s]
+    NextCycle iterate() noexcept;
+    NextCycle begin_jacobian() noexcept;
+    NextCycle begin_factor() noexcept;
+    NextCycle begin_update() noexcept;
+    NextCycle begin_solve() noexcept;
+    NextCycle finish_solve() noexcept;
+    NextCycle stuck() noexcept;
+    NextCycle give_up() noexcept;
+    NextCycle finish_step() noexcept;
     void start_link(int link) noexcept;
     void residual_of_link(int link) noexcept;
     void start_tail() noexcept;

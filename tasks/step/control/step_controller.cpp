@@ -244,10 +244,10 @@ double StepController::step_error() {
 }
 
 /// What the method wants next: a cycle, or the step is taken, or it cannot be.
-int StepController::take(int cycle) {
+int StepController::take(NextCycle next) {
     state_ = State::method;
-    if (cycle == StepMethod::failed) return end(method_.fault());
-    return cycle == StepMethod::done ? start_detect() : cycle;
+    if (next.has_failed()) return end(method_.fault());
+    return next.is_done() ? start_detect() : next.cycle();
 }
 
 int StepController::start_end_slope() {

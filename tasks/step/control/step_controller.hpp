@@ -133,7 +133,7 @@ private:
     void choose_step();
     int reject();
     [[nodiscard]] double step_error();
-    int take(int cycle);
+    int take(NextCycle next);
     int start_detect();
     int finish_detect();
     int start_end_slope();

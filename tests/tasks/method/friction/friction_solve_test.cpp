@@ -72,25 +72,25 @@ public:
         }
     }
     /// Whole slips from the `own` parts.
-    void share() {
-        for (int k = 0; k < solve.groups(); ++k) solve.share(k, solve.group(k).slip);
+    void assemble() {
+        for (int k = 0; k < solve.groups(); ++k) solve.assemble(k, solve.group(k).slip);
     }
     /// All cycles of a solve, one after the other. @return what it ended with
-    int run() {
-        int cycle = solve.begin(0.0);
-        for (; cycle >= 0; cycle = solve.next()) {
+    NextCycle run() {
+        NextCycle next = solve.begin(0.0);
+        for (; !next.is_done() && !next.has_failed(); next = solve.next()) {
             const auto each = [&](void (FrictionSolve::*body)(int) noexcept) {
                 for (int k = 0; k < solve.groups(); ++k) (solve.*body)(k);
             };
-            if (cycle == iterate_cycle) {
+            if (next.cycle() == iterate_cycle) {
                 each(&FrictionSolve::eliminate);
                 solve.join();
                 each(&FrictionSolve::substitute);
             }
-            each(&FrictionSolve::look);
+            each(&FrictionSolve::search);
         }
         for (int k = 0; k < solve.groups(); ++k) solve.settle(k);
-        return cycle;
+        return next;
     }
     [[nodiscard]] const model::ChainLayout& layout() const { return workspace_.layout(); }
 
@@ -133,7 +133,7 @@ TEST(SlipSpace, GivesTheAccelerationsOfTheFrictionKernels) {
             model::Columns v = contacts.velocities(amount);
             const model::Columns expected = contacts.accelerations(v);
             contacts.slips(v, &model::SlipGroup::own);
-            contacts.share();
+            contacts.assemble();
             double error = 0.0, size = 0.0;
             for (int k = 0; k < contacts.solve.groups(); ++k) {
                 model::SlipGroup& g = contacts.solve.group(k);
@@ -159,9 +159,9 @@ void expect_solution(const std::vector<std::string>& settings, double g, double 
     const std::string title = settings.front() + " g = " + std::to_string(1e6 * g) + "e-6, " + std::to_string(amount) + ": ";
     const model::Columns far = contacts.velocities(10.0 * amount), before = contacts.velocities(amount);
     contacts.slips(far, &model::SlipGroup::own);
-    contacts.share();
+    contacts.assemble();
     contacts.slips(before, &model::SlipGroup::predicted);
-    ASSERT_EQ(contacts.run(), StepMethod::done) << title;
+    ASSERT_TRUE(contacts.run().is_done()) << title;
     EXPECT_LE(contacts.solve.statistics().most, iterations) << title;
     EXPECT_EQ(contacts.solve.statistics().unconverged, 0) << title << text(contacts.solve.statistics());
     model::Columns v(contacts.layout().link_size(), contacts.links + 2);
@@ -206,7 +206,7 @@ TEST(FrictionSolve, SaysHowItFared) {
     EXPECT_EQ(text(SolveStatistics{.solves = 4, .iterations = 10, .most = 5, .searches = 2}),
               "2.50 iterations per friction solve (most 5), 0.50 searches");
     EXPECT_EQ(
-        text(SolveStatistics{.solves = 4, .iterations = 10, .most = 50, .searches = 2, .widened = 3, .unconverged = 1, .worst = 2e-4}),
+        text(SolveStatistics{.solves = 4, .iterations = 10, .most = 50, .searches = 2, .continued = 3, .unconverged = 1, .worst = 2e-4}),
         "2.50 iterations per friction solve (most 50), 0.50 searches, 3 solves by way of higher saturation speeds; 1 of 4 solves did not "
         "converge and went on with the last iterate (residual up to 0.0002 m/s)");
 }
