@@ -400,9 +400,10 @@ std::string nearest_key(std::string_view key) {
     if (std::string near = engine::closest(key, keys); !near.empty() && engine::edit_distance(key, near) <= 2) return near;
     for (const Parameter& parameter : rows())
         if (name.size() > 2 && parameter.key.starts_with(key)) return std::string(parameter.key);
+    std::string of_that_name;  // a dial of detail may have the name of what it is a detail of, which is meant more often
     for (const Parameter& parameter : rows())
-        if (parameter.name() == name) return std::string(parameter.key);
-    return engine::closest(key, keys);
+        if (parameter.name() == name && (of_that_name.empty() || of_that_name.starts_with("detail."))) of_that_name = parameter.key;
+    return of_that_name.empty() ? engine::closest(key, keys) : of_that_name;
 }
 
 std::vector<std::string> section_names() {

@@ -68,7 +68,11 @@ Tuner::Tuner(const Sweep& sweep, TuneSettings settings, const engine::Cancellati
     settings_.same_everywhere = true;
     outputs_ = tuned_outputs(sweep.scalars);
     for (const long number : corner_cases(sweep)) points_.emplace_back(point_of_case(sweep, number), finest_, outputs_, cancel);
-    if (points_.empty()) throw SceneError(sweep.name + ": no case at the corners of its axes has values that agree: nothing to tune at");
+    if (!points_.empty()) return;
+    Scene first = sweep.scene;
+    sweep.apply_case(0, first);
+    throw SceneError(
+        fmt::format("{}: no case at the corners of its axes has values that agree; case 0: {}", sweep.name, violations(first)));
 }
 
 void Tuner::say(const std::string& what) const {

@@ -26,6 +26,7 @@ TEST(FunctionScanner, LooksIntoNamespacesAndTypesButNotIntoFunctions) {
         ElementsAre(1, 4));
     EXPECT_THAT(lengths("extern \"C\" {\nvoid f() {\n}\n}\n"), ElementsAre(2));
     EXPECT_THAT(lengths("template <class T>\nclass C {\n    C() : a_(1) {\n    }\n};\n"), ElementsAre(2));
+    EXPECT_THAT(lengths("template <int W>\nrequires(W < 0) struct S<W> {\n    int f() { return 1; }\n};\n"), ElementsAre(1));
 }
 
 TEST(FunctionScanner, TablesAreNotFunctions) {

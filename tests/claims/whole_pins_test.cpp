@@ -38,7 +38,7 @@ TEST(WholePins, GiveTheSameBitsWhateverTheSegmentsAndExecutor) {
     for (const std::string method : {"rk4", "leapfrog-chebyshev"}) {
         const auto run = [&](const std::string& segments, const std::string& schedule, const std::string& threads) {
             return end_of(
-                ready_scene("tiny", {"detail.pins=whole", "run.method=" + method, "run.step=100ns", "run.until=50us",
+                ready_scene("tiny", {"detail.pins=whole", "run.method=" + method, "run.step=100ns", "run.until=200us",
                                      "start.state=", "start.settling_time=300us", "start.ramp_time=300us", "detail.stick_slip=true",
                                      "run.segments=" + segments, "run.schedule=" + schedule, "run.threads=" + threads}));
         };

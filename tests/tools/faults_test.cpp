@@ -35,7 +35,9 @@ Words measured(Words words) { return std::move(words) + Words{"--set", "start.st
 const std::map<std::string, std::string> left_out{
     {"extremes", "its smallest group takes 6 s of processor time; it reads and writes no file"},
     {"detail", "needs a settled state of full detail: 1 s of baseline; writes tables as compare does"},
-    {"tradeoff", "0.4 s, measured in rounds; reads and writes what compare does"}};
+    {"tradeoff", "0.4 s, measured in rounds; reads and writes what compare does"},
+    {"granularity", "measured in rounds of every executor; writes tables as profile does"},
+    {"tune", "10 s of processor time, measured in rounds; writes tables as compare does, and a scene as settle does a state"}};
 
 const std::vector<Order>& orders() {
     static const std::vector<Order> all{

@@ -244,12 +244,16 @@ std::vector<std::string> sample(bool programs) {
     return methods;
 }
 
+/// Commands that are not in it, and why.
+const std::map<std::string, std::string> finds_methods{{"tune", "tries every method by itself, whatever the scene names (Tuner.*)"}};
+
 TEST_F(MatrixOfMethods, HoldsEveryCommandThatTakesAMethod) {
     std::set<std::string> in_matrix;
     for (const Row& row : rows) in_matrix.insert(row.command);
     const Words all = commands();
     for (const std::string& command : all)
-        EXPECT_TRUE(in_matrix.contains(command) || !takes_a_method(run({command, "--help"}).out)) << command;
+        EXPECT_TRUE(in_matrix.contains(command) || finds_methods.contains(command) || !takes_a_method(run({command, "--help"}).out))
+            << command;
     EXPECT_GT(all.size(), 20u);
 }
 

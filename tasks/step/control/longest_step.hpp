@@ -7,7 +7,7 @@
 namespace cvtflow::tasks {
 
 /// Of halves StepChoice::longest_step. Whole pins have no stiff friction in joints that a step could leave something of: at 2.5 us slip,
-/// tensions and losses are those at 1.4 us to a thousandth (decision 93) [s].
+/// tensions and losses are those at 1.4 us to a thousandth (decision 84) [s].
 [[nodiscard]] inline double longest_automatic_step(model::PinDetail pins) noexcept {
     return pins == model::PinDetail::whole ? 2.5e-6 : StepChoice::longest_step;
 }
