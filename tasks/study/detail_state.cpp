@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "model/parameters/chain_layout.hpp"
+#include "model/observe/pin_halves.hpp"
 
 namespace cvtflow::tasks {
 
@@ -14,16 +14,47 @@ namespace {
 using model::ChainLayout;
 using model::End;
 
-/// One link's coordinates or velocities.
-void copy_link(const ChainLayout& from, const double* source, const ChainLayout& to, double* target) {
-    for (const End end : {End::rear, End::front}) {
-        for (int m = 0; m <= std::min(from.order, to.order); ++m) {
-            target[to.x(end, m)] = source[from.x(end, m)];
-            target[to.y(end, m)] = source[from.y(end, m)];
-        }
-        target[to.z(end)] = source[from.z(end)];
-        target[to.e(end)] = source[from.e(end)];
+/// A half's coordinates or velocities. weight: share of them that is added to the target, as many as both have.
+void add_half(const ChainLayout& from, const double* source, const ChainLayout& to, double* target, End end, double weight) {
+    for (int m = 0; m <= std::min(from.order, to.order); ++m) {
+        target[to.x(end, m)] += weight * source[from.x(end, m)];
+        target[to.y(end, m)] += weight * source[from.y(end, m)];
     }
+    target[to.z(end)] += weight * source[from.z(end)];
+    target[to.e(end)] += weight * source[from.e(end)];
+}
+
+/// Links between halves (from) to links, or to the pins in the middle between their two halves.
+void copy_links(const ChainLayout& from, const double* source, const ChainLayout& to, double* target) {
+    const double weight = to.whole ? 0.5 : 1.0;
+    for (int rate = 0; rate < 2; ++rate) {
+        for (int link = 0; link < from.links; ++link) {
+            const double* halves = source + from.link_begin(link) + rate * from.link_size();
+            const auto block = [&](int number) { return target + to.link_begin(number) + rate * to.link_size(); };
+            add_half(from, halves, to, block(link), End::rear, weight);
+            add_half(from, halves, to, block(to.whole ? to.next(link) : link), End::front, weight);
+        }
+    }
+}
+
+constexpr auto free_tip = static_cast<unsigned char>(model::Phase::free);
+
+/// Tips of a whole pin stand where those of its rear half do.
+std::vector<unsigned char> phases_brought_over(std::vector<unsigned char> phases, const ChainLayout& from, const ChainLayout& to) {
+    if (from.whole == to.whole) return phases;
+    for (int pin = 0; pin < to.links; ++pin) {
+        for (std::size_t side = 0; side < 2; ++side) {
+            unsigned char& rear = phases[static_cast<std::size_t>(model::tips_per_link * pin) + side];
+            unsigned char& front = phases[static_cast<std::size_t>(model::tips_per_link * to.previous(pin)) + 2 + side];
+            if (from.whole) {
+                front = rear;
+            } else {
+                if (rear == free_tip) rear = front;
+                front = free_tip;
+            }
+        }
+    }
+    return phases;
 }
 
 constexpr int axial = 4, turn = 5;  // freedoms of a body
@@ -55,17 +86,14 @@ engine::SavedState brought_over(const engine::SavedState& saved, const model::Pa
     const ChainLayout before = model::layout_of(from), after = model::layout_of(to);
     engine::SavedState result;
     result.time = saved.time;
-    result.phases = saved.phases;
+    result.phases = phases_brought_over(saved.phases, before, after);
     result.state.assign(static_cast<std::size_t>(after.control_begin()), 0.0);
-    const double* source = saved.state.data();
-    double* target = result.state.data();
+    std::vector<double> halves;
+    model::halves_of(model::ChainModel(from), saved.state.data(), halves);
+    copy_links(model::halves_layout(before), halves.data(), after, result.state.data());
     for (const bool velocity : {false, true}) {
-        for (int link = 0; link < before.links; ++link) {
-            copy_link(before, source + before.link_begin(link) + velocity * before.link_size(), after,
-                      target + after.link_begin(link) + velocity * after.link_size());
-        }
-        copy_pulleys(before, source + before.pulley_begin() + velocity * before.pulley_size, after,
-                     target + after.pulley_begin() + velocity * after.pulley_size);
+        copy_pulleys(before, saved.state.data() + before.pulley_begin() + velocity * before.pulley_size, after,
+                     result.state.data() + after.pulley_begin() + velocity * after.pulley_size);
     }
     return result;
 }
