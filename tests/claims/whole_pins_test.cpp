@@ -14,11 +14,6 @@ namespace {
 
 const engine::Cancellation never;
 
-std::vector<std::string> whole(std::vector<std::string> more) {
-    more.insert(more.begin(), {"detail.pins=whole", "run.schedule=serial"});
-    return more;
-}
-
 struct Nobody final : tasks::RunObserver {
     void output(double, const tasks::Workspace&, const tasks::Counters&) override {}
     void transition(const tasks::TransitionRecord&) override {}
