@@ -9,7 +9,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from python_fixture import main, program, tiny
+from python_fixture import SOURCE, main, program, tiny
 
 import numpy as np
 
@@ -22,6 +22,25 @@ SETTINGS = {"run.until": "0.05 ms"}
 class Folder(unittest.TestCase):
     def setUp(self):
         self.folder = self.enterContext(tempfile.TemporaryDirectory())
+
+
+class Tuning(Folder):
+    def test_finds_a_scene_for_an_accuracy_once(self):
+        scene = cvtflow.Scene.read(SOURCE + "/scenes/free_ring.toml")
+        first = cvtflow.tune(scene, accuracy=0.05, outputs=["tight_tension"], folder=self.folder)
+        self.assertLessEqual(first.error, 0.05)
+        self.assertFalse(first.kept)
+        self.assertIn(first.scene.value("run.method").strip('"'), first.choice)
+        again = cvtflow.tune(scene, accuracy=0.05, outputs=["tight_tension"], folder=self.folder)
+        self.assertTrue(again.kept)
+        self.assertEqual((again.choice, again.error), (first.choice, first.error))
+        simulation = cvtflow.Simulation(again.scene.with_("run.until=0.1 ms"))
+        simulation.advance_to(1e-4)
+        self.assertAlmostEqual(simulation.time, 1e-4, places=12)
+
+    def test_refuses_outputs_that_there_are_not(self):
+        scene = cvtflow.Scene.read(SOURCE + "/scenes/free_ring.toml")
+        self.assertRaises(cvtflow.SceneError, cvtflow.tune, scene, 0.05, ["slop"], 0.0, self.folder)
 
 
 class Records(Folder):
