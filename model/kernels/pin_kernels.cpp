@@ -135,11 +135,10 @@ void evaluate(const FrictionOperator& friction, const ContactField& field, const
     const int links = range.last - range.first;
     const PinFriction<P, W, Steepest> pins(friction, field, range);
     for (int own = -1; own <= links; own += W) pins.forces(own, stage);
-    const auto in_groups = [&](int own, const auto& body) {
-        for (; own + W <= links; own += W) body.template operator()<W>(own);
-        for (; own < links; ++own) body.template operator()<1>(own);
-    };
-    in_groups(0, [&]<int lanes>(int own) { PinFriction<P, lanes, Steepest>(friction, field, range).pins(own, stage); });
+    int own = 0;
+    for (; own + W <= links; own += W) pins.pins(own, stage);
+    const PinFriction<P, 1, Steepest> rest(friction, field, range);
+    for (; own < links; ++own) rest.pins(own, stage);
 }
 
 template <int P>
