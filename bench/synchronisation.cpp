@@ -167,6 +167,7 @@ Contender contender(const ExecutorRow& row, int tasks, double task_time, long le
     return {std::string(row.name), tasks, task_time, [=] {
                 Cycles controller(scale);
                 executor->run(*graph, data->data(), controller);
+                executor->release_threads();
                 return controller.turn();
             }};
 }

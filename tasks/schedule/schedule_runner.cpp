@@ -82,6 +82,12 @@ void ScheduleRunner::run(StepController& controller) {
     }
 }
 
+void ScheduleRunner::release_threads() const noexcept {
+    for (const Slot& slot : slots_) {
+        if (slot.executor) slot.executor->release_threads();
+    }
+}
+
 /// Brings workspace, graph and executor of the candidate at hand together.
 void ScheduleRunner::take_up() {
     Slot& slot = slots_[current()];

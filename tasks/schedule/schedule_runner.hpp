@@ -22,6 +22,8 @@ public:
 
     /// To the controller's stop. Allocates at the beginning and whenever the schedule changes, not in between.
     void run(StepController& controller);
+    /// Between runs: threads that would wait for the next one on a processor go.
+    void release_threads() const noexcept;
 
     /// Graphs are built anew, with the tasks of another method.
     void take_method(StepMethod& method) noexcept;

@@ -1,7 +1,7 @@
 #pragma once
 /// OpenMP with one parallel region for the whole run.
 
-#include "engine/executor/run.hpp"
+#include "engine/executor/openmp/omp_executor.hpp"
 
 namespace cvtflow::engine {
 
@@ -9,9 +9,9 @@ namespace cvtflow::engine {
 /// runtime and outlive the run.
 /// GNU's waits pause for milliseconds: when the system puts two threads on one processor a barrier takes 8 ms (measured), unless
 /// OMP_WAIT_POLICY=passive is set.
-class OmpRegion final : public RunningExecutor {
+class OmpRegion final : public OmpExecutor {
 public:
-    explicit OmpRegion(const ExecutorOptions& options) : RunningExecutor(options) {}
+    explicit OmpRegion(const ExecutorOptions& options) : OmpExecutor(options) {}
     [[nodiscard]] std::string_view name() const noexcept override { return "omp_region"; }
 
 private:

@@ -147,6 +147,7 @@ void measure_round(std::vector<Setting>& all, const std::vector<Contender>& exec
             WorkedCycles controller(all[s].cycles, options.patience);
             executors[e].executor->run(*all[s].graph, all[s].grains.data(), controller);
             times[s][e].push_back(controller.per_cycle());
+            executors[e].executor->release_threads();
         }
     }
 }

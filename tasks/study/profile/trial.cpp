@@ -47,8 +47,10 @@ TrialSample Trial::run(long steps, double patience) {
     Impatient observer(patience);
     const Fault fault = simulation_.run_steps(steps, observer, observer.cancellation());
     const double wall = observer.waited();
+    const double used = processor_seconds() - cpu;
+    simulation_.runner().release_threads();  // the next schedule's turn is its own
     if (fault && fault.kind != FaultKind::max_steps && fault.kind != FaultKind::cancelled) throw SimulationError(fault.message());
-    return {wall, processor_seconds() - cpu, simulation_.counters().steps, simulation_.counters().evaluations};
+    return {wall, used, simulation_.counters().steps, simulation_.counters().evaluations};
 }
 
 long steps_within(double seconds, double per_step) noexcept { return static_cast<long>(std::clamp(seconds / per_step, 1.0, 1e5)); }

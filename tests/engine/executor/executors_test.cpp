@@ -133,6 +133,25 @@ TEST_P(Executors, AllocateNothingPerCycle) {
     EXPECT_LE(fewest, beginning + granted(*GetParam().row, 2000));
 }
 
+/// With OMP_WAIT_POLICY=active they would wait on their processors for ever, and what is measured next would have one processor less.
+TEST(OpenMpExecutors, KeepNoThreadThatIsReleased) {
+    int parallel = 0;
+    for (const Case& each : test::all_cases()) {
+        if (each.row->waiting != Waiting::environment) continue;  // the others' threads sleep between runs
+        const auto executor = each.make();
+        World world(mixed_cycles());
+        executor->release_threads();
+        const int before = test::thread_count();
+        for (int repetition = 0; repetition < 3; ++repetition) {
+            world.run(*executor, 10);
+            parallel += test::thread_count() > before;
+            executor->release_threads();
+            EXPECT_EQ(test::thread_count(), before) << test::case_name(testing::TestParamInfo<Case>(each, 0));
+        }
+    }
+    EXPECT_TRUE(parallel > 0 || find_executor("omp_region") == nullptr);
+}
+
 TEST(ExecutorOptions, AreChecked) {
     StampRecorder recorder(1, 10);
     for (const ExecutorRow& row : executors()) {
