@@ -72,22 +72,25 @@ constexpr std::array rows{
     ExecutorRow{"barrier", "own threads that meet at a barrier after every level", true, Waiting::own, "", make<Barrier>},
 };
 
-constexpr bool is_present(const ExecutorRow& row) { return row.make != nullptr; }
-constexpr std::size_t present = static_cast<std::size_t>(std::count_if(rows.begin(), rows.end(), is_present));
+bool is_present(const ExecutorRow& row) { return row.make != nullptr; }
 
-/// Those that are present first, else in the order above.
-constexpr auto all = [] {
-    auto sorted = rows;
-    std::size_t here = 0, away = present;
-    for (const ExecutorRow& row : rows) sorted[is_present(row) ? here++ : away++] = row;
+/// Those that are present first, else in the order above. (Not at compile time: with -fsanitize=undefined g++ 12 does not take the address
+/// of a function for a constant.)
+struct Catalogue {
+    std::array<ExecutorRow, rows.size()> all = rows;
+    std::size_t present = static_cast<std::size_t>(std::stable_partition(all.begin(), all.end(), is_present) - all.begin());
+};
+
+const Catalogue& catalogue() {
+    static const Catalogue sorted;
     return sorted;
-}();
+}
 
 }  // namespace
 
-std::span<const ExecutorRow> executors() noexcept { return std::span(all).first(present); }
+std::span<const ExecutorRow> executors() noexcept { return std::span(catalogue().all).first(catalogue().present); }
 
-std::span<const ExecutorRow> absent_executors() noexcept { return std::span(all).subspan(present); }
+std::span<const ExecutorRow> absent_executors() noexcept { return std::span(catalogue().all).subspan(catalogue().present); }
 
 const ExecutorRow* find_executor(std::string_view name) noexcept {
     const auto there = executors();
