@@ -56,7 +56,9 @@ double per_cycle(const Schedule& schedule, double seconds, engine::StampRecorder
     for (int task = 0; task < schedule.threads; ++task) graph.add({"work", 0, work, task, {}});
     graph.freeze();
     TimedCycles controller(seconds);
-    make_executor(schedule, &recorder)->run(graph, data.data(), controller);
+    const auto executor = make_executor(schedule, &recorder);
+    executor->run(graph, data.data(), controller);
+    executor->release_threads();
     return controller.per_cycle();
 }
 
