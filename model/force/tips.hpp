@@ -220,9 +220,11 @@ template <int P>
 }
 
 /// All tips of a link; `sheaves` are the two of its pulley. Adds to the link's generalized forces, returns the moment about z on it.
-template <int P, bool Observe>
+/// @param seen called with the tips' geometry and forces, where observed
+template <int P, bool Observe, class Seen>
 [[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v,
-                                 const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account) noexcept {
+                                 const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account,
+                                 const Seen& seen) noexcept {
     const FourTips four;
     const auto own = sheaves_at(four, sheaves);
     const auto geometry = tip_geometry<P>(c, four, frame, q, own);
@@ -230,6 +232,7 @@ template <int P, bool Observe>
     const auto forces =
         tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
     load = load_sheaves(geometry, motion, forces);
+    if constexpr (Observe) seen(geometry, forces);
     return load_link<P>(tip_push(c, frame, geometry, motion, forces), f);
 }
 
