@@ -127,7 +127,7 @@ void run_exactly(const Simulation& coarse, Scene scene, const engine::SavedState
     simulation.reset(scene, &start);
     Means means(simulation.variator());
     const engine::Cancellation never;
-    if (const Fault fault = simulation.run(rules.duration, means, never)) {
+    if (const Fault fault = simulation.advance({.until = rules.duration}, means, never)) {
         ticket.message = "shorter steps: " + fault.message();
         return;
     }
@@ -141,10 +141,10 @@ void settle_and_run(const Scene& scene, LotteryTicket& ticket, const LotteryRule
     Simulation simulation(scene, Schedule{});
     SilentObserver silent;
     const engine::Cancellation never;
-    Fault fault = simulation.settle(silent, never);
+    Fault fault = simulation.advance({.until = 0.0}, silent, never);
     const engine::SavedState start = simulation.saved_state();
     Means means(simulation.variator());
-    if (!fault) fault = simulation.run(rules.duration, means, never);
+    if (!fault) fault = simulation.advance({.until = rules.duration}, means, never);
     ticket.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     ticket.step = simulation.step();
     ticket.suspicion = simulation.suspicion();

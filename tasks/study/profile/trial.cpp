@@ -45,7 +45,7 @@ Trial::Trial(const Scene& scene, const Schedule& schedule, engine::StampRecorder
 TrialSample Trial::run(long steps, double patience) {
     const double cpu = processor_seconds();
     Impatient observer(patience);
-    const Fault fault = simulation_.run_steps(steps, observer, observer.cancellation());
+    const Fault fault = simulation_.advance({.steps = steps, .anew = true, .max_wall = 0.0}, observer, observer.cancellation());
     const double wall = observer.waited();
     if (fault && fault.kind != FaultKind::max_steps && fault.kind != FaultKind::cancelled) throw SimulationError(fault.message());
     return {wall, processor_seconds() - cpu, simulation_.counters().steps, simulation_.counters().evaluations};
