@@ -1,7 +1,5 @@
 #include "tasks/scene/parameter_table.hpp"
 
-
-
 namespace cvtflow::tasks {
 namespace {
 

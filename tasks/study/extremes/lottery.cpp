@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "engine/executor/tbb/job_pool.hpp"
@@ -180,7 +181,7 @@ std::vector<LotteryTicket> play_all(std::uint64_t seed, long first, long count, 
     std::vector<LotteryTicket> tickets(static_cast<std::size_t>(count));
     long next = 0;
     engine::JobPool pool({threads});
-    pool.run([&](int) { return next < count ? next++ : -1; },
+    pool.run([&](int) { return next < count ? std::optional(next++) : std::nullopt; },
              [&](int, long k) { tickets[static_cast<std::size_t>(k)] = play(seed, first + k, rules); });
     return tickets;
 }
