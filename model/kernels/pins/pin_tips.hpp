@@ -41,8 +41,8 @@ public:
         std::array<SheaveMotionLanes<W>, 2> sheaves;
         const V shaft = pulleys_of<P>(c_, all_sheaves_, columns, sheaves);
         std::array<TipReaction<V>, 2> reaction;
-        const TipPush<V> minus = tip(OneTip<W, End::rear, 0>{}, 0, columns, sheaves, shaft, reaction[0], account, contact);
-        const TipPush<V> plus = tip(OneTip<W, End::rear, 1>{}, 1, columns, sheaves, shaft, reaction[1], account, contact);
+        const TipAction<V> minus = tip(OneTip<W, End::rear, 0>{}, 0, columns, sheaves, shaft, reaction[0], account, contact);
+        const TipAction<V> plus = tip(OneTip<W, End::rear, 1>{}, 1, columns, sheaves, shaft, reaction[1], account, contact);
         V* f = out.force.data();
         constexpr auto& at = pin_at<P>;
         spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at.x(End::rear, 0));
@@ -55,9 +55,9 @@ public:
 
 private:
     template <class Corner>
-    [[nodiscard]] TipPush<V> tip(const Corner& corner, int number, const Columns& columns,
-                                 const std::array<SheaveMotionLanes<W>, 2>& sheaves, [[maybe_unused]] const V& shaft,
-                                 TipReaction<V>& reaction, Account* account, LinkContact* contact) const noexcept {
+    [[nodiscard]] TipAction<V> tip(const Corner& corner, int number, const Columns& columns,
+                                   const std::array<SheaveMotionLanes<W>, 2>& sheaves, [[maybe_unused]] const V& shaft,
+                                   TipReaction<V>& reaction, Account* account, LinkContact* contact) const noexcept {
         const auto own = sheaves_at(corner, sheaves.data());
         const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
         const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
@@ -70,7 +70,7 @@ private:
             if (contact != nullptr) note_contact(geometry, forces, number, *contact);
         }
         reaction = tip_reaction(geometry, motion, forces);
-        return tip_push(c_, columns.frame, geometry, motion, forces);
+        return tip_action(c_, columns.frame, geometry, motion, forces);
     }
 
     /// 1 where a tip touches, else 0.
