@@ -40,7 +40,8 @@ public:
         simulation_.reset(scene_, &start_);
         SilentObserver silent;
         const auto begin = std::chrono::steady_clock::now();
-        if (const Fault fault = simulation_.run(simulation_.time() + span, silent, never)) throw SimulationError(fault.message());
+        if (const Fault fault = simulation_.advance({.until = simulation_.time() + span}, silent, never))
+            throw SimulationError(fault.message());
         return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     }
     [[nodiscard]] double step() const { return simulation_.step(); }
@@ -57,7 +58,7 @@ void measure(const std::string& name, const std::string& method, double span, in
                std::vector<std::string>{"run.method=" + method, "run.step=auto", "run.schedule=serial", "run.output_interval=20 us"});
     Simulation settled(scene, Schedule{});
     SilentObserver silent;
-    if (settled.needs_settling() && settled.settle(silent, never)) throw SimulationError("settling");
+    if (settled.needs_settling() && settled.advance({.until = 0.0}, silent, never)) throw SimulationError("settling");
     const cvtflow::engine::SavedState start = settled.saved_state();
     Stretch automatic(scene, start, true);
     automatic.run(span);

@@ -36,9 +36,10 @@ struct TipProbe {
     double radius;                ///< distance of the link's middle from its shaft's axis [m]
 };
 
-/// What one link carries, for observation.
+/// What one link carries, for observation. Tips are zero where none of the link's touches.
 struct LinkContact {
     double tension;                ///< sum of its plates' elastic tensions [N]
+    double depth[tips_per_link];   ///< δ [m], negative: gap
     double normal[tips_per_link];  ///< N [N]
     double axial[tips_per_link];   ///< force of each tip on its sheave along z [N]
 };
@@ -60,10 +61,9 @@ private:
 /// The chain's functions of one order and one instruction set.
 struct ChainKernels {
     void (*slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
-    void (*observed_slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*) noexcept;
+    void (*observed_slopes)(const ChainModel&, const ChainRange&, double*, LinkLoad*, Account*, LinkContact*) noexcept;
     void (*probe)(const ChainModel&, const double*, const SheaveMotion*, bool, TipProbe&) noexcept;
     void (*probe_links)(const ChainModel&, const double*, int, const SheaveMotion*, bool, TipProbe*) noexcept;
-    void (*contact)(const ChainModel&, int, const double*, const SheaveMotion*, const Phase*, LinkContact&) noexcept;
 };
 
 class ChainModel {
@@ -84,8 +84,10 @@ public:
     }
     /// slopes(), with losses and stored energies of each link (joint of pin i booked on link i) to accounts[account_parts (link - first) +
     /// part]. Accounts must be cleared before.
-    void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) const noexcept {
-        kernels_.observed_slopes(*this, range, slope, loads, accounts);
+    /// @param contacts what each link of the range carries, contacts[link - first]; nullptr: nobody asks
+    void observed_slopes(const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
+                         LinkContact* contacts = nullptr) const noexcept {
+        kernels_.observed_slopes(*this, range, slope, loads, accounts, contacts);
     }
     /// Depth of the four tips of one link, whatever their phase. `state` is the link's block; with whole pins one more lies on each side of
     /// it (LinkStrip), and the front tips are far away.
@@ -97,10 +99,6 @@ public:
     /// probes [links]
     void probe_links(const double* states, int links, const SheaveMotion* sheaves, bool slip, TipProbe* probes) const noexcept {
         kernels_.probe_links(*this, states, links, sheaves, slip, probes);
-    }
-    /// Forces that one link carries, with the phases of its four tips. `state` is the link's block, of whole pins in a LinkStrip [unknowns]
-    void contact(int link, const double* state, const SheaveMotion* sheaves, const Phase* phases, LinkContact& contact) const noexcept {
-        kernels_.contact(*this, link, state, sheaves, phases, contact);
     }
     /// Number of the shaft that a link belongs to: its middle lies nearer. state [unknowns]
     [[nodiscard]] int shaft_of(const double* state) const noexcept {

@@ -146,8 +146,8 @@ void Simulation::Impl::advance(Simulation& self, double until, long steps) {
         if (cancel_.withdraw()) throw Error(ErrorCode::cancelled, "cancelled");
         const long steps_before = simulation_.integration_state().counters.steps;
         observation_ = nullptr;
-        const tasks::Fault fault =
-            api::translated(ErrorCode::internal, [&] { return simulation_.advance(next_stop(until), steps, *this, cancel_); });
+        const tasks::Fault fault = api::translated(
+            ErrorCode::internal, [&] { return simulation_.advance({.until = next_stop(until), .steps = steps}, *this, cancel_); });
         deliver(self, defaults);
         if (fault.kind == tasks::FaultKind::cancelled) cancel_.withdraw();
         if (steps > 0 && (simulation_.integration_state().counters.steps != steps_before || !fault)) return;

@@ -209,7 +209,8 @@ int run(const Settings& settings) {
     tasks::Simulation simulation(scene);
     tasks::SilentObserver nobody;
     const engine::Cancellation never;
-    if (simulation.needs_settling() && simulation.settle(nobody, never)) throw std::runtime_error("the start does not settle");
+    if (simulation.needs_settling() && simulation.advance({.until = 0.0}, nobody, never))
+        throw std::runtime_error("the start does not settle");
     const tasks::FrozenStart start = tasks::frozen_start(simulation);
     const double duration = quiet_stretch(scene, start, settings);
     if (duration < settings.interval) throw std::runtime_error("a tip changes its phase within the first interval: take a shorter one");

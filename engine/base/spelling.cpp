@@ -37,8 +37,12 @@ std::string closest(std::string_view word, const std::vector<std::string>& candi
     return found;
 }
 
-std::string did_you_mean(std::string_view suggestion) {
-    return suggestion.empty() ? std::string{} : fmt::format(" (did you mean \"{}\"?)", suggestion);
+std::string did_you_mean(const std::string& suggestion) {
+    return did_you_mean(suggestion.empty() ? std::vector<std::string>{} : std::vector{suggestion});
+}
+
+std::string did_you_mean(const std::vector<std::string>& suggestions) {
+    return suggestions.empty() ? std::string{} : fmt::format(" (did you mean \"{}\"?)", fmt::join(suggestions, "\" or \""));
 }
 
 }  // namespace cvtflow::engine

@@ -16,6 +16,8 @@ namespace cvtflow::engine {
 [[nodiscard]] std::string closest(std::string_view word, const std::vector<std::string>& candidates);
 
 /// ` (did you mean "suggestion"?)`, or nothing for an empty suggestion.
-[[nodiscard]] std::string did_you_mean(std::string_view suggestion);
+[[nodiscard]] std::string did_you_mean(const std::string& suggestion);
+/// ` (did you mean "one" or "another"?)`, or nothing for none.
+[[nodiscard]] std::string did_you_mean(const std::vector<std::string>& suggestions);
 
 }  // namespace cvtflow::engine

@@ -23,7 +23,7 @@ struct ExecutorRow {
     std::string_view description;  ///< one line for users
     bool parallel;                 ///< whether more than one thread is of use
     Waiting waiting;
-    std::string_view needs;  ///< what has to be found when the program is built; empty: nothing that it does not need anyway
+    std::string_view needs = {};  ///< what has to be found when the program is built; empty: nothing that it does not need anyway
     /// nullptr: what it needs was not found.
     /// @throws std::invalid_argument for less than one thread or a recorder with fewer tracks than threads
     std::unique_ptr<Executor> (*make)(const ExecutorOptions& options);

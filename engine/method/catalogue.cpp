@@ -55,14 +55,33 @@ std::optional<StagePlan> serk2_by_name(std::string_view name) {
 }
 
 constexpr std::array families{
-    MethodFamily{"rkc", "rkc-s<stages>[-e<damping>]", "2 to 400 stages, damping 0 to 100 (2/13 if absent)",
-                 "Runge-Kutta-Chebyshev of order 2", rkc_by_name},
-    MethodFamily{"rock2", "rock2-s<stages>", "5 to 400 stages", "ROCK2 of order 2, near-optimal real interval", rock2_by_name},
-    MethodFamily{"rock4", "rock4-s<stages>", "5 to 100 stages", "ROCK4 of order 4, near-optimal real interval", rock4_by_name},
-    MethodFamily{"serk2", "serk2-s<stages>", "10, 20, ... 250 stages", "SERK2 of order 2, near-optimal real interval", serk2_by_name},
-    MethodFamily{"fitted", "fitted-l<real>-w<imaginary>[-s<stages>][-p<order>][-r<ripple>]",
-                 "real 5 to 8000, imaginary up to 50, 4 to 150 stages (the fewest if absent), order 2 or 3, ripple up to 1 (0.2 if absent)",
-                 "fitted to h times a spectrum, on a Chebyshev recurrence", fitted_by_name},
+    MethodFamily{.name = "rkc",
+                 .form = "rkc-s<stages>[-e<damping>]",
+                 .limits = "2 to 400 stages, damping 0 to 100 (2/13 if absent)",
+                 .description = "Runge-Kutta-Chebyshev of order 2",
+                 .make = rkc_by_name},
+    MethodFamily{.name = "rock2",
+                 .form = "rock2-s<stages>",
+                 .limits = "5 to 400 stages",
+                 .description = "ROCK2 of order 2, near-optimal real interval",
+                 .make = rock2_by_name},
+    MethodFamily{.name = "rock4",
+                 .form = "rock4-s<stages>",
+                 .limits = "5 to 100 stages",
+                 .description = "ROCK4 of order 4, near-optimal real interval",
+                 .make = rock4_by_name},
+    MethodFamily{.name = "serk2",
+                 .form = "serk2-s<stages>",
+                 .limits = "10, 20, ... 250 stages",
+                 .description = "SERK2 of order 2, near-optimal real interval",
+                 .make = serk2_by_name},
+    MethodFamily{
+        .name = "fitted",
+        .form = "fitted-l<real>-w<imaginary>[-s<stages>][-p<order>][-r<ripple>]",
+        .limits =
+            "real 5 to 8000, imaginary up to 50, 4 to 150 stages (the fewest if absent), order 2 or 3, ripple up to 1 (0.2 if absent)",
+        .description = "fitted to h times a spectrum, on a Chebyshev recurrence",
+        .make = fitted_by_name},
 };
 
 }  // namespace

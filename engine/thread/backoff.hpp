@@ -23,7 +23,7 @@ public:
     /// Returns the word's value once it differs from `old`; acquires what was written before it was stored.
     template <class Word>
     [[nodiscard]] Word change(const std::atomic<Word>& word, Word old) noexcept {
-        for (int look = 0; look < first_looks; ++look) {
+        for (int poll = 0; poll < first_polls; ++poll) {
             if (const Word now = word.load(std::memory_order_acquire); now != old) return now;
             pause();
         }
@@ -39,7 +39,7 @@ public:
     }
 
 private:
-    static constexpr int first_looks = 50;  // about 1 µs: most waits end here, without a look at the clock
+    static constexpr int first_polls = 50;  // about 1 µs: most waits end here, without reading the clock
 
     static void pause() noexcept {
 #if defined(__x86_64__)

@@ -89,13 +89,13 @@ template <int P, bool Observe, class Kind, class Real>
                                      Real* f, Account* account) noexcept {
     constexpr int za = at<P>.z(End::rear);
     constexpr int zb = at<P>.z(End::front);
-    const auto lean = 2.0 * kind.inverse_length;
-    const Real rise = lean * (q[zb] - q[za]);
-    const Real rise_rate = lean * (v[zb] - v[za]);
+    const auto inverse_half = 2.0 * kind.inverse_length;
+    const Real rise = inverse_half * (q[zb] - q[za]);
+    const Real rise_rate = inverse_half * (v[zb] - v[za]);
     if constexpr (P == 0) {
         const Real shear = element_force<Observe>(kind.shear, Real(-rise), Real(-rise_rate), Energy::pack, account);
-        f[zb] += lean * shear;
-        f[za] -= lean * shear;
+        f[zb] += inverse_half * shear;
+        f[za] -= inverse_half * shear;
         return Real(0.0);
     } else {
         constexpr int xa = at<P>.x(End::rear, 1), ya = at<P>.y(End::rear, 1), xb = at<P>.x(End::front, 1), yb = at<P>.y(End::front, 1);
@@ -114,8 +114,8 @@ template <int P, bool Observe, class Kind, class Real>
         f[ya] -= (bend - shear) * ty - twist * tx;
         f[xb] += (bend + shear) * tx + twist * ty;
         f[yb] += (bend + shear) * ty - twist * tx;
-        f[zb] += lean * shear;
-        f[za] -= lean * shear;
+        f[zb] += inverse_half * shear;
+        f[za] -= inverse_half * shear;
         return -bend * (na - nb) + shear * (na + nb) + twist * (tb - ta);
     }
 }

@@ -130,7 +130,7 @@ struct TipGeometry {
     Vector3<Tips> end;       ///< E
     Vector3<Tips> offset;    ///< S - E
     Slope slope_x, slope_y;  ///< σ_s
-    Slope lean;              ///< σ_s·o
+    Slope tilt;              ///< σ_s·o
     Vector3<Tips> arm;       ///< r = S - O
     Vector3<Tips> local;     ///< ν, in the sheave's frame
     Vector3<Tips> normal;    ///< G, in space
@@ -153,10 +153,10 @@ template <int P, class Corner>
               g.side * (c.half_length + at_tips.by_end(q[at<P>.e(End::rear)], q[at<P>.e(End::front)]));
     g.slope_x = c.slope_scale * end_slopes<P>(at_tips, q);
     g.slope_y = c.slope_scale * end_slopes<P>(at_tips, q + 2 * (P + 1));
-    g.lean = g.slope_x * ox + g.slope_y * oy;
+    g.tilt = g.slope_x * ox + g.slope_y * oy;
     const Tips sideways = (tip.radius * tip.cosine) * g.side;
     const double outward = tip.radius * tip.sine;
-    g.offset = {outward * ox - sideways * g.slope_x, outward * oy - sideways * g.slope_y, -outward * g.lean - sideways};
+    g.offset = {outward * ox - sideways * g.slope_x, outward * oy - sideways * g.slope_y, -outward * g.tilt - sideways};
 }
 
 /// Geometry of tips against the sheaves of their pulley.

@@ -34,12 +34,12 @@ template <int P, class Corner, class Sheaves>
     const Tips ez = at_tips.by_end(v[at<P>.z(End::rear)], v[at<P>.z(End::front)]) +
                     g.side * at_tips.by_end(v[at<P>.e(End::rear)], v[at<P>.e(End::front)]);
     const auto slope_x = c.slope_scale * end_slopes<P>(at_tips, v), slope_y = c.slope_scale * end_slopes<P>(at_tips, v + 2 * (P + 1));
-    const auto lean = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
+    const auto tilting = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
     const auto& [ux, uy, uz] = o.velocity;
     const auto& [wx, wy, wz] = o.spin;
 
     const Vector3<Tips> sphere{ex + outward * w * frame.tx - sideways * slope_x, ey + outward * w * frame.ty - sideways * slope_y,
-                               ez - outward * lean};
+                               ez - outward * tilting};
     m.closing = -dot(g.normal, Vector3<Tips>{sphere.x - ux, sphere.y - uy, sphere.z - uz}) +
                 wx * (g.arm.y * g.local.z - g.arm.z * g.local.y) + wy * (g.arm.z * g.local.x - g.arm.x * g.local.z);
 
@@ -129,23 +129,24 @@ template <bool Observe, int W, int P>
 
 /// What tips do to their links: force, tilting of the pins' ends, moment about z.
 template <class Tips>
-struct TipPush {
+struct TipAction {
     Vector3<Tips> total;
     Tips tilt_x, tilt_y;
     Tips moment;
 };
 
 template <int P, class Real, class Tips>
-[[nodiscard, gnu::always_inline]] inline TipPush<Tips> tip_push(const Coefficients& c, const LinkFrameOf<Real>& frame,
-                                                                const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
-                                                                const TipForces<Tips>& t) noexcept {
+[[nodiscard, gnu::always_inline]] inline TipAction<Tips> tip_action(const Coefficients& c, const LinkFrameOf<Real>& frame,
+                                                                    const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+                                                                    const TipForces<Tips>& t) noexcept {
     const double outward = c.tip.radius * c.tip.sine;
     const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
-    const Vector3<Tips> push{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
-    const Tips turning = outward * (push.x * frame.tx + push.y * frame.ty - (g.slope_x * frame.tx + g.slope_y * frame.ty) * push.z);
-    return {{push.x + t.friction.x, push.y + t.friction.y, push.z + t.friction.z},
-            c.slope_scale * (-outward * frame.ty * push.z - sideways * push.x),
-            c.slope_scale * (outward * frame.tx * push.z - sideways * push.y),
+    const Vector3<Tips> pressing{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
+    const Tips turning =
+        outward * (pressing.x * frame.tx + pressing.y * frame.ty - (g.slope_x * frame.tx + g.slope_y * frame.ty) * pressing.z);
+    return {{pressing.x + t.friction.x, pressing.y + t.friction.y, pressing.z + t.friction.z},
+            c.slope_scale * (-outward * frame.ty * pressing.z - sideways * pressing.x),
+            c.slope_scale * (outward * frame.tx * pressing.z - sideways * pressing.y),
             turning + motion.lever_x * t.friction.y - motion.lever_y * t.friction.x};
 }
 
@@ -162,7 +163,7 @@ inline void spread_end(const Real& minus, const Real& plus, const Real& tilt_min
 
 /// The tips' moments on all coordinates of a half.
 template <int P, class Real>
-inline void load_end(End end, const TipPush<Real>& minus, const TipPush<Real>& plus, Real* f) noexcept {
+inline void load_end(End end, const TipAction<Real>& minus, const TipAction<Real>& plus, Real* f) noexcept {
     spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at<P>.x(end, 0));
     spread_end<P>(minus.total.y, plus.total.y, minus.tilt_y, plus.tilt_y, f + at<P>.y(end, 0));
     f[at<P>.z(end)] += minus.total.z + plus.total.z;
@@ -171,19 +172,19 @@ inline void load_end(End end, const TipPush<Real>& minus, const TipPush<Real>& p
 
 /// Adds generalized forces of the four tips to those of their link; returns the moment about z on it. f [N, N·m]
 template <int P>
-[[nodiscard]] inline double load_link(const TipPush<TipLanes>& push, double* f) noexcept {
+[[nodiscard]] inline double load_link(const TipAction<TipLanes>& action, double* f) noexcept {
     alignas(64) double number[5][4];
-    push.total.x.copy_to(number[0]);
-    push.total.y.copy_to(number[1]);
-    push.total.z.copy_to(number[2]);
-    push.tilt_x.copy_to(number[3]);
-    push.tilt_y.copy_to(number[4]);
+    action.total.x.copy_to(number[0]);
+    action.total.y.copy_to(number[1]);
+    action.total.z.copy_to(number[2]);
+    action.tilt_x.copy_to(number[3]);
+    action.tilt_y.copy_to(number[4]);
     const auto of = [&](int tip) {
-        return TipPush<double>{{number[0][tip], number[1][tip], number[2][tip]}, number[3][tip], number[4][tip], 0.0};
+        return TipAction<double>{{number[0][tip], number[1][tip], number[2][tip]}, number[3][tip], number[4][tip], 0.0};
     };
     load_end<P>(End::rear, of(0), of(1), f);
     load_end<P>(End::front, of(2), of(3), f);
-    return sum<tips_per_link>(push.moment);
+    return sum<tips_per_link>(action.moment);
 }
 
 /// Reaction of each tip on its sheave: force and generalized moments.
@@ -220,9 +221,11 @@ template <int P>
 }
 
 /// All tips of a link; `sheaves` are the two of its pulley. Adds to the link's generalized forces, returns the moment about z on it.
-template <int P, bool Observe>
+/// @param seen called with the tips' geometry and forces, where observed
+template <int P, bool Observe, class Seen>
 [[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v,
-                                 const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account) noexcept {
+                                 const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account,
+                                 const Seen& seen) noexcept {
     const FourTips four;
     const auto own = sheaves_at(four, sheaves);
     const auto geometry = tip_geometry<P>(c, four, frame, q, own);
@@ -230,7 +233,8 @@ template <int P, bool Observe>
     const auto forces =
         tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
     load = load_sheaves(geometry, motion, forces);
-    return load_link<P>(tip_push(c, frame, geometry, motion, forces), f);
+    if constexpr (Observe) seen(geometry, forces);
+    return load_link<P>(tip_action(c, frame, geometry, motion, forces), f);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ using PointOfJoint = JointTerms<0, eleven>;
 
 /// What a tip does to its link and to its sheave.
 struct TipEffect {
-    TipPush<Lanes<two_dozen>> push{};
+    TipAction<Lanes<two_dozen>> action{};
     TipReaction<Lanes<two_dozen>> reaction{};
 };
 
@@ -60,7 +60,7 @@ template <int side>
     const auto motion = tip_motion<1>(c, tip, frame, v, sheave, geometry);
     const TipPhases phases{&phase, 0, phase == Phase::stick || phase == Phase::slip, 1};
     const auto forces = tip_forces<false, two_dozen>(c.tip, geometry, motion, Lanes<two_dozen>(1.0), phases, nullptr);
-    return {tip_push(c, frame, geometry, motion, forces), tip_reaction(geometry, motion, forces)};
+    return {tip_action(c, frame, geometry, motion, forces), tip_reaction(geometry, motion, forces)};
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "model/jacobian/exact_jacobian.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "model/jacobian/link_contacts.hpp"
 #include "model/jacobian/tip_rows.hpp"
@@ -28,7 +29,7 @@ template <int P>
 
 /// Rows of a link, brought to the blocks of the Jacobian.
 template <int P>
-void store(const ExactJacobian& exact, LinkRows<P>& rows, int link, int shaft, AccelerationJacobian& out) noexcept {
+void store(const ExactJacobian& exact, LinkRows<P>& rows, int link, std::optional<int> shaft, AccelerationJacobian& out) noexcept {
     constexpr int n = LinkRows<P>::size;
     const int border = out.border();
     for (const With with : {With::position, With::velocity}) {
@@ -38,9 +39,9 @@ void store(const ExactJacobian& exact, LinkRows<P>& rows, int link, int shaft, A
         }
         std::fill_n(out.columns(link, with), n * border, 0.0);
     }
-    if (shaft < 0) return;
+    if (!shaft) return;
     for (int side = 0; side < 2; ++side) {
-        const auto& map = exact.sheave(2 * shaft + side);
+        const auto& map = exact.sheave(2 * *shaft + side);
         for (int d = 0; d < sheave_directions; ++d) {
             const int coordinate = map.coordinate[static_cast<std::size_t>(d)];
             if (coordinate < 0) continue;
@@ -78,8 +79,8 @@ void link_jacobian(const ExactJacobian& exact, const Variator& variator, const d
     JointRows<P>(c, front, false).add_to(front, rows);
     for (const With with : {With::position, With::velocity}) std::fill_n(out.rows(link, with), LinkRows<P>::size * out.border(), 0.0);
     stiffness[0] = stiffness[1] = {};
-    const int shaft = touches(phases) ? variator.chain().shaft_of(own) : -1;
-    if (shaft >= 0) add_tips<P>(exact, c, own, frame, phases, link, shaft, sheaves, rows, out, stiffness);
+    const auto shaft = touches(phases) ? std::optional(variator.chain().shaft_of(own)) : std::nullopt;
+    if (shaft) add_tips<P>(exact, c, own, frame, phases, link, *shaft, sheaves, rows, out, stiffness);
     rows.fold_moment(frame);
     rows.accelerate(variator.chain().inertia());
     store<P>(exact, rows, link, shaft, out);

@@ -42,17 +42,17 @@ public:
         const auto expanded = [&](const T& part) { expand(part, own); };
         for (const bool along_x : {true, false}) {
             const auto place = [&](int m) { return along_x ? at<P>.x(end_, m) : at<P>.y(end_, m); };
-            expanded(along_x ? effect_.push.total.x : effect_.push.total.y);
+            expanded(along_x ? effect_.action.total.x : effect_.action.total.y);
             for (int m = 0; m <= P; ++m) add(value_[m], own, rows.row(place(m)));
-            expanded(along_x ? effect_.push.tilt_x : effect_.push.tilt_y);
+            expanded(along_x ? effect_.action.tilt_x : effect_.action.tilt_y);
             for (int m = 1; m <= P; ++m) add(slope_[m], own, rows.row(place(m)));
         }
-        expanded(effect_.push.total.z);
+        expanded(effect_.action.total.z);
         add(1.0, own, rows.row(at<P>.z(end_)));
         add(sign_, own, rows.row(at<P>.e(end_)));
-        expanded(effect_.push.moment);
+        expanded(effect_.action.moment);
         add(1.0, own, rows.moment_row());
-        rows.moment += effect_.push.moment.value;
+        rows.moment += effect_.action.moment.value;
     }
 
     /// Rows of the pulleys on this link, and the effect of the sheave's own motion on it.

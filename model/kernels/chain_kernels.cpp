@@ -16,7 +16,8 @@ public:
     LinkPass(const ChainModel& model, const ChainRange& range) noexcept
         : model_(model), c_(model.coefficients()), range_(range), frame_(frame_of(range.first - 1)) {}
 
-    void run(double* slope, LinkLoad* loads, Account* accounts) noexcept {
+    /// @param accounts, contacts of the range's first link on, where observed
+    void run(double* slope, LinkLoad* loads, Account* accounts, LinkContact* contacts) noexcept {
         Account neighbour;  // the joint behind the last link is booked by the next range
         LinkFrame here = frame_of(range_.first);
         JointForce<P> joints[2];  // of the pins behind and before a link, taking turns
@@ -28,7 +29,8 @@ public:
             JointForce<P>& front = joints[(own & 1) ^ 1];
             joint_between(link + 1, here, ahead, front,
                           link + 1 < range_.last ? part_of(accounts, own + 1, AccountPart::joint) : &neighbour);
-            link_slope(link, here, rear, front, slope + own * at<P>.link_block(), loads[own], part_of(accounts, own, AccountPart::joint));
+            link_slope(link, here, rear, front, slope + own * at<P>.link_block(), loads[own], part_of(accounts, own, AccountPart::joint),
+                       contacts != nullptr ? contacts + own : nullptr);
             here = ahead;
         }
     }
@@ -46,9 +48,9 @@ private:
         return Observe ? accounts + account_parts * own + static_cast<int>(part) : nullptr;
     }
 
-    /// @param accounts those of this link
+    /// @param accounts, contact those of this link
     void link_slope(int link, const LinkFrame& frame, const JointForce<P>& rear, const JointForce<P>& front, double* slope, LinkLoad& load,
-                    Account* accounts) const noexcept {
+                    Account* accounts, LinkContact* contact) const noexcept {
         constexpr int size = at<P>.link_size();
         double* f = slope + size;
         std::memcpy(slope, state(link) + size, size * sizeof(double));
@@ -56,8 +58,13 @@ private:
         const Phase* phases = range_.phases + tips_per_link * link;
         TipShare<P> share;
         const bool touching = any_touching(phases);
-        if (touching)
-            tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, part_of(accounts, 0, AccountPart::tips));
+        if constexpr (Observe) {
+            if (contact != nullptr) *contact = {elastic_tension<P>(c_, c_.kind(link), state(link)), {}, {}, {}};
+        }
+        if (touching) {
+            tip_part<P, Observe>(model_, frame, state(link), range_.sheaves, phases, share, load, part_of(accounts, 0, AccountPart::tips),
+                                 contact);
+        }
         assemble<P>(frame, moment, rear, front, touching ? &share : nullptr, f);
         accelerate<P>(model_.inertia(), f);
     }
@@ -69,8 +76,9 @@ private:
 };
 
 template <int P, bool Observe>
-void slopes_of(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) noexcept {
-    LinkPass<P, Observe>(model, range).run(slope, loads, accounts);
+void slopes_of(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
+               LinkContact* contacts) noexcept {
+    LinkPass<P, Observe>(model, range).run(slope, loads, accounts, contacts);
 }
 
 template <int P>
@@ -100,23 +108,6 @@ void probe_links(const ChainModel& model, const double* states, int links, const
     LaneProbe<P, native_lanes>(model.coefficients(), sheaves, with_slip).run(states, links, probes);
 }
 
-template <int P>
-void contact_of_link(const ChainModel& model, int link, const double* state, const SheaveMotion* sheaves, const Phase* phases,
-                     LinkContact& contact) noexcept {
-    const Coefficients& c = model.coefficients();
-    const double* v = state + at<P>.link_size();
-    contact = {elastic_tension<P>(c, c.kind(link), state), {}, {}};
-    if (!any_touching(phases)) return;
-    const FourTips four;
-    const auto sheave = sheaves_at(four, sheaves + 2 * model.shaft_of(state));
-    const LinkFrame frame = link_frame<P>(state, v);
-    const auto geometry = tip_geometry<P>(c, four, frame, state, sheave);
-    const auto forces = tip_forces<false, tips_per_link>(c.tip, geometry, tip_motion<P>(c, four, frame, v, sheave, geometry),
-                                                         touching_lanes(phases), phases_of_link(phases), nullptr);
-    forces.normal.copy_to(contact.normal);
-    TipLanes(-(forces.normal * geometry.normal.z + forces.friction.z)).copy_to(contact.axial);
-}
-
 /// Links side by side are faster with vectors of 4 and 8 lanes. With 2 lanes (and 16 registers) they are at high order slower than lanes
 /// inside a link.
 template <int P>
@@ -127,16 +118,16 @@ void slopes(const ChainModel& model, const ChainRange& range, double* slope, Lin
     if constexpr (links_side_by_side<P>) {
         LanePass<P, native_lanes>(model, range, slope, loads).run();
     } else {
-        slopes_of<P, false>(model, range, slope, loads, accounts);
+        slopes_of<P, false>(model, range, slope, loads, accounts, nullptr);
     }
 }
 
 template <int P>
 [[nodiscard]] ChainKernels kernels_of_order() noexcept {
     if constexpr (slopes_alone)
-        return {slopes<P>, nullptr, nullptr, nullptr, nullptr};
+        return {slopes<P>, nullptr, nullptr, nullptr};
     else
-        return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>, contact_of_link<P>};
+        return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>};
 }
 
 }  // namespace

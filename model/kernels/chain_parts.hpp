@@ -76,14 +76,26 @@ struct TipShare {
     double moment;  ///< about z [N·m]
 };
 
+/// What tips carry, to a record of contacts from its tip `first` on. normal, friction.z, depth: lanes over tips
+template <class Geometry, class Tips>
+inline void note_contact(const Geometry& geometry, const TipForces<Tips>& forces, int first, LinkContact& contact) noexcept {
+    geometry.depth.copy_to(contact.depth + first);
+    forces.normal.copy_to(contact.normal + first);
+    Tips(-(forces.normal * geometry.normal.z + forces.friction.z)).copy_to(contact.axial + first);
+}
+
 /// Tips of a link that touches somewhere; reactions on its sheaves to `load`. state [unknowns of the link]
+/// @param contact what the tips carry, where observed; nullptr: nobody asks
 template <int P, bool Observe>
 inline void tip_part(const ChainModel& model, const LinkFrame& frame, const double* state, const SheaveMotion* sheaves, const Phase* phases,
-                     TipShare<P>& share, LinkLoad& load, Account* account) noexcept {
+                     TipShare<P>& share, LinkLoad& load, Account* account, LinkContact* contact = nullptr) noexcept {
     std::memset(share.force, 0, sizeof share.force);
     load.shaft = model.shaft_of(state);
+    const auto seen = [contact](const auto& geometry, const auto& forces) {
+        if (contact != nullptr) note_contact(geometry, forces, 0, *contact);
+    };
     share.moment = tips<P, Observe>(model.coefficients(), frame, state, state + at<P>.link_size(), sheaves + 2 * load.shaft, phases,
-                                    share.force, load.load, account);
+                                    share.force, load.load, account, seen);
 }
 
 /// Adds joints and tips (none: nullptr) to what link_part left in f. The order of the sums is part of the promise of equal bits. moment

@@ -3,7 +3,6 @@
 #include <cstring>
 
 #include "model/kernels/kernels.hpp"
-#include "model/kernels/pins/pin_among_others.hpp"
 #include "model/kernels/pins/pin_friction.hpp"
 #include "model/kernels/pins/pin_pass.hpp"
 
@@ -13,13 +12,14 @@ namespace {
 
 template <int P>
 void slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account*) noexcept {
-    const PinResults results{slope, loads, nullptr};
+    const PinResults results{slope, loads, nullptr, nullptr};
     PinPass<P, native_lanes, false>(model, model.coefficients(), range, results, {}).run();
 }
 
 template <int P>
-void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts) noexcept {
-    const PinResults results{slope, loads, accounts};
+void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
+                     LinkContact* contacts) noexcept {
+    const PinResults results{slope, loads, accounts, contacts};
     PinPass<P, 1, true>(model, model.coefficients(), range, results, {}).run();
 }
 
@@ -93,37 +93,13 @@ void probe_pins(const ChainModel& model, const double* states, int links, const 
     PinProbe<P, native_lanes>(model.coefficients(), sheaves, with_slip).run(states, links, probes);
 }
 
-/// @param state in a LinkStrip: the link's tension depends on two pins behind it
-template <int P>
-void contact_of_pin(const ChainModel& model, int link, const double* state, const SheaveMotion* sheaves, const Phase* phases,
-                    LinkContact& contact) noexcept {
-    const Coefficients& c = model.coefficients();
-    PinMotion<P, 1> motion(c.joint);
-    motion.read(state - pin_at<P>.link_block(), 4);
-    motion.lines(0, 3);
-    motion.roll(1, 3);
-    LinkColumns<P, 1> columns;
-    motion.link_columns(1, columns);
-    double q[at<P>.link_size()];
-    std::memcpy(q, columns.state.data(), sizeof q);
-    contact = {elastic_tension<P>(c, c.kind(link), q), {}, {}};
-    if (!any_touching(phases)) return;
-    PinAmongOthers<P>(model, state, sheaves).tips([&](int side, const auto& geometry, const auto& motion_of_tip) {
-        const double touching = phases[side] == Phase::free ? 0.0 : 1.0;
-        const TipPhases own{phases + side, 1, phases[side] != Phase::touching, 1};
-        const auto forces = tip_forces<false, 1>(c.tip, geometry, motion_of_tip, Lanes<1>(touching), own, nullptr);
-        contact.normal[side] = forces.normal[0];
-        contact.axial[side] = -(forces.normal * geometry.normal.z + forces.friction.z)[0];
-    });
-}
-
 template <int P>
 void push(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push,
           LinkLoad* loads) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = ContactWriter<P, native_lanes>;
     const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), field, push);
-    const PinResults results{nullptr, loads, nullptr};
+    const PinResults results{nullptr, loads, nullptr, nullptr};
     PinPass<P, native_lanes, false, Contacts>(chain, friction.frictionless(), range, results, contacts).run();
     contacts.repeat(chain.layout().links, chain.layout().halo());
 }
@@ -143,8 +119,7 @@ void evaluate(const FrictionOperator& friction, const ContactField& field, const
 
 template <int P>
 [[nodiscard]] PinKernels kernels_of_order() noexcept {
-    return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>, contact_of_pin<P>},
-            {nullptr, push<P>, evaluate<P, false>, evaluate<P, true>}};
+    return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>}, {nullptr, push<P>, evaluate<P, false>, evaluate<P, true>}};
 }
 
 }  // namespace

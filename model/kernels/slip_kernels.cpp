@@ -10,9 +10,8 @@ namespace {
 
 template <int Points>
 void gather(const SlipSpace& space, const ContactField& field, const Phase* phases, double g, SlipGroup& group) noexcept {
-    SlipCoupling<Points> links(space, group);
-    links.gather(field, phases);
-    links.couple(g);
+    SlipRows<Points>(space, group).gather(field, phases);
+    SlipCoupling<Points>(space, group).couple(g);
 }
 
 template <int P, int Points>

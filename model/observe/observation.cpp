@@ -12,6 +12,7 @@ Observer::Observer(const Variator& variator)
     const std::size_t links = static_cast<std::size_t>(variator.layout().links);
     observation_.tension.resize(links);
     observation_.tip_axial.resize(tips_per_link * links);
+    contacts_.resize(links);
 }
 
 const Observation& Observer::observe(double t, const double* state, const Phase* phases) noexcept {
@@ -26,7 +27,7 @@ const Observation& Observer::observe(double t, const double* state, const Phase*
     if (at.pulley_size != 0) variator_.pulleys().motions(state + at.pulley_begin(), scratch_.sheaves);
     fill_window(variator_, state, scratch_);
     variator_.chain().observed_slopes({0, at.links, scratch_.window.data(), scratch_.sheaves, phases}, slope_.data(), scratch_.loads.data(),
-                                      scratch_.accounts.data());
+                                      scratch_.accounts.data(), contacts_.data());
     for (const Account& account : scratch_.accounts) {
         for (std::size_t kind = 0; kind < loss_kinds; ++kind) o.account.loss[kind] += account.loss[kind];
         for (std::size_t kind = 0; kind < energy_kinds; ++kind) o.account.energy[kind] += account.energy[kind];
@@ -64,20 +65,15 @@ void Observer::observe_links(const double* state, const Phase* phases) noexcept 
     o.deepest = 0.0;
     double speed = 0.0;
     for (int link = 0; link < at.links; ++link) {
-        LinkStrip strip;
-        const double* block = strip.of(at, state, link);
-        LinkContact contact;
-        variator_.chain().contact(link, block, scratch_.sheaves, phases + tips_per_link * link, contact);
+        const LinkContact& contact = contacts_[static_cast<std::size_t>(link)];
         o.tension[static_cast<std::size_t>(link)] = contact.tension;
-        const double* v = block + at.link_size();
+        const double* v = state + at.link_begin(link) + at.link_size();
         speed += portable_hypot(v[at.x(End::rear, 0)], v[at.y(End::rear, 0)]);
-        TipProbe probe{};
-        if (at.pulley_size != 0) variator_.chain().probe(block, scratch_.sheaves, false, probe);
         for (int tip = 0; tip < tips_per_link; ++tip) {
             o.tip_axial[static_cast<std::size_t>(tips_per_link * link + tip)] = contact.axial[tip];
             if (phases[tips_per_link * link + tip] == Phase::free) continue;
             ++o.touching;
-            o.deepest = std::max(o.deepest, probe.depth[tip]);
+            o.deepest = std::max(o.deepest, contact.depth[tip]);
         }
     }
     o.chain_speed = speed / at.links;

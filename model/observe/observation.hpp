@@ -59,7 +59,8 @@ private:
 
     const Variator& variator_;
     EvaluationScratch scratch_;
-    std::vector<double> slope_;  ///< [unknowns, per second]
+    std::vector<double> slope_;          ///< [unknowns, per second]
+    std::vector<LinkContact> contacts_;  ///< [links]
     Observation observation_;
     ForceObservation forces_;
     const double* state_ = nullptr;  ///< observed last [unknowns]

@@ -13,8 +13,9 @@ constexpr double pi = std::numbers::pi;
 }
 
 double belt_length(const BeltRadii& radii, double centre_distance) noexcept {
-    const double lean = portable_asin((radii.driven - radii.driving) / centre_distance);
-    return 2.0 * centre_distance * portable_cos(lean) + pi * (radii.driving + radii.driven) + 2.0 * lean * (radii.driven - radii.driving);
+    const double incline = portable_asin((radii.driven - radii.driving) / centre_distance);
+    return 2.0 * centre_distance * portable_cos(incline) + pi * (radii.driving + radii.driven) +
+           2.0 * incline * (radii.driven - radii.driving);
 }
 
 std::optional<BeltRadii> belt_radii(double length, double ratio, double centre_distance) noexcept {
@@ -33,17 +34,17 @@ PitchPath::PitchPath(const BeltRadii& radii, double centre_distance) noexcept
     : ring_(false),
       radii_(radii),
       centre_distance_(centre_distance),
-      lean_(portable_asin((radii.driven - radii.driving) / centre_distance)),
-      strand_(centre_distance * portable_cos(lean_)),
-      driven_arc_(radii.driven * (pi + 2.0 * lean_)),
-      driving_arc_(radii.driving * (pi - 2.0 * lean_)),
+      incline_(portable_asin((radii.driven - radii.driving) / centre_distance)),
+      strand_(centre_distance * portable_cos(incline_)),
+      driven_arc_(radii.driven * (pi + 2.0 * incline_)),
+      driving_arc_(radii.driving * (pi - 2.0 * incline_)),
       length_(2.0 * strand_ + driven_arc_ + driving_arc_) {}
 
 PitchPath::PitchPath(double radius) noexcept
     : ring_(true),
       radii_{radius, radius},
       centre_distance_(0.0),
-      lean_(0.0),
+      incline_(0.0),
       strand_(0.0),
       driven_arc_(0.0),
       driving_arc_(0.0),
@@ -52,17 +53,17 @@ PitchPath::PitchPath(double radius) noexcept
 Point PitchPath::at(double s) const noexcept {
     s -= length_ * std::floor(s / length_);
     if (ring_) return {radii_.driving * portable_cos(s / radii_.driving), radii_.driving * portable_sin(s / radii_.driving)};
-    const double sine = portable_sin(lean_);
-    const double cosine = portable_cos(lean_);
+    const double sine = portable_sin(incline_);
+    const double cosine = portable_cos(incline_);
     if (s < strand_) return {-radii_.driving * sine + s * cosine, -radii_.driving * cosine - s * sine};
     s -= strand_;
     if (s < driven_arc_) {
-        const double angle = -0.5 * pi - lean_ + s / radii_.driven;
+        const double angle = -0.5 * pi - incline_ + s / radii_.driven;
         return {centre_distance_ + radii_.driven * portable_cos(angle), radii_.driven * portable_sin(angle)};
     }
     s -= driven_arc_;
     if (s < strand_) return {centre_distance_ - radii_.driven * sine - s * cosine, radii_.driven * cosine - s * sine};
-    const double angle = 0.5 * pi + lean_ + (s - strand_) / radii_.driving;
+    const double angle = 0.5 * pi + incline_ + (s - strand_) / radii_.driving;
     return {radii_.driving * portable_cos(angle), radii_.driving * portable_sin(angle)};
 }
 

@@ -43,7 +43,7 @@ private:
     bool ring_;
     BeltRadii radii_;
     double centre_distance_;                             ///< [m]
-    double lean_;                                        ///< φ [rad]
+    double incline_;                                     ///< φ [rad]
     double strand_, driven_arc_, driving_arc_, length_;  ///< [m]
 };
 

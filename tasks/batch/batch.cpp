@@ -159,7 +159,7 @@ private:
 
     /// Whether a case is to be run now.
     [[nodiscard]] bool open(long number) const noexcept {
-        return done_[static_cast<std::size_t>(number)] == 0 && (options_.part.only < 0 || options_.part.only == number);
+        return done_[static_cast<std::size_t>(number)] == 0 && (!options_.part.only || options_.part.only == number);
     }
 
     const CaseResult& run_noted(CaseEngine& engine, int worker, long number) {
@@ -170,7 +170,7 @@ private:
         return result;
     }
 
-    long next() {
+    std::optional<long> next() {
         while (!stopping() && position_ < cases_.size()) {
             const long number = cases_[position_];
             position_ += static_cast<std::size_t>(sweep_.strand());
@@ -179,7 +179,7 @@ private:
             }
         }
         control_.idle();
-        return -1;
+        return {};
     }
 
     void ended(const CaseResult& result) {

@@ -52,10 +52,10 @@ long bare_loop(const Sweep& sweep, StartStates& starts, double& wall, double& cp
         simulation->reset(scene, start.get());
         const Watch watch;
         if (simulation->needs_settling()) {
-            if (const Fault fault = simulation->settle(silent, never)) throw StartFault(fault);
+            if (const Fault fault = simulation->advance({.until = 0.0}, silent, never)) throw StartFault(fault);
             evaluations += simulation->counters().evaluations;
         }
-        (void)simulation->run(scene.run.until, silent, never);
+        (void)simulation->advance({.until = scene.run.until}, silent, never);
         evaluations += simulation->counters().evaluations;
         wall += watch.wall();
         cpu += watch.cpu();

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "tasks/batch/case_engine.hpp"
@@ -81,9 +82,10 @@ std::string end_file(const CasePlaces& places, long strand, long parity) {
     return (places.continuation / fmt::format("strand-{:06}-{}.h5", strand, parity)).string();
 }
 
-/// Whose end a state is; -1: nobody's.
-double case_of(const engine::SavedState& end) {
-    return end.more.empty() || end.more.front().values.empty() ? -1.0 : end.more.front().values.front();
+/// Whose end a state is, if anybody's.
+std::optional<double> case_of(const engine::SavedState& end) {
+    if (end.more.empty() || end.more.front().values.empty()) return {};
+    return end.more.front().values.front();
 }
 
 bool end_is_kept(const CasePlaces& places, long strand, long number) {
@@ -111,14 +113,14 @@ void reopen_broken_strands(const Sweep& sweep, const CasePlaces& places, const s
 StartStates::State CaseEngine::end_before() const {
     const long first = result_.number - result_.number % sweep_.strand();
     StartStates::State latest;
-    double newest = -1.0;
+    std::optional<double> newest;
     for (int parity = 0; parity < 2 && sweep_.strand() > 1 && result_.number > first && !own_start_; ++parity) {
         const std::string file = end_file(places_, first / sweep_.strand(), parity);
         std::error_code missing;
         if (!std::filesystem::exists(file, missing)) continue;
         auto state = std::make_shared<engine::SavedState>(engine::read_state(file));
-        const double number = case_of(*state);
-        if (number >= static_cast<double>(result_.number) || number <= newest) continue;
+        const std::optional<double> number = case_of(*state);
+        if (!number || *number >= static_cast<double>(result_.number) || number <= newest) continue;
         newest = number;
         latest = std::move(state);
     }

@@ -155,9 +155,7 @@ Fault CaseEngine::part() {
         if (recorder_) recorder_->begin_part(s.needs_settling() ? -1.0 : s.time(), scene_.run.until);
         pause_ = false;
         const bool settling = s.needs_settling();
-        const Fault fault = s.integration_state().started ? s.proceed(scene_.run.until, *this, never_)
-                            : settling                    ? s.settle(*this, never_)
-                                                          : s.run(scene_.run.until, *this, never_);
+        const Fault fault = s.advance({.until = scene_.run.until}, *this, never_);
         if (settling) result_.settling = s.counters();
         if (fault.kind != FaultKind::cancelled || why_ == Pause::stop || why_ == Pause::none) return fault;
         if (why_ == Pause::checkpoint)

@@ -74,11 +74,12 @@ void go(Simulation& simulation, double seconds, long most, Pace& pace) {
     const engine::Cancellation go_on;
     using Clock = std::chrono::steady_clock;
     long before = std::min(100L, most / 2);  // many tips first touch here
-    Fault fault = before > 0 ? simulation.run_steps(before, silent, go_on) : Fault{FaultKind::max_steps};
+    Fault fault =
+        before > 0 ? simulation.advance({.steps = before, .anew = true, .max_wall = 0.0}, silent, go_on) : Fault{FaultKind::max_steps};
     for (long batch = 20; pace.wall < seconds && before < most && fault.kind == FaultKind::max_steps; batch *= 2) {
         const long wanted = std::min(batch, most - before);
         const auto begin = Clock::now();
-        fault = simulation.run_steps(wanted, silent, go_on);
+        fault = simulation.advance({.steps = wanted, .anew = true, .max_wall = 0.0}, silent, go_on);
         pace.wall += std::chrono::duration<double>(Clock::now() - begin).count();
         pace.steps += fault.kind == FaultKind::max_steps ? wanted : simulation.counters().steps;
         before += wanted;

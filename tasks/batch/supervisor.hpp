@@ -9,6 +9,7 @@
 /// as crashed, the others give their results, bit for bit those of an undisturbed sweep. Each crash settles at least one case, so it ends.
 
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "engine/thread/child_process.hpp"
@@ -17,9 +18,9 @@ namespace cvtflow::tasks {
 
 /// What a child has to do.
 struct SweepPart {
-    long only = -1;       ///< this case alone; -1: all that are not done
-    std::string crashed;  ///< not to be run but to be booked as crashed, for this reason
-    int attempt = 0;      ///< children before this one
+    std::optional<long> only = {};  ///< this case alone; nothing: all that are not done
+    std::string crashed;            ///< not to be run but to be booked as crashed, for this reason
+    int attempt = 0;                ///< children before this one
 };
 
 /// Runs `work` in children until one has done all of the sweep.

@@ -17,19 +17,55 @@
 
 namespace cvtflow::tasks {
 
+namespace {
+
+/// Those that choose among tables of stages by the spectrum.
+[[nodiscard]] std::vector<MethodProgram> spectral_programs() {
+    return {
+        {.name = "dumka3",
+         .description = "DUMKA3, polynomial and step by the spectrum",
+         .source = "Medovikov, BIT 38 (1998) 372-390",
+         .order = 3,
+         .state_slots = 3,
+         .slope_slots = 5,
+         .make = dumka3_by_spectrum,
+         .linear = dumka3_step,
+         .estimates_error = true},
+        {.name = "rkc",
+         .description = "Runge-Kutta-Chebyshev, stages by the spectrum",
+         .source = "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326",
+         .order = 2,
+         .state_slots = 4,
+         .slope_slots = 3,
+         .make = rkc_by_spectrum,
+         .linear = rkc_step,
+         .estimates_error = true},
+        {.name = "rock2",
+         .description = "ROCK2, stages by the spectrum",
+         .source = "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18",
+         .order = 2,
+         .state_slots = 5,
+         .slope_slots = 4,
+         .make = rock2_by_spectrum,
+         .linear = rock2_step,
+         .estimates_error = true},
+        {.name = "fitted",
+         .description = "polynomial fitted to the spectrum, again when it moves",
+         .source = "weights by Lawson's iteration",
+         .order = 3,
+         .state_slots = FittedMethod::most_stages + 1,
+         .slope_slots = 3,
+         .make = fitted_by_spectrum,
+         .linear = fitted_step,
+         .estimates_error = true},
+    };
+}
+
+}  // namespace
+
 const std::vector<MethodProgram>& method_programs() {
     static const std::vector<MethodProgram> all = [] {
-        std::vector<MethodProgram> programs{
-            {"dumka3", "DUMKA3, polynomial and step by the spectrum", "Medovikov, BIT 38 (1998) 372-390", 3, 0, 3, 5, dumka3_by_spectrum,
-             "none", nullptr, dumka3_step, true},
-            {"rkc", "Runge-Kutta-Chebyshev, stages by the spectrum",
-             "Sommeijer, Shampine, Verwer, J. Comput. Appl. Math. 88 (1998) 315-326", 2, 0, 4, 3, rkc_by_spectrum, "none", nullptr,
-             rkc_step, true},
-            {"rock2", "ROCK2, stages by the spectrum", "Abdulle, Medovikov, Numer. Math. 90 (2001) 1-18", 2, 0, 5, 4, rock2_by_spectrum,
-             "none", nullptr, rock2_step, true},
-            {"fitted", "polynomial fitted to the spectrum, again when it moves", "weights by Lawson's iteration", 3, 0,
-             FittedMethod::most_stages + 1, 3, fitted_by_spectrum, "none", nullptr, fitted_step, true},
-        };
+        std::vector<MethodProgram> programs = spectral_programs();
         for (const auto& family : {friction_methods(), implicit_programs()}) programs.insert(programs.end(), family.begin(), family.end());
         return programs;
     }();

@@ -1,6 +1,7 @@
 #pragma once
 /// Methods of both kinds under one list of names: tables of stages (engine/method), and programs with cycles of their own.
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -31,12 +32,12 @@ struct MethodProgram {
     int state_slots = 1;  ///< slot 0 included
     int slope_slots = 1;  ///< slot 0 included
     /// @throws std::invalid_argument if the method cannot be used with the workspace's scene
-    std::unique_ptr<StepMethod> (*make)(Workspace& workspace) = nullptr;
+    std::function<std::unique_ptr<StepMethod>(Workspace& workspace)> make = {};
     std::string solves = "none";  ///< systems solved in a step, in words
-    /// On the test equation that it is made for (tasks/method/program_stability.hpp); nullptr: it chooses among tables of stages.
-    ProgramStability (*stability)() = nullptr;
+    /// On the test equation that it is made for (tasks/method/program_stability.hpp); empty: it chooses among tables of stages.
+    std::function<ProgramStability()> stability = {};
     /// What its step makes of small disturbances (tasks/method/stability/step_map.hpp).
-    std::unique_ptr<StepMap> (*linear)(const LinearChain& chain) = nullptr;
+    std::function<std::unique_ptr<StepMap>(const LinearChain& chain)> linear = {};
     bool estimates_error = false;  ///< of a step: StepMethod::error_power() is not 0
     /// Whether it takes whole pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved for in
     /// slips are made for halves, whose depend on one.

@@ -1,6 +1,7 @@
 #pragma once
 /// The catalogue of recorded quantities: a row per channel, from which the record, `list channels` and tests are made.
 
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,22 +23,33 @@ struct Instant {
 };
 
 struct Channel {
+    using Width = std::function<int(const model::ChainModel&)>;
+    using Read = std::function<void(const Instant&, double* values)>;
+
     std::string_view name;  ///< as in the record; '/' groups
     std::string_view unit;
     std::string_view description;
-    std::string_view axis;  ///< label of the second dimension, empty for a plain channel
-    int (*width)(const model::ChainModel&);
-    void (*read)(const Instant&, double* values);  ///< values [unit of the channel]
+    std::string_view axis = {};  ///< label of the second dimension, empty for a plain channel
+    Width width = always(1);     ///< numbers of an instant
+    Read read = {};              ///< values [unit of the channel]
     bool needs_pulleys = true;
     bool usual = true;  ///< recorded in every run; others where record.channels names them
+
+    /// A width that does not depend on the machine.
+    [[nodiscard]] static Width always(int numbers) {
+        return [numbers](const model::ChainModel&) { return numbers; };
+    }
 };
 
-/// All there are: the usual ones, then those of force_channels.cpp.
+/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp.
 [[nodiscard]] std::span<const Channel> channels();
 
 /// What of the catalogue a record has: the usual ones and those that `names` ask for, where the machine has them.
 /// @param names of channels, or of groups such as "tips/*"
 [[nodiscard]] std::vector<const Channel*> chosen_channels(std::span<const std::string> names, const model::ChainLayout& layout);
+
+/// Energies, losses and works, their balance, counts of the run.
+[[nodiscard]] std::span<const Channel> energy_channels();
 
 /// Forces and figures of merit that a record has on demand.
 [[nodiscard]] std::span<const Channel> force_channels();

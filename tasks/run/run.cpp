@@ -44,12 +44,10 @@ public:
     [[nodiscard]] Fault go(double until, const engine::Cancellation& cancel, RunReport& report) {
         Simulation& s = simulation_;
         recorder_.begin_part(s.needs_settling() ? -scene_.parameters.start.settling_time : report.begin, s.needs_settling() ? 0.0 : until);
-        Fault fault = s.integration_state().started ? s.proceed(until, *this, cancel)
-                      : s.needs_settling()          ? s.settle(*this, cancel)
-                                                    : s.run(until, *this, cancel);
+        Fault fault = s.advance({.until = until}, *this, cancel);
         while (fault.kind == FaultKind::cancelled && due_) {
             save(report);
-            fault = s.proceed(until, *this, cancel);
+            fault = s.advance({.until = until}, *this, cancel);
         }
         const bool may_go_on =
             fault.kind == FaultKind::cancelled || fault.kind == FaultKind::max_steps || fault.kind == FaultKind::max_wall;
@@ -167,7 +165,7 @@ double settle_scene(const Scene& scene, const std::string& state_file, const Run
     RunRecorder recorder(unsettled, simulation, quiet);
     recorder.begin_part(-unsettled.parameters.start.settling_time, 0.0);
     if (simulation.needs_settling()) {
-        if (const Fault fault = simulation.settle(recorder, cancel)) throw SettlingFault(fault);
+        if (const Fault fault = simulation.advance({.until = 0.0}, recorder, cancel)) throw SettlingFault(fault);
     }
     engine::write_state(state_file, simulation.saved_state());
     return simulation.suspicion();

@@ -128,12 +128,6 @@ void Simulation::take_state(const engine::SavedState& saved) {
     time_ = saved.time;  // inputs and the governor's angle go on from there
 }
 
-Fault Simulation::integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel) {
-    StepController controller(*workspace_, integrator_->method(), settings, observer, cancel);
-    rest_.settling = settings.begin < 0.0 && needs_settling_;
-    return drive(controller);
-}
-
 Fault Simulation::drive(StepController& controller) {
     integrator_->run(controller);
     counters_ = controller.counters();
@@ -145,28 +139,49 @@ Fault Simulation::drive(StepController& controller) {
     return controller.fault();
 }
 
-namespace {
-
-StepSettings step_settings(const RunSettings& run, double begin, double until, double interval, AutoStep* choice, const bool* pause) {
-    return {begin, until, run.step, interval, run.max_steps, run.max_wall, run.step_control, run.tolerance, choice, pause};
-}
-
-}  // namespace
-
 double Simulation::automatic_step() const {
     return std::min(longest_automatic_step(scene_.parameters.detail.pins),
                     AutoStep(workspace_->variator, scene_.run.method).longest(time_, state(), phases().data()));
 }
 
-StepSettings Simulation::settling_settings() const {
-    const double duration = scene_.parameters.start.settling_time;
-    const double intervals = std::max(1.0, std::ceil(duration / scene_.run.output_interval * (1.0 - 1e-12)));
-    return step_settings(scene_.run, -duration, 0.0, duration / intervals, choice_.get(), pause_);
+StepSettings Simulation::settings_of(const Goal& goal) const {
+    const RunSettings& run = scene_.run;
+    StepSettings settings{.begin = time_,
+                          .until = goal.until,
+                          .step = run.step,
+                          .output_interval = run.output_interval,
+                          .max_steps = run.max_steps,
+                          .max_wall = goal.max_wall.value_or(run.max_wall),
+                          .control = run.step_control,
+                          .tolerance = run.tolerance,
+                          .choice = choice_.get(),
+                          .pause = pause_};
+    if (rest_.settling && !goal.anew) {
+        const double duration = scene_.parameters.start.settling_time;
+        settings.begin = -duration;
+        settings.until = std::min(goal.until, 0.0);
+        settings.output_interval = duration / std::max(1.0, std::ceil(duration / run.output_interval * (1.0 - 1e-12)));
+    }
+    if (goal.steps > 0) settings.max_steps = goal.steps;
+    if (!rest_.started || goal.anew) return settings;
+    if (goal.steps > 0) settings.max_steps += rest_.counters.steps;
+    settings.begin = rest_.begin;
+    settings.output_interval = rest_.output_interval;
+    settings.step = rest_.step;
+    return settings;
 }
 
-Fault Simulation::settle(RunObserver& observer, const engine::Cancellation& cancel) {
-    const Fault fault = integrate(settling_settings(), observer, cancel);
-    if (!fault) end_settling();
+Fault Simulation::advance(const Goal& goal, RunObserver& observer, const engine::Cancellation& cancel) {
+    const StepSettings settings = settings_of(goal);
+    std::optional<StepController> controller;
+    if (rest_.started && !goal.anew)
+        controller.emplace(*workspace_, integrator_->method(), settings, rest_, observer, cancel);
+    else
+        controller.emplace(*workspace_, integrator_->method(), settings, observer, cancel);
+    if (goal.anew) rest_.settling = needs_settling_ && settings.begin < 0.0;
+    const Fault fault = drive(*controller);
+    const bool settled = rest_.settling && !goal.anew && time_ >= -1e-9 * settings.output_interval;
+    if (settled && (!fault || goal.steps > 0)) end_settling();
     return fault;
 }
 
@@ -176,53 +191,6 @@ void Simulation::end_settling() {
     rest_.settling_suspicion = workspace_->energy.suspicion();
     rest_.settling_residual = workspace_->energy.balance().relative();
     rest_at_start();
-}
-
-Fault Simulation::proceed(double until, RunObserver& observer, const engine::Cancellation& cancel) {
-    if (!rest_.started) throw SimulationError("nothing has begun that could go on");
-    StepSettings settings = settling_settings();
-    if (!rest_.settling) settings.until = until;
-    settings.begin = rest_.begin;
-    settings.output_interval = rest_.output_interval;
-    settings.step = rest_.step;
-    StepController controller(*workspace_, integrator_->method(), settings, rest_, observer, cancel);
-    const Fault fault = drive(controller);
-    if (!fault && rest_.settling) end_settling();
-    return fault;
-}
-
-Fault Simulation::run(double until, RunObserver& observer, const engine::Cancellation& cancel) {
-    return integrate(step_settings(scene_.run, time_, until, scene_.run.output_interval, choice_.get(), pause_), observer, cancel);
-}
-
-Fault Simulation::advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel) {
-    StepSettings settings = settling_settings();
-    settings.until = rest_.settling ? std::min(until, settings.until) : until;
-    if (!rest_.settling) {
-        settings.begin = time_;
-        settings.output_interval = scene_.run.output_interval;
-    }
-    if (steps > 0) settings.max_steps = rest_.counters.steps + steps;
-    Fault fault;
-    if (rest_.started) {
-        settings.begin = rest_.begin;
-        settings.output_interval = rest_.output_interval;
-        settings.step = rest_.step;
-        StepController controller(*workspace_, integrator_->method(), settings, rest_, observer, cancel);
-        fault = drive(controller);
-    } else {
-        StepController controller(*workspace_, integrator_->method(), settings, observer, cancel);
-        fault = drive(controller);
-    }
-    if (rest_.settling && time_ > -1e-9 * settings.output_interval) end_settling();
-    return fault;
-}
-
-Fault Simulation::run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel) {
-    StepSettings settings = step_settings(scene_.run, time_, time_ + 1e6, scene_.run.output_interval, choice_.get(), nullptr);
-    settings.max_steps = steps;
-    settings.max_wall = 0.0;
-    return integrate(settings, observer, cancel);
 }
 
 void Simulation::rest_at_start() {

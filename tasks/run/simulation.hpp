@@ -2,7 +2,9 @@
 /// One simulation of one scene: its start state, its step loop, its counters. No global state; any number may live side by side.
 
 #include <algorithm>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,14 @@ namespace cvtflow::tasks {
 class SimulationError : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
+};
+
+/// How far a simulation goes on.
+struct Goal {
+    double until = std::numeric_limits<double>::infinity();  ///< [s]
+    long steps = 0;     ///< at most so many more, whatever run.max_steps says: ends with a Fault of kind max_steps; 0: no such end
+    bool anew = false;  ///< begins another part at the present time, with output times and counters of its own, settled or not
+    std::optional<double> max_wall = {};  ///< in place of run.max_wall [s], 0: no budget
 };
 
 class Simulation {
@@ -48,20 +58,11 @@ public:
 
     /// Whether the start is geometric and has to settle before t = 0.
     [[nodiscard]] bool needs_settling() const noexcept { return needs_settling_; }
-    /// Runs from t = -start.settling_time to t = 0 with clamping and load ramped up. Outputs are delivered with negative times.
-    [[nodiscard]] Fault settle(RunObserver& observer, const engine::Cancellation& cancel);
-    /// Runs from the present time to `until` with the scene's run settings; ends at the first step at or after it.
-    [[nodiscard]] Fault run(double until, RunObserver& observer, const engine::Cancellation& cancel);
-
-    /// Goes on where settle(), run() or proceed() ended, or where restore() put it, with the same output times: bit by bit as if it had not
-    /// stopped. While the start settles, only to its end at t = 0, whatever `until`.
-    /// until [s]
-    /// @throws SimulationError if nothing has begun
-    [[nodiscard]] Fault proceed(double until, RunObserver& observer, const engine::Cancellation& cancel);
-    /// Goes on from where it stands (or begins) to `until` or for so many steps (0: as many as it takes), whatever comes first; settling
-    /// ends at t = 0 in any case. Where calls end does not change a bit of what follows. Ends with a Fault of kind max_steps after `steps`.
-    /// until [s]
-    [[nodiscard]] Fault advance(double until, long steps, RunObserver& observer, const engine::Cancellation& cancel);
+    /// Goes on from where it stands - where the last call ended or restore() put it - or begins there. A geometric start settles first,
+    /// from t = -start.settling_time to t = 0 with clamping and load ramped up: that is a part of its own, with outputs at negative times,
+    /// and the call ends with it in any case. Where calls end does not change a bit of what follows. Ends with the first step at or after
+    /// the goal's time, or with a Fault.
+    [[nodiscard]] Fault advance(const Goal& goal, RunObserver& observer, const engine::Cancellation& cancel);
     /// Puts values in place of the tables of inputs, between runs.
     void hold(const model::HeldInputs& held) noexcept { workspace_->variator.hold(held); }
     /// They are not those of the last step: what follows may be fast.
@@ -69,7 +70,7 @@ public:
         workspace_->energy.inputs_changed(time_);
         if (rest_.started) workspace_->energy.save(rest_.energy);
     }
-    /// The next run ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr:
+    /// advance() ends before its next step as soon as the flag is true, with a Fault of kind cancelled; set by an observer. nullptr:
     /// none.
     void pause_on(const bool* flag) noexcept { pause_ = flag; }
 
@@ -78,9 +79,6 @@ public:
     /// Takes an integration_state() of a simulation of the same scene and method, in whatever process.
     /// @throws SimulationError if the numbers of unknowns or tips differ
     void restore(const IntegrationState& state);
-
-    /// Runs so many steps with the scene's run settings, for measurements; ends with a Fault of kind max_steps.
-    [[nodiscard]] Fault run_steps(long steps, RunObserver& observer, const engine::Cancellation& cancel);
 
     /// At present.
     [[nodiscard]] const Schedule& schedule() const noexcept { return runner().schedule(); }
@@ -92,7 +90,7 @@ public:
     [[nodiscard]] const model::Variator& variator() const noexcept { return workspace_->variator; }
     [[nodiscard]] const double* state() const noexcept { return workspace_->states[0]; }
     [[nodiscard]] const std::vector<model::Phase>& phases() const noexcept { return workspace_->tips.phases; }
-    /// Of the last settle() or run().
+    /// Of the part at hand, or of the last one: settling, or the run.
     [[nodiscard]] const Counters& counters() const noexcept { return counters_; }
     /// Works, losses and balance of the part at hand: settling, or the run.
     [[nodiscard]] const EnergyLedger& energy() const noexcept { return workspace_->energy; }
@@ -104,7 +102,7 @@ public:
     [[nodiscard]] const AutoStep* step_choice() const noexcept { return choice_.get(); }
     /// The automatic step at the present state, whatever run.step says [s].
     [[nodiscard]] double automatic_step() const;
-    /// Of the last settle() or run(), if the scene asks for errors.
+    /// Likewise, if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
     /// What its step method has to say of its work; empty: nothing.
     [[nodiscard]] std::string method_report() const { return integrator_->method().report(); }
@@ -119,13 +117,12 @@ public:
     [[nodiscard]] engine::SavedState saved_state() const;
 
 private:
-    [[nodiscard]] Fault integrate(const StepSettings& settings, RunObserver& observer, const engine::Cancellation& cancel);
     void take_state(const engine::SavedState& saved);
     void place_geometrically();
     void begin_at(const model::StartState& start);
     void rest_at_start();
     void end_settling();
-    [[nodiscard]] StepSettings settling_settings() const;
+    [[nodiscard]] StepSettings settings_of(const Goal& goal) const;
     [[nodiscard]] Fault drive(StepController& controller);
 
     Scene scene_;

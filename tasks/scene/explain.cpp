@@ -42,7 +42,7 @@ std::string form_text(const Parameter& parameter) {
 
 std::string explain(std::string_view key) {
     const Parameter* parameter = find_parameter(key);
-    if (!parameter) throw SceneError(fmt::format("{}: unknown key{}", key, engine::did_you_mean(nearest_key(key))));
+    if (!parameter) throw SceneError(fmt::format("{}: unknown key{}", key, engine::did_you_mean(nearest_keys(key))));
     std::string text = fmt::format("{}\n  {}\n", parameter->key, parameter->meaning);
     text += fmt::format("  value:    {}\n", form_text(*parameter));
     if (!parameter->unit.empty()) text += fmt::format("  range:    {}\n", range_text(*parameter));

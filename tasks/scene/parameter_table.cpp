@@ -1,10 +1,5 @@
 #include "tasks/scene/parameter_table.hpp"
 
-#include <algorithm>
-#include <array>
-
-#include "engine/base/spelling.hpp"
-
 namespace cvtflow::tasks {
 namespace {
 
@@ -376,41 +371,6 @@ const std::vector<Parameter>& rows() {
 
 }  // namespace
 
-Kind Parameter::kind() const {
-    static constexpr std::array kinds{Kind::number,      Kind::integer,    Kind::integer,     Kind::integer,  Kind::boolean, Kind::text,
-                                      Kind::number_list, Kind::time_table, Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::choice,     Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,
-                                      Kind::choice,      Kind::choice,     Kind::auto_number, Kind::text_list};
-    static_assert(kinds.size() == std::variant_size_v<Slot>);
-    Scene scene;
-    return kinds[member(scene).index()];
-}
-
 std::span<const Parameter> parameter_table() { return rows(); }
-
-const Parameter* find_parameter(std::string_view key) {
-    const auto row = std::find_if(rows().begin(), rows().end(), [&](const Parameter& parameter) { return parameter.key == key; });
-    return row == rows().end() ? nullptr : &*row;
-}
-
-std::string nearest_key(std::string_view key) {
-    const std::string_view name = key.substr(key.find('.') + 1);
-    std::vector<std::string> keys;
-    for (const Parameter& parameter : rows()) keys.emplace_back(parameter.key);
-    if (std::string near = engine::closest(key, keys); !near.empty() && engine::edit_distance(key, near) <= 2) return near;
-    for (const Parameter& parameter : rows())
-        if (name.size() > 2 && parameter.key.starts_with(key)) return std::string(parameter.key);
-    std::string of_that_name;  // a dial of detail may have the name of what it is a detail of, which is meant more often
-    for (const Parameter& parameter : rows())
-        if (parameter.name() == name && (of_that_name.empty() || of_that_name.starts_with("detail."))) of_that_name = parameter.key;
-    return of_that_name.empty() ? engine::closest(key, keys) : of_that_name;
-}
-
-std::vector<std::string> section_names() {
-    std::vector<std::string> names;
-    for (const Parameter& parameter : rows())
-        if (names.empty() || names.back() != parameter.section()) names.emplace_back(parameter.section());
-    return names;
-}
 
 }  // namespace cvtflow::tasks

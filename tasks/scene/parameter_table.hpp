@@ -45,8 +45,8 @@ struct Parameter {
 /// The row of `key`, or nullptr.
 [[nodiscard]] const Parameter* find_parameter(std::string_view key);
 
-/// The key that was probably meant: near in spelling, or the same name in another section. Empty if none.
-[[nodiscard]] std::string nearest_key(std::string_view key);
+/// The keys of which one was probably meant: near in spelling, or of that name in other sections. Empty if there is none.
+[[nodiscard]] std::vector<std::string> nearest_keys(std::string_view key);
 
 /// Section names in the order of the table.
 [[nodiscard]] std::vector<std::string> section_names();

@@ -36,7 +36,7 @@ public:
     void value(const Parameter& parameter, const Node& node);
     void unknown_key(const std::string& key, Position position) {
         problem(position, fmt::format("{}: unknown key{}", shown(key),
-                                      problems_.size() < most_problems ? engine::did_you_mean(nearest_key(key)) : ""));
+                                      problems_.size() < most_problems ? engine::did_you_mean(nearest_keys(key)) : ""));
     }
     void problem(Position position, std::string message) { problems_.push_back({position, std::move(message)}); }
 
@@ -71,7 +71,7 @@ void Reading::section(const Entry& entry) {
             return problem(entry.position,
                            fmt::format("{}: unknown section{}", shown(entry.key), engine::did_you_mean(engine::closest(entry.key, names))));
         return problem(entry.position,
-                       fmt::format("{}: this key is in no section{}", shown(entry.key), engine::did_you_mean(nearest_key(entry.key))));
+                       fmt::format("{}: this key is in no section{}", shown(entry.key), engine::did_you_mean(nearest_keys(entry.key))));
     }
     if (!table) return problem(entry.position, fmt::format("{0}: not a section; write [{0}]", entry.key));
     for (const Entry& row : *table) {

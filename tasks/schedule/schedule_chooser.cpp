@@ -28,10 +28,10 @@ bool ScheduleChooser::affordable() const noexcept { return lost_ + options_.turn
 
 bool ScheduleChooser::due(const Pace& pace) noexcept {
     if (reference_ == 0.0) reference_ = pace.per_cycle;
-    if (touching_ < 0) touching_ = pace.touching;
+    if (!touching_) touching_ = pace.touching;
     const double change = pace.per_cycle / reference_;
     drifting_ = change > options_.drift || change * options_.drift < 1.0 ? drifting_ + 1 : 0;
-    const bool other_links = std::abs(pace.touching - touching_) > options_.changed_links * std::max(1, touching_);
+    const bool other_links = std::abs(pace.touching - *touching_) > options_.changed_links * std::max(1, *touching_);
     return checks_ == 0 || drifting_ >= 2 || other_links || since_check_ >= period_;
 }
 

@@ -10,6 +10,7 @@
 ///     work (windows) ── due and affordable ──► check: rounds of turns of all candidates ──► medians ──► work
 ///          ▲ not affordable: back to work for a window, the check goes on afterwards ─┘
 
+#include <optional>
 #include <vector>
 
 namespace cvtflow::tasks {
@@ -74,13 +75,13 @@ private:
     ChooserOptions options_;
     std::vector<Candidate> candidates_;
     int now_ = 0, chosen_ = 0;
-    bool trying_ = false;       ///< candidate() is on trial
-    bool checking_ = false;     ///< a check has begun and not ended
-    int next_ = 0, round_ = 0;  ///< whose turn in the check
-    double work_ = 0.0;         ///< time per cycle of the last window of work [s]
-    double reference_ = 0.0;    ///< time per cycle of the first window after the choice; 0: not known [s]
-    int touching_ = -1;         ///< links that touched at the last check
-    int drifting_ = 0;          ///< windows in a row whose pace differs
+    bool trying_ = false;          ///< candidate() is on trial
+    bool checking_ = false;        ///< a check has begun and not ended
+    int next_ = 0, round_ = 0;     ///< whose turn in the check
+    double work_ = 0.0;            ///< time per cycle of the last window of work [s]
+    double reference_ = 0.0;       ///< time per cycle of the first window after the choice; 0: not known [s]
+    std::optional<int> touching_;  ///< links that touched at the last check
+    int drifting_ = 0;             ///< windows in a row whose pace differs
     double elapsed_ = 0.0, since_check_ = 0.0, lost_ = 0.0, period_;  ///< [s]
     long checks_ = 0, changes_ = 0;
 };

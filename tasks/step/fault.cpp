@@ -26,18 +26,17 @@ std::string Fault::message() const {
     switch (kind) {
         case FaultKind::none: return "finished";
         case FaultKind::non_finite:
-            return pin < 0
-                       ? fmt::format(
-                             "the state of the pulleys is not finite {}: the step is too long for this scene, or its parameters are", when)
-                       : fmt::format("the state of pin {} is not finite {}: the step is too long for this scene, or its parameters are",
-                                     pin, when);
+            return !pin ? fmt::format(
+                              "the state of the pulleys is not finite {}: the step is too long for this scene, or its parameters are", when)
+                        : fmt::format("the state of pin {} is not finite {}: the step is too long for this scene, or its parameters are",
+                                      *pin, when);
         case FaultKind::penetration:
             return fmt::format(
                 "a tip of pin {} is {:.3g} m deep in its sheave {} (limit tip.deepest = {:.3g} m): clamping or step are too large, or too "
                 "little damps the contacts (chain.damping_ratio)",
-                pin, value, when, limit);
+                *pin, value, when, limit);
         case FaultKind::left_sheave:
-            return fmt::format("pin {} runs on a radius of {:.4g} m {}, off the sheave (limit {:.4g} m)", pin, value, when, limit);
+            return fmt::format("pin {} runs on a radius of {:.4g} m {}, off the sheave (limit {:.4g} m)", *pin, value, when, limit);
         case FaultKind::too_stiff:
             return fmt::format(
                 "friction is too stiff for the step {}: h lambda = {:.3g}, the method reaches {:.3g}; take a shorter step or a larger "
@@ -50,7 +49,7 @@ std::string Fault::message() const {
             return fmt::format("the step would have to be shorter than {:.1e} s {} to meet run.tolerance", limit, when);
         case FaultKind::blow_up:
             return fmt::format(
-                "pin {} moves at {:.3g} m/s {} (limit {:.3g} m/s, faster than sound in steel): the step is too long for this scene", pin,
+                "pin {} moves at {:.3g} m/s {} (limit {:.3g} m/s, faster than sound in steel): the step is too long for this scene", *pin,
                 value, when, limit);
         case FaultKind::step_too_short:
             return fmt::format("a step of {:.3g} s is lost in the rounding of the time {} (limit {:.3g} s)", value, when, limit);

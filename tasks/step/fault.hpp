@@ -1,6 +1,7 @@
 #pragma once
 /// Why a run ended before its end: values inside the graph, texts outside it.
 
+#include <optional>
 #include <string>
 
 namespace cvtflow::tasks {
@@ -21,10 +22,10 @@ enum class FaultKind {
 
 struct Fault {
     FaultKind kind = FaultKind::none;
-    double time = 0.0;   ///< [s]
-    int pin = -1;        ///< pin whose link shows it, -1: none in particular
-    double value = 0.0;  ///< depth or radius [m], limit of the budget
-    double limit = 0.0;  ///< what it exceeded [unit of what is limited]
+    double time = 0.0;            ///< [s]
+    std::optional<int> pin = {};  ///< pin whose link shows it; nothing: none in particular
+    double value = 0.0;           ///< depth or radius [m], limit of the budget
+    double limit = 0.0;           ///< what it exceeded [unit of what is limited]
 
     [[nodiscard]] explicit operator bool() const noexcept { return kind != FaultKind::none; }
     /// One line for a user: what happened, when, where.

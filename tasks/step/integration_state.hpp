@@ -1,7 +1,7 @@
 #pragma once
 /// The full state of an integration at rest between two steps: whoever has it goes on bit for bit as if it had never stopped.
 ///
-/// A simulation hands it out and takes it (Simulation::integration_state, restore, proceed); checkpoint_file.hpp keeps it on disk.
+/// A simulation hands it out and takes it (Simulation::integration_state, restore, advance); checkpoint_file.hpp keeps it on disk.
 
 #include <cstdint>
 #include <vector>

@@ -66,11 +66,11 @@ void judge(Compared& compared, const Comparison& comparison) {
     if (compared.fault || compared.course.time.size() != comparison.reference.time.size()) return;
     compared.error_axial = distance(compared.course.tip_axial, comparison.reference.tip_axial);
     compared.error_tension = distance(compared.course.tension, comparison.reference.tension);
-    if (comparison.pin < 0) return;
+    if (!comparison.pin) return;
     std::vector<std::vector<double>> is, should;
     for (const int side : {0, 1}) {
-        is.push_back(compared.course.pin_axial(comparison.pin, side));
-        should.push_back(comparison.reference.pin_axial(comparison.pin, side));
+        is.push_back(compared.course.pin_axial(*comparison.pin, side));
+        should.push_back(comparison.reference.pin_axial(*comparison.pin, side));
     }
     compared.error_pin = distance(is, should);
 }
@@ -137,7 +137,7 @@ Comparison compare(const model::Parameters& parameters, const FrozenStart& start
     comparison.reference_watch = reference.watch;
     comparison.pin = options.pin;
     const TransitionRecord* entry = first_entry(comparison.reference, parameters.pulley.centre_distance);
-    if (entry != nullptr && options.pin < 0) {
+    if (entry != nullptr && !options.pin) {
         comparison.pin = entry->pin % parameters.chain.pins;
         comparison.entry = entry->time - start.time;
     }

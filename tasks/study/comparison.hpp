@@ -3,6 +3,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,8 +49,8 @@ struct ComparisonOptions {
     double duration = 1e-3;          ///< [s]
     double output_interval = 12e-6;  ///< a multiple of most steps [s]
     Candidate reference{"rk4", 12.5e-9};
-    int rounds = 3;                                    ///< of timing, all candidates in turns
-    int pin = -1;                                      ///< whose axial force is looked at; -1: the first that enters the driving sheaves
+    int rounds = 3;               ///< of timing, all candidates in turns
+    std::optional<int> pin = {};  ///< whose axial force is looked at; nothing: the first that enters the driving sheaves
     std::function<void(const std::string&)> progress;  ///< may be empty
 };
 
@@ -57,8 +58,8 @@ struct Comparison {
     Course reference;
     Counters reference_counters;
     RunVerdict reference_watch;
-    int pin = -1;        ///< looked at; -1: none enters
-    double entry = 0.0;  ///< when it enters, since the start [s]
+    std::optional<int> pin = {};  ///< looked at; nothing: none enters
+    double entry = 0.0;           ///< when it enters, since the start [s]
     std::vector<Compared> candidates;
 };
 

@@ -89,8 +89,9 @@ engine::SavedState brought_over(const engine::SavedState& saved, const model::Pa
     result.phases = phases_brought_over(saved.phases, before, after);
     result.state.assign(static_cast<std::size_t>(after.control_begin()), 0.0);
     std::vector<double> halves;
-    model::halves_of(model::ChainModel(from), saved.state.data(), halves);
-    copy_links(model::halves_layout(before), halves.data(), after, result.state.data());
+    if (before.whole) model::halves_of(model::ChainModel(from), saved.state.data(), halves);
+    const double* links = before.whole ? halves.data() : saved.state.data();
+    copy_links(model::halves_layout(before), links, after, result.state.data());
     for (const bool velocity : {false, true}) {
         copy_pulleys(before, saved.state.data() + before.pulley_begin() + velocity * before.pulley_size, after,
                      result.state.data() + after.pulley_begin() + velocity * after.pulley_size);

@@ -12,24 +12,46 @@
 
 namespace cvtflow::tasks {
 
-std::span<const Figure> figures() noexcept {
-    using M = FigureMeans;
-    constexpr double any = std::numeric_limits<double>::min();
-    static constexpr std::array rows{
-        Figure{"slip", "mean slip of both pulleys together; below 1e-4 it is compared with that", least_slip, true, true,
-               [](const M& m) { return m.span.slip; }},
-        Figure{"efficiency", "1 - losses/input over whole pin periods; its error counts in percentage points", 1.0, true, true,
-               [](const M& m) { return m.span.efficiency; }},
-        Figure{"losses", "losses/input over whole pin periods", any, false, true, [](const M& m) { return 1.0 - m.span.efficiency; }},
-        Figure{"tight_tension", "mean tension of the tight strand", any, true, false, [](const M& m) { return m.span.tight; }},
-        Figure{"slack_tension", "mean tension of the slack strand", any, false, false, [](const M& m) { return m.span.slack; }},
-        Figure{"tips", "largest axial force of a tip, mean over time", any, true, true, [](const M& m) { return m.tip; }},
-        Figure{"ratio", "mean speed ratio", any, false, true, [](const M& m) { return m.span.ratio; }},
-        Figure{"thrust_ratio", "mean of both clamping forces' ratio; under control what the controller finds", any, false, true,
-               [](const M& m) { return m.thrust; }},
-    };
-    return rows;
-}
+namespace {
+
+using M = FigureMeans;
+constexpr std::array figure_rows{
+    Figure{.name = "slip",
+           .meaning = "mean slip of both pulleys together; below 1e-4 it is compared with that",
+           .least = least_slip,
+           .usual = true,
+           .needs_pulleys = true,
+           .read = [](const M& m) { return m.span.slip; }},
+    Figure{.name = "efficiency",
+           .meaning = "1 - losses/input over whole pin periods; its error counts in percentage points",
+           .least = 1.0,
+           .usual = true,
+           .needs_pulleys = true,
+           .read = [](const M& m) { return m.span.efficiency; }},
+    Figure{.name = "losses",
+           .meaning = "losses/input over whole pin periods",
+           .needs_pulleys = true,
+           .read = [](const M& m) { return 1.0 - m.span.efficiency; }},
+    Figure{.name = "tight_tension",
+           .meaning = "mean tension of the tight strand",
+           .usual = true,
+           .read = [](const M& m) { return m.span.tight; }},
+    Figure{.name = "slack_tension", .meaning = "mean tension of the slack strand", .read = [](const M& m) { return m.span.slack; }},
+    Figure{.name = "tips",
+           .meaning = "largest axial force of a tip, mean over time",
+           .usual = true,
+           .needs_pulleys = true,
+           .read = [](const M& m) { return m.tip; }},
+    Figure{.name = "ratio", .meaning = "mean speed ratio", .needs_pulleys = true, .read = [](const M& m) { return m.span.ratio; }},
+    Figure{.name = "thrust_ratio",
+           .meaning = "mean of both clamping forces' ratio; under control what the controller finds",
+           .needs_pulleys = true,
+           .read = [](const M& m) { return m.thrust; }},
+};
+
+}  // namespace
+
+std::span<const Figure> figures() noexcept { return figure_rows; }
 
 double TunedOutput::error(double is, double should) const noexcept {
     const double error = relative_difference(is, should, least);

@@ -22,9 +22,10 @@ struct FigureMeans {
 /// A row of the catalogue.
 struct Figure {
     std::string_view name, meaning;
-    double least;  ///< an error is |is - should| over |should|, or over this where that is less [unit of the figure]
-    bool usual;    ///< looked at unless somebody says otherwise
-    bool needs_pulleys;
+    double least = std::numeric_limits<double>::min();  ///< an error is |is - should| over |should|, or over this where that is less [unit
+                                                        ///< of the figure]
+    bool usual = false;                                 ///< looked at unless somebody says otherwise
+    bool needs_pulleys = false;
     double (*read)(const FigureMeans& means);
 };
 /// All there are.

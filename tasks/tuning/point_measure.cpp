@@ -71,7 +71,7 @@ void PointMeasure::settle_finest() {
     Simulation simulation(settled_with_, Schedule{});
     SilentObserver nobody;
     if (simulation.needs_settling()) {
-        if (const Fault fault = simulation.settle(nobody, cancel_)) throw SimulationError("settling: " + fault.message());
+        if (const Fault fault = simulation.advance({.until = 0.0}, nobody, cancel_)) throw SimulationError("settling: " + fault.message());
         if (simulation.suspicion() > 1.0) throw SimulationError("settling: its energy balance does not close");
     }
     settled_ = simulation.saved_state();
@@ -109,12 +109,12 @@ PointRun PointMeasure::measured(const TuneChoice& choice, bool settled, engine::
     OutputReader reader(simulation->variator(), outputs_, scene.run.followed_pin, point_.from);
     SilentObserver nobody;
     Fault fault;
-    if (simulation->needs_settling()) fault = simulation->settle(nobody, cancel_);
-    if (!fault && point_.from > simulation->time()) fault = simulation->run(point_.from, nobody, cancel_);
+    if (simulation->needs_settling()) fault = simulation->advance({.until = 0.0}, nobody, cancel_);
+    if (!fault && point_.from > simulation->time()) fault = simulation->advance({.until = point_.from}, nobody, cancel_);
     const double before = simulation->suspicion();
     if (!fault && state != nullptr) *state = simulation->saved_state();
     const double began = processor_time(), begin = simulation->time();
-    if (!fault) fault = simulation->run(point_.until, reader, cancel_);
+    if (!fault) fault = simulation->advance({.until = point_.until, .anew = true}, reader, cancel_);
     book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     run.values = reader.values();
     if (fault)
@@ -135,7 +135,7 @@ PointRun PointMeasure::trial(const TuneChoice& choice, double duration) {
     simulation->reset(fixed, &state);
     SilentObserver nobody;
     const double began = processor_time(), begin = simulation->time();
-    const Fault fault = simulation->run(begin + duration, nobody, cancel_);
+    const Fault fault = simulation->advance({.until = begin + duration}, nobody, cancel_);
     book(*simulation, began, std::max(simulation->time() - begin, 1e-9), run);
     if (fault) run.objection = fault.message();
     return run;

@@ -86,10 +86,13 @@ TEST_P(Contact, A700NewtonTipIsNineMicrometresDeepAsHertzSays) {
         w += probe(0).depth[1] - depth;  // moving the sheave by dw changes the depth by nearly dw
     ASSERT_NEAR(probe(0).depth[1], depth, 1e-15);
     std::vector<model::Phase> phases(static_cast<std::size_t>(4 * at.links), model::Phase::touching);
-    model::SheaveMotion sheaves[4];
-    rig.variator().pulleys().motions(rig.state() + at.pulley_begin(), sheaves);
+    model::EvaluationScratch scratch(at);
+    model::fill_window(rig.variator(), rig.state(), scratch);
+    rig.variator().pulleys().motions(rig.state() + at.pulley_begin(), scratch.sheaves);
+    std::vector<double> slope(static_cast<std::size_t>(at.link_block()));
     model::LinkContact contact;
-    rig.variator().chain().contact(0, rig.state() + at.link_begin(0), sheaves, phases.data(), contact);
+    rig.variator().chain().observed_slopes({0, 1, scratch.window.data(), scratch.sheaves, phases.data()}, slope.data(),
+                                           scratch.loads.data(), scratch.accounts.data(), &contact);
     EXPECT_NEAR(contact.normal[1], 700.0, 1e-6);  // 1.5 · 700 N/9 µm · 1e-15 m = 1e-7 N
     EXPECT_NEAR(contact.normal[3], 700.0, 1e-6) << "the link is symmetric";
     EXPECT_NEAR(contact.axial[1], 700.0 * std::cos(p.tip.angle), 0.1);  // it leans by β at r_m; a millimetre away by 1 mm/R_c less, 0.07 N

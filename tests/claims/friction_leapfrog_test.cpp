@@ -64,7 +64,7 @@ void expect_limit(const std::string& method) {
                                      "plate.saturation_speed=" + text(1e-2), "tip.saturation_speed=" + text(1e-2)});
         tasks::Simulation simulation(scene);
         tasks::SilentObserver nobody;
-        EXPECT_FALSE(simulation.run(100e-6, nobody, never)) << scale;
+        EXPECT_FALSE(simulation.advance({.until = 100e-6}, nobody, never)) << scale;
         model::Observer observer(simulation.variator());
         return observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).tight;
     };

@@ -35,10 +35,10 @@ tasks::Scene ready_scene(const std::string& name, const std::vector<std::string>
 }
 
 Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(simulation_.variator()) {
-    if (simulation_.needs_settling()) fault = simulation_.settle(*this, no_cancellation);
+    if (simulation_.needs_settling()) fault = simulation_.advance({.until = 0.0}, *this, no_cancellation);
     if (fault) return;
     recording_ = true;
-    fault = simulation_.run(scene.run.until, *this, no_cancellation);
+    fault = simulation_.advance({.until = scene.run.until}, *this, no_cancellation);
     counters = simulation_.counters();
 }
 

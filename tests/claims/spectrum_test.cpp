@@ -30,9 +30,9 @@ public:
         tasks::SilentObserver quiet;
         const engine::Cancellation never;
         if (simulation_.needs_settling()) {
-            EXPECT_FALSE(simulation_.settle(quiet, never));
+            EXPECT_FALSE(simulation_.advance({.until = 0.0}, quiet, never));
         }
-        EXPECT_FALSE(simulation_.run(simulation_.time() + 1e-5, quiet, never));
+        EXPECT_FALSE(simulation_.advance({.until = simulation_.time() + 1e-5, .anew = true}, quiet, never));
         state_.assign(simulation_.state(), simulation_.state() + simulation_.variator().layout().size());
     }
     [[nodiscard]] model::Parameters parameters() const { return parameters_; }

@@ -23,8 +23,8 @@ struct Nobody final : tasks::RunObserver {
 std::vector<double> end_of(const tasks::Scene& scene) {
     tasks::Simulation simulation(scene);
     Nobody nobody;
-    EXPECT_FALSE(simulation.settle(nobody, never));
-    EXPECT_FALSE(simulation.run(scene.run.until, nobody, never));
+    EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never));
+    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, nobody, never));
     EXPECT_GT(simulation.counters().detected, 0);
     return {simulation.state(), simulation.state() + simulation.variator().layout().size()};
 }

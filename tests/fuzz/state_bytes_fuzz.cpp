@@ -25,7 +25,7 @@ void go_on(const tasks::IntegrationState& from) {
     tasks::SilentObserver silent;
     try {
         simulation.restore(from);
-        static_cast<void>(simulation.advance(from.time + 1e-6, 3, silent, never));
+        static_cast<void>(simulation.advance({.until = from.time + 1e-6, .steps = 3}, silent, never));
     } catch (const tasks::SimulationError&) {
     } catch (const std::invalid_argument&) {  // what the method remembers is none
     }

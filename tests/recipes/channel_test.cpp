@@ -10,12 +10,11 @@ namespace cvtflow::recipes {
 namespace {
 
 /// Sum of the tensions of both strands.
-const tasks::Channel strand_sum{"strands/sum",
-                                "N",
-                                "tension of both strands together",
-                                "",
-                                [](const model::ChainModel&) { return 1; },
-                                [](const tasks::Instant& now, double* value) { *value = now.observation.tight + now.observation.slack; }};
+const tasks::Channel strand_sum{
+    .name = "strands/sum",
+    .unit = "N",
+    .description = "tension of both strands together",
+    .read = [](const tasks::Instant& now, double* value) { *value = now.observation.tight + now.observation.slack; }};
 
 TEST(ChannelRecipe, ReadsWhatItSaysAndWritesItsWidth) {
     claims::Rig rig(tasks::tiny_parameters());

@@ -17,7 +17,7 @@ const FrozenStart& brief_start() {
         Simulation simulation(brief_scene());
         SilentObserver nobody;
         const engine::Cancellation never;
-        EXPECT_FALSE(simulation.settle(nobody, never));
+        EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never));
         return frozen_start(simulation);
     }();
     return settled;

@@ -35,7 +35,7 @@ struct ControlledOutcome {
 ControlledOutcome controlled_outcome(const Scene& scene, const Schedule& schedule = {}) {
     Simulation simulation(scene, schedule);
     SilentObserver nobody;
-    const Fault fault = simulation.run(simulation.time() + scene.run.until, nobody, not_cancelled);
+    const Fault fault = simulation.advance({.until = simulation.time() + scene.run.until}, nobody, not_cancelled);
     return {simulation.hash(), simulation.counters(), simulation.local_errors(), fault};
 }
 
@@ -68,10 +68,10 @@ TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
     Simulation simulation(settled_tiny(with("dumka3-p1", "50ns", {"run.output_interval=1us", "run.state_interval=1us"})));
     SilentObserver nobody;
     FrozenStart start = frozen_start(simulation);
-    ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, not_cancelled));
+    ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .anew = true}, nobody, not_cancelled));
     for (int window = 0; simulation.counters().truncated > 0 && window < 40; ++window) {  // until one has no transition
         start = frozen_start(simulation);
-        ASSERT_FALSE(simulation.run(simulation.time() + 1e-6, nobody, not_cancelled));
+        ASSERT_FALSE(simulation.advance({.until = simulation.time() + 1e-6, .anew = true}, nobody, not_cancelled));
     }
     ASSERT_EQ(simulation.counters().truncated, 0);
     ASSERT_EQ(simulation.counters().steps, 20);

@@ -44,7 +44,7 @@ TEST(ManySimulations, AThousandLeaveNeitherThreadsNorMemoryBehind) {
         const bool staged = static_cast<std::size_t>(number) / executors.size() % 2 == 1;
         Simulation simulation(scene,
                               Schedule{std::string(row.name), {staged ? Assembly::staged : Assembly::fused}, 4, row.parallel ? 2 : 1});
-        EXPECT_EQ(simulation.run_steps(3, silent, never).kind, FaultKind::max_steps);
+        EXPECT_EQ(simulation.advance({.steps = 3}, silent, never).kind, FaultKind::max_steps);
         if (number == 200) {
             memory = resident();
             in_use = mallinfo2().uordblks;

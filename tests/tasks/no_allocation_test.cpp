@@ -53,7 +53,7 @@ TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
     Simulation simulation(scene);
     AllocationCounter counter(0);
     const engine::Cancellation never;
-    const Fault fault = simulation.needs_settling() ? simulation.settle(counter, never) : simulation.run(1.0, counter, never);
+    const Fault fault = simulation.advance({.until = 1.0}, counter, never);
     EXPECT_EQ(fault.kind, FaultKind::max_steps) << fault.message();
     EXPECT_GE(counter.last_steps_ - counter.first_steps_, 60);
     if (simulation.needs_settling()) {
@@ -72,7 +72,7 @@ TEST(NoAllocation, InTheStepLoopOfParallelExecutorsWithEitherAssembly) {
         for (const Assembly assembly : {Assembly::fused, Assembly::staged}) {
             Simulation simulation(scene, {executor, {assembly}, 4, 2});
             AllocationCounter counter(5);
-            EXPECT_EQ(simulation.run(1.0, counter, never).kind, FaultKind::max_steps);
+            EXPECT_EQ(simulation.advance({.until = 1.0}, counter, never).kind, FaultKind::max_steps);
             EXPECT_EQ(counter.between_, 0) << executor;
         }
     }
@@ -97,7 +97,7 @@ TEST(NoAllocation, HoldsForMethodsThatFollowTheSpectrumAndForStepsByError) {
         Simulation simulation(scene);
         AllocationCounter counter(0);
         const engine::Cancellation never;
-        const Fault fault = simulation.run(simulation.time() + 400e-6, counter, never);
+        const Fault fault = simulation.advance({.until = simulation.time() + 400e-6}, counter, never);
         EXPECT_FALSE(fault) << method << ": " << fault.message();
         EXPECT_GT(counter.outputs_, 30) << method;
         EXPECT_EQ(counter.between_, 0) << method;

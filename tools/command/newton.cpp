@@ -48,7 +48,7 @@ tasks::FrozenStart start_of(const tasks::Scene& scene) {
     if (simulation.needs_settling()) {
         print_error(fmt::format("settling {} first", time_text(scene.parameters.start.settling_time)));
         tasks::SilentObserver nobody;
-        if (const tasks::Fault fault = simulation.settle(nobody, catch_interrupts())) throw tasks::SettlingFault(fault);
+        if (const tasks::Fault fault = simulation.advance({.until = 0.0}, nobody, catch_interrupts())) throw tasks::SettlingFault(fault);
     }
     return tasks::frozen_start(simulation);
 }

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 
 #include "tools/command.hpp"
 #include "tools/guard.hpp"
@@ -23,7 +24,8 @@ struct PinEntryArguments {
     OutputArguments output;
     std::vector<std::string> candidates;
     std::string reference = "rk4@12.5ns", duration = "1ms", interval = "12us";
-    int rounds = 3, pin = -1;
+    int rounds = 3;
+    std::optional<int> pin;
     bool quiet = false;
 };
 
@@ -31,7 +33,7 @@ void write_files(OutputFolder& folder, const std::string& scene, const tasks::Co
                  const tasks::ComparisonOptions& options) {
     folder.write("comparison.csv", comparison_csv(comparison, options));
     folder.write("comparison.json", comparison_json(scene, comparison, options));
-    if (comparison.pin < 0) return;
+    if (!comparison.pin) return;
     folder.write("pin-force.csv", pin_csv(comparison));
     folder.write("pin-force.svg", svg(pin_plot(scene, comparison)));
     folder.write("pin-force-error.svg", svg(pin_error_plot(scene, comparison)));
@@ -49,7 +51,7 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     const tasks::Scene& scene = loaded.scene;
     if (options.pin >= scene.parameters.chain.pins)
-        throw UsageError(fmt::format("--pin {}: the chain has pins 0 to {}", options.pin, scene.parameters.chain.pins - 1));
+        throw UsageError(fmt::format("--pin {}: the chain has pins 0 to {}", *options.pin, scene.parameters.chain.pins - 1));
     if (!arguments.quiet) {
         options.progress = [](const std::string& what) { print_error(what); };
         if (!loaded.notice.empty()) options.progress(loaded.notice);
@@ -63,9 +65,9 @@ ExitStatus pin_entry(const PinEntryArguments& arguments) {
     fmt::print("{}: {} from t = {}, against {}; one thread, medians of {}, in turns\n", scene.name, time_text(options.duration),
                time_text(start.time), candidate_name(options.reference), plural(options.rounds, "round"));
     fmt::print("{}\n{}",
-               comparison.pin < 0
+               !comparison.pin
                    ? std::string("  no pin enters the driving sheaves\n")
-                   : field("pin", fmt::format("{}, enters the driving sheaves at {}", comparison.pin, time_text(comparison.entry))),
+                   : field("pin", fmt::format("{}, enters the driving sheaves at {}", *comparison.pin, time_text(comparison.entry))),
                comparison_table(comparison, options));
     const std::string brief = too_short(comparison.reference_watch);
     if (!brief.empty()) fmt::print("{}", field("too short", brief));

@@ -66,9 +66,9 @@ struct Averager final : tasks::RunObserver {
 /// to: a fault, or what the watch says of the second, suspicions of both.
 void settle_and_average(tasks::Simulation& simulation, double settle, Averager& seen, double until, DetailOutcome& outcome) {
     tasks::SilentObserver silent;
-    tasks::Fault fault = simulation.run(settle, silent, catch_interrupts());
+    tasks::Fault fault = simulation.advance({.until = settle, .anew = true}, silent, catch_interrupts());
     const double before = simulation.suspicion();
-    if (!fault) fault = simulation.run(until, seen, catch_interrupts());
+    if (!fault) fault = simulation.advance({.until = until, .anew = true}, seen, catch_interrupts());
     outcome.watch = seen.watch.verdict(simulation.energy(), before);
     outcome.status = outcome.watch.status(fault);
     outcome.fault = fault ? fault.message() : unreliable_remark(fault, outcome.watch);

@@ -20,7 +20,7 @@ tasks::FrozenStart settled_start(const tasks::Scene& scene, bool settle, const s
     }
     if (simulation.needs_settling()) {
         tasks::SilentObserver nobody;
-        const tasks::Fault fault = simulation.settle(nobody, catch_interrupts());
+        const tasks::Fault fault = simulation.advance({.until = 0.0}, nobody, catch_interrupts());
         if (fault) throw tasks::SettlingFault(fault);
     }
     return tasks::frozen_start(simulation);

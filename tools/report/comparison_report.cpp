@@ -102,7 +102,7 @@ std::string comparison_json(const std::string& scene, const Comparison& comparis
                             {"rounds", options.rounds},
                             {"reference", candidate_name(options.reference)},
                             {"reference_watch", watch_json({}, comparison.reference_watch)},
-                            {"pin", comparison.pin},
+                            {"pin", comparison.pin.value_or(-1)},
                             {"entry", comparison.entry},
                             {"candidates", rows}};
     return json_text(json);
@@ -115,7 +115,7 @@ Line line_of(std::size_t series) { return series < 8 ? Line::solid : Line::dashe
 
 Plot empty_plot(const std::string& scene, const Comparison& comparison, const std::string& quantity) {
     Plot plot;
-    plot.title = fmt::format("{} of pin {}", quantity, comparison.pin);
+    plot.title = fmt::format("{} of pin {}", quantity, *comparison.pin);
     plot.subtitle = fmt::format("{}, on the sheave at -z; the pin enters the driving sheaves at {}", scene, time_text(comparison.entry));
     plot.x = {"time [ms]", Scale::linear, 1.0, {}, {}};
     plot.y = {quantity + " [N]", Scale::linear, 1.0, {}, {}};
@@ -128,7 +128,7 @@ Plot pin_plot(const std::string& scene, const Comparison& comparison) {
     Plot plot = empty_plot(scene, comparison, "Axial force");
     const auto add = [&](const std::string& name, const tasks::Course& course, const std::string& colour, Line line, double width) {
         Series series{name, {}, Mark::none, line, colour, width};
-        const std::vector<double> force = course.pin_axial(comparison.pin, 0);
+        const std::vector<double> force = course.pin_axial(*comparison.pin, 0);
         for (std::size_t k = 0; k < force.size(); ++k) series.points.push_back({1e3 * course.time[k], force[k]});
         plot.series.push_back(std::move(series));
     };
@@ -144,11 +144,11 @@ Plot pin_error_plot(const std::string& scene, const Comparison& comparison) {
     Plot plot = empty_plot(scene, comparison, "Error of the axial force");
     plot.y.label = "|force - reference| [N]";
     plot.y.scale = Scale::logarithmic;
-    const std::vector<double> should = comparison.reference.pin_axial(comparison.pin, 0);
+    const std::vector<double> should = comparison.reference.pin_axial(*comparison.pin, 0);
     for (const Compared& compared : comparison.candidates) {
         if (compared.fault) continue;
         Series series{candidate_name(compared.candidate), {}, Mark::none, line_of(plot.series.size()), ""};
-        const std::vector<double> force = compared.course.pin_axial(comparison.pin, 0);
+        const std::vector<double> force = compared.course.pin_axial(*comparison.pin, 0);
         for (std::size_t k = 0; k < std::min(force.size(), should.size()); ++k)
             series.points.push_back({1e3 * compared.course.time[k], std::abs(force[k] - should[k])});
         plot.series.push_back(std::move(series));
@@ -158,11 +158,11 @@ Plot pin_error_plot(const std::string& scene, const Comparison& comparison) {
 
 std::string pin_csv(const Comparison& comparison) {
     std::string text = "time,reference";
-    std::vector<std::vector<double>> columns{comparison.reference.pin_axial(comparison.pin, 0)};
+    std::vector<std::vector<double>> columns{comparison.reference.pin_axial(*comparison.pin, 0)};
     for (const Compared& compared : comparison.candidates) {
         if (compared.fault) continue;
         text += "," + candidate_name(compared.candidate);
-        columns.push_back(compared.course.pin_axial(comparison.pin, 0));
+        columns.push_back(compared.course.pin_axial(*comparison.pin, 0));
     }
     text += "\n";
     for (std::size_t row = 0; row < comparison.reference.time.size(); ++row) {

@@ -147,10 +147,10 @@ ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, t
         options.cancel = &interrupted;
         options.progress = [&display](const tasks::BatchProgress& progress) { display.show(progress); };
         options.notice = [&display](const std::string& what) { display.tell(what); };
-        if (options.part.only >= 0) options.threads = 1;
+        if (options.part.only) options.threads = 1;
         report = tasks::run_batch(sweep, options);
     }
-    if (options.part.only >= 0 && !interrupted.requested()) return ExitStatus::finished;
+    if (options.part.only && !interrupted.requested()) return ExitStatus::finished;
     const bool accurate = !report.finished || verified(asked, tuned, report, quiet);
     if (!quiet) {
         print_end(sweep, report, options.folder);

@@ -11,7 +11,7 @@
 
 namespace cvtflow::engine {
 
-void JobPool::run(const std::function<long(int)>& next, const std::function<void(int, long)>& work) {
+void JobPool::run(const std::function<std::optional<long>(int)>& next, const std::function<void(int, long)>& work) {
     std::mutex mutex;
     std::exception_ptr error;
     const FloatingMode mode;
@@ -20,13 +20,13 @@ void JobPool::run(const std::function<long(int)>& next, const std::function<void
         const FloatingScope floating(mode);
         const Pin pin(options_.pin, processors, number);
         for (;;) {
-            const long job = [&] {
+            const std::optional<long> job = [&] {
                 const std::lock_guard hold(mutex);
-                return error ? -1L : next(number);
+                return error ? std::nullopt : next(number);
             }();
-            if (job < 0) return;
+            if (!job) return;
             try {
-                work(number, job);
+                work(number, *job);
             } catch (...) {
                 const std::lock_guard hold(mutex);
                 if (!error) error = std::current_exception();

@@ -8,6 +8,7 @@
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <thread>
 #include <vector>
@@ -23,9 +24,9 @@ public:
     };
     explicit JobPool(Options options) : options_(options) {}
 
-    /// @param next  called by one thread at a time; the number of a job, or -1 when there is none any more for this worker
+    /// @param next  called by one thread at a time; the number of a job, nothing when there is none any more for this worker
     /// @param work  called by any worker 0 … threads - 1 for its job; what it throws ends the pool and is thrown here
-    void run(const std::function<long(int worker)>& next, const std::function<void(int worker, long job)>& work);
+    void run(const std::function<std::optional<long>(int worker)>& next, const std::function<void(int worker, long job)>& work);
 
 private:
     Options options_;

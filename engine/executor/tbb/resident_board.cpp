@@ -122,7 +122,7 @@ void ResidentBoard::work(int worker) noexcept {
     at_work_.value.fetch_add(1, std::memory_order_relaxed);
     std::uint64_t open = open_.value.load(std::memory_order_acquire);
     for (int round = 0; Word::count(open) != Word::most; ++round) {
-        if (retreats_ && round % rounds_per_look == 0 && contention.due()) leave(contention);
+        if (retreats_ && round % rounds_per_reading == 0 && contention.due()) leave(contention);
         const std::uint64_t next = finish(worker, open);
         open = next != open ? next : backoff.change(open_.value, open);
     }

@@ -44,7 +44,7 @@ private:
         int next;  ///< number of the level that follows, or last
     };
     static constexpr int last = -1;
-    static constexpr int rounds_per_look = 16;  // a look at the clock costs 25 ns, a level at least 300
+    static constexpr int rounds_per_reading = 16;  // reading the clock costs 25 ns, a level takes at least 300
 
     [[nodiscard]] std::uint64_t finish(int worker, std::uint64_t open) noexcept;
     [[nodiscard]] std::uint64_t run_share(int worker, int owner, std::uint64_t open) noexcept;

@@ -28,7 +28,7 @@ std::array<std::byte, seal_size> seal_of(std::uint64_t length, const Checksum& c
     return seal;
 }
 
-Seal look_at_seal(const InputFile& file) {
+Seal inspect_seal(const InputFile& file) {
     std::array<std::byte, seal_size> found{};
     if (file.size() < seal_size || file.read(file.size() - seal_size, found.data(), seal_size) < seal_size) return Seal::none;
     std::uint64_t length = 0, own = 0;

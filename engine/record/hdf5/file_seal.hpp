@@ -27,7 +27,7 @@ enum class Seal {
 [[nodiscard]] std::array<std::byte, seal_size> seal_of(std::uint64_t length, const Checksum& contents) noexcept;
 
 /// Reads all of a file that ends with a seal. @throws InputError
-[[nodiscard]] Seal look_at_seal(const InputFile& file);
+[[nodiscard]] Seal inspect_seal(const InputFile& file);
 
 /// Reads a file from its beginning and writes its seal behind it. @param length of what is sealed @return 0 or an errno
 [[nodiscard]] int write_seal(int descriptor, std::uint64_t length) noexcept;

@@ -83,13 +83,13 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
     if (mark == Marked::old) {
         throw RecordError(path + ": an HDF5 file, but not a " + kind.format);
     }
-    const Seal seal = look_at_seal(input);
+    const Seal seal = inspect_seal(input);
     if (seal == Seal::broken) {
         throw_damaged(path, "it is not what was sealed when it was finished: its checksum differs");
     }
     OpenFile open{{}, seal == Seal::whole};
     try {
-        survive([&] { look_at_everything(open_that(path, input).id()); });
+        survive([&] { inspect_everything(open_that(path, input).id()); });
         open.file = open_that(path, input);
     } catch (const Failure& failure) {
         throw_unreadable(path, failure.what());

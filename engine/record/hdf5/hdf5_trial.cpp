@@ -55,12 +55,12 @@ void limit_child() {
 
 /// What HDF5 refuses, the parent must not try: after an error in the middle of a list, HDF5 frees pointers that it has never set, which
 /// ends one process and not the other.
-[[noreturn]] void be_the_child(const std::function<void()>& look, int to_parent) {
+[[noreturn]] void be_the_child(const std::function<void()>& inspect, int to_parent) {
     files_are_tried = false;
     int status = 0;
     try {
         limit_child();
-        look();
+        inspect();
     } catch (const std::bad_alloc&) {
         status = out_of_memory;
     } catch (const hdf5::Failure& failure) {
@@ -87,7 +87,7 @@ void try_files_first() noexcept { files_are_tried = true; }
 namespace hdf5 {
 namespace {
 
-void look_at_series(hid_t file, const std::string& path) {
+void inspect_series(hid_t file, const std::string& path) {
     for (const Cells cells : {Cells::reals, Cells::bytes}) {
         try {
             const Series series(file, path, cells, 2);
@@ -101,7 +101,7 @@ void look_at_series(hid_t file, const std::string& path) {
 }
 
 /// Rows of a table, as they lie in the file.
-void look_at_table(hid_t file, const std::string& path) {
+void inspect_table(hid_t file, const std::string& path) {
     try {
         const Series series(file, path, Cells::records);
         static_cast<void>(read_attributes(series.id()));
@@ -115,22 +115,22 @@ void look_at_table(hid_t file, const std::string& path) {
 
 }  // namespace
 
-void look_at_everything(hid_t file) {
+void inspect_everything(hid_t file) {
     try {
         static_cast<void>(read_attributes(file));
     } catch (const Failure&) {}
     for (const std::string& name : dataset_names(file, "/")) {
-        look_at_series(file, "/" + name);
-        look_at_table(file, "/" + name);
+        inspect_series(file, "/" + name);
+        inspect_table(file, "/" + name);
     }
 }
 
-void survive(const std::function<void()>& look) {
+void survive(const std::function<void()>& inspect) {
     if (!files_are_tried || !single_threaded()) return;
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) return;
     const pid_t child = fork();
-    if (child == 0) be_the_child(look, ends[1]);
+    if (child == 0) be_the_child(inspect, ends[1]);
     close(ends[1]);
     int status = 0;
     while (child > 0 && waitpid(child, &status, 0) < 0 && errno == EINTR) {}

@@ -1,5 +1,5 @@
 #pragma once
-/// Internal to engine/record: a look at a file by a child process, which may crash of it.
+/// Internal to engine/record: a file inspected by a child process, which may crash of it.
 ///
 /// HDF5 1.10.8 trusts metadata whose checksums are right, and who forges a file can make them right: some of those make it crash, or run
 /// for ever. What a child has survived, its parent survives, since both see the same bytes; what it was refused, the parent does not try.
@@ -12,11 +12,11 @@ namespace cvtflow::engine::hdf5 {
 
 /// Opens everything in a file: objects, attributes, the first and last row of every dataset. Throws Failure for groups that cannot be
 /// listed.
-void look_at_everything(hid_t file);
+void inspect_everything(hid_t file);
 
-/// Runs `look` in a child with 1 s of processor time, 5 s in all and 1 GiB of memory more than there is. Does nothing unless the program
+/// Runs `inspect` in a child with 1 s of processor time, 5 s in all and 1 GiB of memory more than there is. Does nothing unless the program
 /// has asked for it (try_files_first), and where other threads run, of which one may hold the library's lock. Throws the Failure that
-/// `look` throws there, Failure("HDF5 crashes on it"), ("it takes HDF5 too long") or ("HDF5 wants more than 1 GiB for it").
-void survive(const std::function<void()>& look);
+/// `inspect` throws there, Failure("HDF5 crashes on it"), ("it takes HDF5 too long") or ("HDF5 wants more than 1 GiB for it").
+void survive(const std::function<void()>& inspect);
 
 }  // namespace cvtflow::engine::hdf5

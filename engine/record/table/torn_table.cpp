@@ -11,15 +11,15 @@ namespace {
 constexpr std::size_t window_bytes = std::size_t{1} << 20U;
 
 /// Shows every `width` bytes of a file that lie together, from its beginning on.
-/// @param look  @return how many bytes further it wants to look next; 0: no more
-template <class Look>
-void walk(const InputFile& file, std::size_t width, const Look& look) {
+/// @param inspect  @return how many bytes further it wants to see next; 0: no more
+template <class Inspect>
+void walk(const InputFile& file, std::size_t width, const Inspect& inspect) {
     std::vector<std::byte> window(window_bytes + width);
     std::uint64_t from = 0;
     for (std::size_t read = 0; (read = file.read(from, window.data(), window.size())) >= width;) {
         std::size_t at = 0;
         while (at + width <= read) {
-            const std::size_t further = look(std::span<const std::byte>(window).subspan(at, width));
+            const std::size_t further = inspect(std::span<const std::byte>(window).subspan(at, width));
             if (further == 0) return;
             at += further;
         }
@@ -32,7 +32,7 @@ void walk(const InputFile& file, std::size_t width, const Look& look) {
 bool torn_while_growing(const std::string& path, std::string_view text) {
     try {
         const InputFile file(path);
-        if (text.empty() || look_at_seal(file) != Seal::none) return false;
+        if (text.empty() || inspect_seal(file) != Seal::none) return false;
         bool found = false;
         walk(file, text.size(), [&](std::span<const std::byte> bytes) -> std::size_t {
             found = std::memcmp(bytes.data(), text.data(), text.size()) == 0;

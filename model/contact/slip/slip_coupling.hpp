@@ -9,18 +9,19 @@ namespace cvtflow::model {
 namespace {
 
 template <int Points>
-class SlipCoupling : public SlipRows<Points> {
+class SlipCoupling {
 public:
-    using Base = SlipRows<Points>;
-    using typename Base::Point;
-    using typename Base::Tip;
+    using Rows = SlipRows<Points>;
+    using Point = typename Rows::Point;
+    using Tip = typename Rows::Tip;
     using V = SlipV;
     using F = FloatLanes;
-    using Base::Base;
+
+    SlipCoupling(const SlipSpace& space, SlipGroup& group) noexcept : contacts_(space, group), space_(space), g_(group) {}
 
     /// g [s]
     void couple(double g) noexcept {
-        this->g_.step = g;
+        g_.step = g;
         list();
         for (int row = 0; row < count_; ++row) {
             const Row a = rows_[static_cast<std::size_t>(row)].scaled(static_cast<float>(g));
@@ -30,10 +31,10 @@ public:
                 if (!lateral && !axial) continue;  // zero from the beginning
                 F value(0.0f);
                 if (lateral)
-                    value = static_cast<float>(this->space_.lateral(a.lateral, b.lateral)) * (a.ax * b.ax + a.ay * b.ay) +
+                    value = static_cast<float>(space_.lateral(a.lateral, b.lateral)) * (a.ax * b.ax + a.ay * b.ay) +
                             (a.turning * b.lever + a.lever * b.turned);
-                if (axial) value = value + static_cast<float>(this->space_.axial(a.axial, b.axial)) * (a.along * b.along);
-                put(this->g_.coupling, triangle(a.number, b.number), value);
+                if (axial) value = value + static_cast<float>(space_.axial(a.axial, b.axial)) * (a.along * b.along);
+                put(g_.coupling, triangle(a.number, b.number), value);
             }
         }
     }
@@ -64,22 +65,22 @@ private:
         row.ax = narrow(ax);
         row.ay = narrow(ay);
         row.lever = narrow(lever);
-        const int turn = this->space_.turning();
-        row.turned = narrow(this->space_.lateral(direction, turn) * (get(this->g_.frame, 0) * ay - get(this->g_.frame, 1) * ax));
-        row.turning = row.turned + static_cast<float>(this->space_.lateral(turn, turn)) * row.lever;
+        const int turn = space_.turning();
+        row.turned = narrow(space_.lateral(direction, turn) * (get(g_.frame, 0) * ay - get(g_.frame, 1) * ax));
+        row.turning = row.turned + static_cast<float>(space_.lateral(turn, turn)) * row.lever;
     }
 
     void list() noexcept {
-        const int points = this->points();
-        const SlipContacts contacts = this->contacts();
+        const int points = contacts_.points();
+        const SlipContacts contacts = contacts_.contacts();
         count_ = 0;
         add(0).axial = 4 + 2 * points;
         add(1).axial = 5 + 2 * points;
-        for (int corner = 0; corner < (this->g_.touching ? tips_per_link : 0); ++corner) {
+        for (int corner = 0; corner < (g_.touching ? tips_per_link : 0); ++corner) {
             for (int k = 0; k < 2; ++k) {
-                const auto tangent = [&](int axis) { return this->tip_value(corner, Tip::tangent + 3 * k + axis); };
+                const auto tangent = [&](int axis) { return contacts_.tip_value(corner, Tip::tangent + 3 * k + axis); };
                 Row& row = add(2 * (SlipContacts::first_tip + corner) + k);
-                act(row, corner, tangent(0), tangent(1), this->tip_value(corner, Tip::lever + k));
+                act(row, corner, tangent(0), tangent(1), contacts_.tip_value(corner, Tip::lever + k));
                 row.axial = corner;
                 row.along = narrow(tangent(2));
             }
@@ -88,13 +89,16 @@ private:
             const double sign = end == End::rear ? -1.0 : 1.0;
             for (int number = 0; number < points; ++number) {
                 const int slip = 2 * contacts.joint(end, number), direction = 4 + (end == End::rear ? 0 : points) + number;
-                act(add(slip), direction, -sign * this->point(end, number, Point::normal_y),
-                    sign * this->point(end, number, Point::normal_x), this->point(end, number, Point::lever));
+                act(add(slip), direction, -sign * contacts_.point(end, number, Point::normal_y),
+                    sign * contacts_.point(end, number, Point::normal_x), contacts_.point(end, number, Point::lever));
                 add(slip + 1).axial = direction;
             }
         }
     }
 
+    Rows contacts_;
+    const SlipSpace& space_;
+    SlipGroup& g_;
     std::array<Row, most> rows_;
     int count_ = 0;
 };

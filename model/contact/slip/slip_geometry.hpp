@@ -10,14 +10,16 @@ namespace {
 
 /// Points: of a joint, a constant for the compiler; 0: read from the space.
 template <int P, int Points>
-class SlipGeometry : public SlipRows<Points> {
+class SlipGeometry {
 public:
-    using Base = SlipRows<Points>;
-    using typename Base::Point;
-    using typename Base::Tip;
+    using Rows = SlipRows<Points>;
+    using Point = typename Rows::Point;
+    using Tip = typename Rows::Tip;
     using V = SlipV;
     static constexpr int n = P + 1;
-    using Base::Base;
+
+    SlipGeometry(const SlipSpace& space, SlipGroup& group) noexcept
+        : rows_(space, group), space_(space), c_(space.chain().coefficients()), g_(group) {}
 
     /// Each link's part of the slips of its contacts.
     void slips(double time, LaneRows& own) const noexcept {
@@ -27,7 +29,7 @@ public:
             velocity, [&](int row, const V& slip) { put(own, row, slip); },
             [&](int corner, int k, const V& slip) {
                 put(own, 2 * (SlipContacts::first_tip + corner) + k,
-                    slip - tip_value(corner, Tip::sheave + k) - time * tip_value(corner, Tip::drift + k));
+                    slip - rows_.tip_value(corner, Tip::sheave + k) - time * rows_.tip_value(corner, Tip::drift + k));
             });
     }
 
@@ -51,14 +53,6 @@ public:
     }
 
 private:
-    using Base::c_;
-    using Base::contacts;
-    using Base::g_;
-    using Base::point;
-    using Base::points;
-    using Base::space_;
-    using Base::tip_value;
-
     [[nodiscard]] double basis(int m, int number) const noexcept {
         return c_.joint_points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(number)];
     }
@@ -79,7 +73,7 @@ private:
             }
         }
         for (const End end : {End::rear, End::front}) {
-            for (int number = 0; number < points(); ++number) joint_slips(end, number, v, turn, put);
+            for (int number = 0; number < rows_.points(); ++number) joint_slips(end, number, v, turn, put);
         }
     }
 
@@ -97,8 +91,8 @@ private:
         for (int k = 0; k < 2; ++k) {
             const int tangent = Tip::tangent + 3 * k;
             put(corner, k,
-                tip_value(corner, tangent) * vx + tip_value(corner, tangent + 1) * vy + tip_value(corner, tangent + 2) * vz +
-                    tip_value(corner, Tip::lever + k) * turn);
+                rows_.tip_value(corner, tangent) * vx + rows_.tip_value(corner, tangent + 1) * vy +
+                    rows_.tip_value(corner, tangent + 2) * vz + rows_.tip_value(corner, Tip::lever + k) * turn);
         }
     }
 
@@ -109,10 +103,10 @@ private:
             vx += basis(m, number) * v[at<P>.x(end, m)];
             vy += basis(m, number) * v[at<P>.y(end, m)];
         }
-        const V across = point(end, number, Point::normal_x) * vy - point(end, number, Point::normal_y) * vx;
+        const V across = rows_.point(end, number, Point::normal_x) * vy - rows_.point(end, number, Point::normal_y) * vx;
         const V axial = v[at<P>.z(end)] + position(number) * v[at<P>.e(end)];
-        const V lever = point(end, number, Point::lever) * turn;
-        const int row = 2 * contacts().joint(end, number);
+        const V lever = rows_.point(end, number, Point::lever) * turn;
+        const int row = 2 * rows_.contacts().joint(end, number);
         put(row, end == End::rear ? lever - across : lever + across);
         put(row + 1, end == End::rear ? -axial : axial);
     }
@@ -131,7 +125,7 @@ private:
             for (int corner = 0; corner < tips_per_link; ++corner) add_tip(force, corner, f, couple);
         }
         for (const End end : {End::rear, End::front}) {
-            for (int number = 0; number < points(); ++number) add_joint(force, end, number, f, couple);
+            for (int number = 0; number < rows_.points(); ++number) add_joint(force, end, number, f, couple);
         }
         const V tx = get(g_.frame, 0), ty = get(g_.frame, 1);
         f[at<P>.x(End::front, 0)] = f[at<P>.x(End::front, 0)] - couple * ty;
@@ -148,7 +142,7 @@ private:
         const double s = corner % 2 == 0 ? -1.0 : 1.0;
         const V first = get(force, 2 * (SlipContacts::first_tip + corner)), second = get(force, 2 * (SlipContacts::first_tip + corner) + 1);
         const auto along = [&](int axis) {
-            return tip_value(corner, Tip::tangent + axis) * first + tip_value(corner, Tip::tangent + 3 + axis) * second;
+            return rows_.tip_value(corner, Tip::tangent + axis) * first + rows_.tip_value(corner, Tip::tangent + 3 + axis) * second;
         };
         const V fx = along(0), fy = along(1), fz = along(2);
         for (int m = 0; m < n; ++m) {
@@ -158,14 +152,15 @@ private:
         }
         f[at<P>.z(end)] += fz;
         f[at<P>.e(end)] += s * fz;
-        couple += tip_value(corner, Tip::lever) * first + tip_value(corner, Tip::lever + 1) * second;
+        couple += rows_.tip_value(corner, Tip::lever) * first + rows_.tip_value(corner, Tip::lever + 1) * second;
     }
 
     void add_joint(const LaneRows& force, End end, int number, V* f, V& couple) const noexcept {
-        const int row = 2 * contacts().joint(end, number);
+        const int row = 2 * rows_.contacts().joint(end, number);
         const V across = get(force, row), axial = get(force, row + 1);
         const V signed_across = end == End::rear ? -across : across, signed_axial = end == End::rear ? -axial : axial;
-        const V fx = -(point(end, number, Point::normal_y) * signed_across), fy = point(end, number, Point::normal_x) * signed_across;
+        const V fx = -(rows_.point(end, number, Point::normal_y) * signed_across),
+                fy = rows_.point(end, number, Point::normal_x) * signed_across;
         f[at<P>.x(end, 0)] += fx;
         f[at<P>.y(end, 0)] += fy;
         for (int m = 1; m < n; ++m) {
@@ -174,7 +169,7 @@ private:
         }
         f[at<P>.z(end)] += signed_axial;
         f[at<P>.e(end)] += position(number) * signed_axial;
-        couple += point(end, number, Point::lever) * across;
+        couple += rows_.point(end, number, Point::lever) * across;
     }
 
     template <int size>
@@ -182,6 +177,11 @@ private:
         multiply_ends<size>(inverse, f, acceleration);
         for (int row = 0; row < 2 * size; ++row) acceleration[row] = -acceleration[row];
     }
+
+    Rows rows_;
+    const SlipSpace& space_;
+    const Coefficients& c_;
+    SlipGroup& g_;
 };
 
 }  // namespace

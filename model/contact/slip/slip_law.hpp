@@ -15,19 +15,21 @@ struct SlipLaw {
 };
 
 template <int Points>
-class SlipLaws : public SlipRows<Points> {
+class SlipLaws {
 public:
-    using Base = SlipRows<Points>;
-    using typename Base::Point;
-    using typename Base::Tip;
+    using Rows = SlipRows<Points>;
+    using Point = typename Rows::Point;
+    using Tip = typename Rows::Tip;
     using V = SlipV;
-    using Base::Base;
+
+    SlipLaws(const SlipSpace& space, SlipGroup& group) noexcept
+        : rows_(space, group), c_(space.chain().coefficients()), tip_curve_(space.tip_curve()), g_(group) {}
 
     /// Rooted: with R, else only the force. @param w the contact's two slips
     template <bool Rooted>
     [[nodiscard]] SlipLaw law(int contact, const V* w) const noexcept {
-        if (this->g_.continuation == 1.0) return usual<Rooted>(contact, w);
-        const double inverse = 1.0 / this->g_.continuation;
+        if (g_.continuation == 1.0) return usual<Rooted>(contact, w);
+        const double inverse = 1.0 / g_.continuation;
         const V less[2] = {inverse * w[0], inverse * w[1]};
         SlipLaw wide = usual<Rooted>(contact, less);
         if (!Rooted) return wide;
@@ -42,9 +44,9 @@ private:
         if (contact == SlipContacts::plates) return of_plates<Rooted>(w);
         if (contact < SlipContacts::first_joint) return of_tip<Rooted>(contact - SlipContacts::first_tip, w);
         const int number = contact - SlipContacts::first_joint;
-        const V grip = number < this->points() ? this->point(End::rear, number, Point::grip)
-                                               : this->point(End::front, number - this->points(), Point::grip);
-        return isotropic<Rooted>(this->c_.joint.friction, grip, w, V(0.0));
+        const V grip = number < rows_.points() ? rows_.point(End::rear, number, Point::grip)
+                                               : rows_.point(End::front, number - rows_.points(), Point::grip);
+        return isotropic<Rooted>(c_.joint.friction, grip, w, V(0.0));
     }
 
     /// Along the slip the tangent counts, across it the secant.
@@ -65,19 +67,19 @@ private:
 
     template <bool Rooted>
     [[nodiscard]] SlipLaw of_tip(int corner, const V* w) const noexcept {
-        return isotropic<Rooted>(this->space_.tip_curve(), this->tip_value(corner, Tip::grip), w, this->tip_value(corner, Tip::sticks));
+        return isotropic<Rooted>(tip_curve_, rows_.tip_value(corner, Tip::grip), w, rows_.tip_value(corner, Tip::sticks));
     }
 
     /// Plates slide by w_0 + ξ w_1 each.
     template <bool Rooted>
     [[nodiscard]] SlipLaw of_plates(const V* w) const noexcept {
-        const FrictionCurve& curve = this->c_.plate_friction;
+        const FrictionCurve& curve = c_.plate_friction;
         SlipLaw all{{V(0.0), V(0.0)}, {0.0f, 0.0f, 0.0f, 0.0f}};
         V k00(0.0), k10(0.0), k11(0.0);
-        for (int plate = 0; plate < this->c_.plates.count; ++plate) {
-            const double xi = this->c_.plates.position[static_cast<std::size_t>(plate)];
+        for (int plate = 0; plate < c_.plates.count; ++plate) {
+            const double xi = c_.plates.position[static_cast<std::size_t>(plate)];
             const V sliding = w[0] + xi * w[1];
-            const V grip = get(this->g_.plates, plate);
+            const V grip = get(g_.plates, plate);
             const V force = grip * friction_share<slip_lanes>(curve, sliding),
                     tangent = grip * slip_tangent<slip_lanes>(curve, abs(sliding));
             all.force[0] += force;
@@ -95,6 +97,11 @@ private:
         all.root[3] = sqrt(larger(narrow(k11) - below * below, 0.0f));
         return all;
     }
+
+    Rows rows_;
+    const Coefficients& c_;
+    const FrictionCurve& tip_curve_;
+    const SlipGroup& g_;
 };
 
 }  // namespace

@@ -9,31 +9,31 @@ namespace {
 
 /// Touching: whether a tip of the group touches; else its tips count for nothing.
 template <int Points, bool Touching>
-class SlipNewton : public SlipLaws<Points> {
+class SlipNewton {
 public:
-    using Base = SlipLaws<Points>;
     using V = SlipV;
     using F = FloatLanes;
-    using Base::Base;
+
+    SlipNewton(const SlipSpace& space, SlipGroup& group) noexcept : rows_(space, group), laws_(space, group), g_(group) {}
 
     /// λ = φ(w), all contacts.
     void forces() noexcept {
-        for (int contact = 0; contact < this->contacts().count(); ++contact) {
-            const V w[2] = {get(this->g_.slip, 2 * contact), get(this->g_.slip, 2 * contact + 1)};
-            const SlipLaw law = this->template law<false>(contact, w);
-            put(this->g_.force, 2 * contact, law.force[0]);
-            put(this->g_.force, 2 * contact + 1, law.force[1]);
+        for (int contact = 0; contact < rows_.contacts().count(); ++contact) {
+            const V w[2] = {get(g_.slip, 2 * contact), get(g_.slip, 2 * contact + 1)};
+            const SlipLaw law = laws_.template law<false>(contact, w);
+            put(g_.force, 2 * contact, law.force[0]);
+            put(g_.force, 2 * contact + 1, law.force[1]);
         }
     }
 
     /// φ and R at w.
     void linearise() noexcept {
-        for (int contact = 0; contact < this->contacts().count(); ++contact) {
+        for (int contact = 0; contact < rows_.contacts().count(); ++contact) {
             if (is_missing(contact)) continue;
-            const V w[2] = {get(this->g_.slip, 2 * contact), get(this->g_.slip, 2 * contact + 1)};
-            const SlipLaw law = this->template law<true>(contact, w);
-            for (int k = 0; k < 4; ++k) put(this->g_.root, 4 * contact + k, law.root[k]);
-            for (int k = 0; k < 2; ++k) put(this->g_.law_force, 2 * contact + k, law.force[k]);
+            const V w[2] = {get(g_.slip, 2 * contact), get(g_.slip, 2 * contact + 1)};
+            const SlipLaw law = laws_.template law<true>(contact, w);
+            for (int k = 0; k < 4; ++k) put(g_.root, 4 * contact + k, law.root[k]);
+            for (int k = 0; k < 2; ++k) put(g_.law_force, 2 * contact + k, law.force[k]);
         }
     }
 
@@ -61,19 +61,19 @@ public:
     /// Slope of the energy along the step at its start and at a share of it, and how far forces are off there. Joints count as rear ones.
     void search(double share) noexcept {
         V before(0.0), after(0.0), residual(0.0);
-        for (int contact = 0; contact < SlipContacts::first_joint + this->points(); ++contact) {
+        for (int contact = 0; contact < SlipContacts::first_joint + rows_.points(); ++contact) {
             if (is_missing(contact)) continue;
             V w[2], off[2], change[2];
             for (int k = 0; k < 2; ++k) {
                 const int row = 2 * contact + k;
-                change[k] = get(this->g_.next_slip, row) - get(this->g_.slip, row);
-                w[k] = get(this->g_.slip, row) + share * change[k];
-                before += (get(this->g_.law_force, row) - get(this->g_.force, row)) * change[k];
+                change[k] = get(g_.next_slip, row) - get(g_.slip, row);
+                w[k] = get(g_.slip, row) + share * change[k];
+                before += (get(g_.law_force, row) - get(g_.force, row)) * change[k];
             }
-            const SlipLaw law = this->template law<false>(contact, w);
+            const SlipLaw law = laws_.template law<false>(contact, w);
             for (int k = 0; k < 2; ++k) {
                 const int row = 2 * contact + k;
-                off[k] = law.force[k] - (get(this->g_.force, row) + share * (get(this->g_.next_force, row) - get(this->g_.force, row)));
+                off[k] = law.force[k] - (get(g_.force, row) + share * (get(g_.next_force, row) - get(g_.force, row)));
                 after += off[k] * change[k];
             }
             const double both = contact < SlipContacts::first_joint ? 1.0 : 2.0;
@@ -92,12 +92,12 @@ private:
     [[nodiscard]] static constexpr int local() noexcept { return 2 * locals(); }
     [[nodiscard]] static bool is_missing(int contact) noexcept { return contact >= locals() && contact < SlipContacts::first_joint; }
     /// Slips of both joints.
-    [[nodiscard]] int joint_slips() const noexcept { return 4 * this->points(); }
-    [[nodiscard]] F coupling(int row, int column) const noexcept { return get(this->g_.coupling, triangle(row, column)); }
-    [[nodiscard]] F root(int contact, int row, int column) const noexcept { return get(this->g_.root, 4 * contact + 2 * row + column); }
-    [[nodiscard]] F factor(int row, int column) const noexcept { return get(this->g_.factor, triangle(row, column)); }
+    [[nodiscard]] int joint_slips() const noexcept { return 4 * rows_.points(); }
+    [[nodiscard]] F coupling(int row, int column) const noexcept { return get(g_.coupling, triangle(row, column)); }
+    [[nodiscard]] F root(int contact, int row, int column) const noexcept { return get(g_.root, 4 * contact + 2 * row + column); }
+    [[nodiscard]] F factor(int row, int column) const noexcept { return get(g_.factor, triangle(row, column)); }
     /// Column joint_slips(): the right-hand side.
-    [[nodiscard]] F panel(int row, int column) const noexcept { return get(this->g_.panel, row * (joint_slips() + 1) + column); }
+    [[nodiscard]] F panel(int row, int column) const noexcept { return get(g_.panel, row * (joint_slips() + 1) + column); }
 
     /// R_aᵀ g W R_b of two contacts, a ≥ b. @param to takes row, column and value
     template <class Put>
@@ -131,7 +131,7 @@ private:
         }
         for (int row = 0; row < local(); ++row) m[triangle(row, row)] = 1.0f + m[triangle(row, row)];
         ldl<local()>(m);
-        for (int k = 0; k < triangle(local(), 0); ++k) put(this->g_.factor, k, m[k]);
+        for (int k = 0; k < triangle(local(), 0); ++k) put(g_.factor, k, m[k]);
     }
 
     /// L⁻¹ [Rᵀ g W R of the joints' slips | Rᵀ (ŵ - g W φ - w)], all columns side by side.
@@ -140,11 +140,11 @@ private:
         F x[local_end * most];
         const int width = joint_slips() + 1;
         for (int a = 0; a < locals(); ++a) {
-            for (int b = 0; b < 2 * this->points(); ++b) {
+            for (int b = 0; b < 2 * rows_.points(); ++b) {
                 block(SlipContacts::first_joint + b, a, [&](int i, int j, const F& value) { x[(2 * a + j) * width + 2 * b + i] = value; });
             }
             F d[2];
-            for (int k = 0; k < 2; ++k) d[k] = narrow(get(this->g_.part, 2 * a + k) - get(this->g_.slip, 2 * a + k));
+            for (int k = 0; k < 2; ++k) d[k] = narrow(get(g_.part, 2 * a + k) - get(g_.slip, 2 * a + k));
             for (int i = 0; i < 2; ++i) x[(2 * a + i) * width + width - 1] = root(a, 0, i) * d[0] + root(a, 1, i) * d[1];
         }
         for (int row = 0; row < local(); ++row) {
@@ -156,7 +156,7 @@ private:
             }
             for (int column = 0; column < width; ++column) {
                 x[row * width + column] = own[column];
-                put(this->g_.panel, row * width + column, own[column]);
+                put(g_.panel, row * width + column, own[column]);
             }
         }
     }
@@ -165,13 +165,13 @@ private:
     void joints() noexcept {
         const int size = joint_slips() / 2, width = joint_slips() + 1;
         const SlipElement element{size};
-        float* entries = this->g_.element.at(0);
+        float* entries = g_.element.at(0);
         for (int a = 0; a < size; ++a) {
             for (int b = 0; b <= a; ++b) {
                 const int row = a < size / 2 ? 2 * a : 2 * a - size, column = b < size / 2 ? 2 * b : 2 * b - size;
                 const int begin = a < size / 2 ? element.rear() : b < size / 2 ? element.across() : element.front();
                 block(SlipContacts::first_joint + a, SlipContacts::first_joint + b,
-                      [&](int i, int j, const F& value) { put(this->g_.element, begin + (row + i) * size + column + j, value); });
+                      [&](int i, int j, const F& value) { put(g_.element, begin + (row + i) * size + column + j, value); });
             }
         }
         alignas(64) float scaled[local_end * (most_joint_slips + 1) * slip_lanes];
@@ -182,7 +182,7 @@ private:
         const auto subtract = [&]<bool Lower>(int row, int column, int begin) {
             float* m = entries + begin * slip_lanes;
             subtract_products<local(), tile_rows<Points>, tile_columns<Points>, Lower>(
-                this->g_.panel.at(row), width, scaled + column * slip_lanes, width, size, size, m, m);
+                g_.panel.at(row), width, scaled + column * slip_lanes, width, size, size, m, m);
         };
         subtract.template operator()<true>(0, 0, element.rear());
         subtract.template operator()<false>(size, 0, element.across());
@@ -190,7 +190,7 @@ private:
         for (int row = 0; row < 2 * size; ++row) {
             F value(0.0f);
             for (int k = 0; k < local(); ++k) value = value - panel(k, row) * load(scaled + (k * width + 2 * size) * slip_lanes);
-            put(this->g_.element, element.rear_side() + row, value);
+            put(g_.element, element.rear_side() + row, value);
         }
     }
 
@@ -198,19 +198,23 @@ private:
     void step(int contact, const F& x, const F& y) noexcept {
         for (int k = 0; k < 2; ++k) {
             const int row = 2 * contact + k;
-            put(this->g_.next_force, row, get(this->g_.law_force, row) + widen(root(contact, k, 0) * x + root(contact, k, 1) * y));
+            put(g_.next_force, row, get(g_.law_force, row) + widen(root(contact, k, 0) * x + root(contact, k, 1) * y));
         }
     }
 
     void collect(const V& before, const V& after, const V& residual) noexcept {
-        this->g_.slope_before = this->g_.slope_after = this->g_.residual = 0.0;
-        for (const SlipGroup::Link& link : this->g_.links) {
+        g_.slope_before = g_.slope_after = g_.residual = 0.0;
+        for (const SlipGroup::Link& link : g_.links) {
             const auto k = static_cast<std::size_t>(link.lane);
-            this->g_.slope_before += before[k];
-            this->g_.slope_after += after[k];
-            if (!(residual[k] <= this->g_.residual)) this->g_.residual = residual[k];  // keeps what is not a number
+            g_.slope_before += before[k];
+            g_.slope_after += after[k];
+            if (!(residual[k] <= g_.residual)) g_.residual = residual[k];  // keeps what is not a number
         }
     }
+
+    SlipRows<Points> rows_;
+    SlipLaws<Points> laws_;
+    SlipGroup& g_;
 };
 
 }  // namespace

@@ -1,8 +1,8 @@
 #pragma once
 /// What a group of links knows of its contacts, in rows of lanes: gathered once per step, read by slips, forces and the coupling alike.
 
-#include "model/basis/float_lanes.hpp"
 #include "model/contact/slip/slip_space.hpp"
+#include "model/contact/slip/slip_tiles.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -11,8 +11,6 @@ using SlipV = Lanes<slip_lanes>;
 
 [[nodiscard]] inline SlipV get(const LaneRows& rows, int row) noexcept { return load<slip_lanes>(rows.at(row)); }
 inline void put(LaneRows& rows, int row, const SlipV& value) noexcept { value.copy_to(rows.at(row)); }
-[[nodiscard]] inline FloatLanes get(const FloatRows& rows, int row) noexcept { return load(rows.at(row)); }
-inline void put(FloatRows& rows, int row, const FloatLanes& value) noexcept { value.copy_to(rows.at(row)); }
 
 /// Whatever the order of the links, so that it is compiled once for all of them.
 /// Points: of a joint, a constant for the compiler; 0: read from the space.
@@ -62,11 +60,6 @@ public:
         for (int corner = 0; corner < tips_per_link; ++corner) tip(field, corner, inverse_length);
     }
 
-protected:
-    const SlipSpace& space_;
-    const Coefficients& c_;
-    SlipGroup& g_;
-
 private:
     /// A component of the field at the links of the group, or so many links further.
     [[nodiscard]] V gathered(const ContactField& field, int row, int shift) const noexcept {
@@ -103,6 +96,10 @@ private:
         put(g_.tips, tip_row(corner, Tip::sticks),
             space_.friction().by_phase() ? select_greater<slip_lanes>(from(From::most), V(1e100), V(0.0), V(1.0)) : V(0.0));
     }
+
+    const SlipSpace& space_;
+    const Coefficients& c_;
+    SlipGroup& g_;
 };
 
 }  // namespace

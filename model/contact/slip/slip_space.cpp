@@ -6,18 +6,6 @@
 
 namespace cvtflow::model {
 
-SlipChain::SlipChain(const SlipStretches& links, int size) : stretches(links) {
-    const SlipElement element{size};
-    const SlipStep step{size};
-    for (int count = stretches.count(); counts.empty() || counts.back() > 1; count = (count + 1) / 2) counts.push_back(count);
-    for (int k = 0; k < stretches.length() - 1 + levels(); ++k) steps.emplace_back(step.count());
-    for (FloatRows* rows : {&left, &right}) *rows = FloatRows(element.count());
-    scaled = FloatRows(size * (2 * size + 1));
-    sides = FloatRows(stretches.length() * size);
-    unknowns = FloatRows((stretches.length() + 1) * size);
-    ends = FloatRows((levels() + 1) * size);
-}
-
 SlipGroup::SlipGroup(const ChainModel& model, const SlipStretches& stretches, int number) {
     const SlipContacts contacts{model.coefficients().joint_points.count};
     const int slips = contacts.slips(), joints_slips = 2 * contacts.joint_slips(), local = SlipContacts::local_slips;

@@ -1,14 +1,17 @@
 #pragma once
-/// Small dense matrices of floats, lanes over links: factors and products, in tiles that stay in registers.
+/// Rows of floats, lanes over links, and small dense matrices of them: factors and products, in tiles that stay in registers.
 
 #include <cstdint>
 #include <type_traits>
 
 #include "model/basis/float_lanes.hpp"
-#include "model/contact/slip/slip_space.hpp"
+#include "model/contact/slip/joint_chain.hpp"
 
 namespace cvtflow::model {
 namespace {
+
+[[nodiscard]] inline FloatLanes get(const FloatRows& rows, int row) noexcept { return load(rows.at(row)); }
+inline void put(FloatRows& rows, int row, const FloatLanes& value) noexcept { value.copy_to(rows.at(row)); }
 
 /// Rows and columns of a tile: divide the unknowns of a joint, and leave registers for its factors (32 of AVX-512, else 16). Points: of a
 /// joint, 0: any number.

@@ -57,15 +57,15 @@ private:
     template <End end>
     [[nodiscard]] std::array<V, 2> pair(const Columns& columns, const std::array<SheaveMotionLanes<W>, 2>& sheaves, const V& shaft,
                                         std::array<Reaction, 2>& reaction, std::array<V, size>& share) const noexcept {
-        const TipPush<V> minus = tip(OneTip<W, end, 0>{}, 2 * static_cast<int>(end), columns, sheaves.data(), shaft, reaction[0]);
-        const TipPush<V> plus = tip(OneTip<W, end, 1>{}, 2 * static_cast<int>(end) + 1, columns, sheaves.data(), shaft, reaction[1]);
+        const TipAction<V> minus = tip(OneTip<W, end, 0>{}, 2 * static_cast<int>(end), columns, sheaves.data(), shaft, reaction[0]);
+        const TipAction<V> plus = tip(OneTip<W, end, 1>{}, 2 * static_cast<int>(end) + 1, columns, sheaves.data(), shaft, reaction[1]);
         load_end<P>(end, minus, plus, share.data());
         return {minus.moment, plus.moment};
     }
 
     template <class Corner>
-    [[nodiscard]] TipPush<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves,
-                                 [[maybe_unused]] const V& shaft, Reaction& reaction) const noexcept {
+    [[nodiscard]] TipAction<V> tip(const Corner& corner, int number, const Columns& columns, const SheaveMotionLanes<W>* sheaves,
+                                   [[maybe_unused]] const V& shaft, Reaction& reaction) const noexcept {
         const auto own = [&] {
             if constexpr (Rigid)
                 return rigid_sheaves_at(corner, sheaves);
@@ -79,7 +79,7 @@ private:
         const auto forces = tip_forces<false, W>(c_.tip, geometry, motion, touching(number), phases, nullptr);
         if constexpr (Contacts::wanted) contacts_.tip(own_, count_, number, geometry, motion, forces.normal, sheaves[number % 2], shaft);
         reaction = tip_reaction(geometry, motion, forces);
-        return tip_push(c_, columns.frame, geometry, motion, forces);
+        return tip_action(c_, columns.frame, geometry, motion, forces);
     }
 
     /// 1 where a tip touches, else 0.

@@ -15,7 +15,8 @@ namespace {
 struct PinResults {
     double* slope;  ///< [unknowns, per second], nullptr: to the contacts
     LinkLoad* loads;
-    Account* accounts;  ///< of the range's first pin on, only for observing passes
+    Account* accounts;      ///< of the range's first pin on, only for observing passes
+    LinkContact* contacts;  ///< likewise; nullptr: nobody asks
 };
 
 /// `own` counts pins from the range's first, `at` the columns of a chunk: pin_halo of them lie before its own pins.
@@ -72,6 +73,11 @@ private:
         return nullptr;
     }
 
+    /// What the link of a column carries, where somebody asks.
+    [[nodiscard]] LinkContact* contact(int at) const noexcept {
+        return Observe && results_.contacts != nullptr && is_own(at) ? results_.contacts + own(at) : nullptr;
+    }
+
     /// Elasticity and plates of the links behind the pins at, …: forces on their halves.
     void link(int at) noexcept {
         LinkColumns<P, W> columns;
@@ -85,6 +91,7 @@ private:
             const LinkFrame frame = link_frame<P>(state, state + model::at<P>.link_size());
             moment = V(link_part<P, true>(c_, number(at), frame, state, force, account(at, AccountPart::link)));
             std::memcpy(static_cast<void*>(f.data()), force, sizeof force);
+            if (contact(at) != nullptr) *contact(at) = {elastic_tension<P>(c_, c_.kind(number(at)), state), {}, {}, {}};
         } else {
             const KindLanes<W> kind = kinds(at);
             moment = inner_elasticity<P, false>(c_, kind, columns.frame, columns.q(), columns.v(), f.data(), nullptr);
@@ -131,7 +138,7 @@ private:
         PinShare<P, W> share;
         LinkLoad loads[W];
         PinTips<P, W, Observe, Contacts>(c_, range_.sheaves, phases, own(at), contacts_)
-            .share(columns, share, loads, account(at, AccountPart::tips));
+            .share(columns, share, loads, account(at, AccountPart::tips), contact(at));
         for (int row = 0; row < size; ++row) forces_.put(tip_row + row, at, share.force[static_cast<std::size_t>(row)]);
         forces_.put(tip_moment_row, at, share.moment);
         for (int lane = 0; lane < W; ++lane) {

@@ -2,6 +2,7 @@
 /// Tips of whole pins, side by side: two of each, which stand where the rear tips of links do. Pins that touch nowhere come along with
 /// forces of zero. (model/EQUATIONS.md sections 6 and 10)
 
+#include "model/kernels/chain_parts.hpp"
 #include "model/kernels/lanes/lane_tips.hpp"
 #include "model/kernels/pins/pin_motion.hpp"
 
@@ -29,7 +30,8 @@ public:
     }
 
     /// Forces; reactions of the pins that touch to loads [W].
-    void share(const Columns& columns, PinShare<P, W>& out, LinkLoad* loads, Account* account) const noexcept {
+    /// @param contact what the tips carry, where observed; nullptr: nobody asks
+    void share(const Columns& columns, PinShare<P, W>& out, LinkLoad* loads, Account* account, LinkContact* contact) const noexcept {
         out.force.fill(V(0.0));
         out.moment = V(0.0);
         if (any_ == 0) {
@@ -39,8 +41,8 @@ public:
         std::array<SheaveMotionLanes<W>, 2> sheaves;
         const V shaft = pulleys_of<P>(c_, all_sheaves_, columns, sheaves);
         std::array<TipReaction<V>, 2> reaction;
-        const TipPush<V> minus = tip(OneTip<W, End::rear, 0>{}, 0, columns, sheaves, shaft, reaction[0], account);
-        const TipPush<V> plus = tip(OneTip<W, End::rear, 1>{}, 1, columns, sheaves, shaft, reaction[1], account);
+        const TipAction<V> minus = tip(OneTip<W, End::rear, 0>{}, 0, columns, sheaves, shaft, reaction[0], account, contact);
+        const TipAction<V> plus = tip(OneTip<W, End::rear, 1>{}, 1, columns, sheaves, shaft, reaction[1], account, contact);
         V* f = out.force.data();
         constexpr auto& at = pin_at<P>;
         spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at.x(End::rear, 0));
@@ -53,9 +55,9 @@ public:
 
 private:
     template <class Corner>
-    [[nodiscard]] TipPush<V> tip(const Corner& corner, int number, const Columns& columns,
-                                 const std::array<SheaveMotionLanes<W>, 2>& sheaves, [[maybe_unused]] const V& shaft,
-                                 TipReaction<V>& reaction, Account* account) const noexcept {
+    [[nodiscard]] TipAction<V> tip(const Corner& corner, int number, const Columns& columns,
+                                   const std::array<SheaveMotionLanes<W>, 2>& sheaves, [[maybe_unused]] const V& shaft,
+                                   TipReaction<V>& reaction, Account* account, LinkContact* contact) const noexcept {
         const auto own = sheaves_at(corner, sheaves.data());
         const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
         const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
@@ -64,8 +66,11 @@ private:
         const auto forces = tip_forces<Observe, W>(c_.tip, geometry, motion, touching(number), phases, account);
         if constexpr (Contacts::wanted)
             contacts_.tip(own_, W, number, geometry, motion, forces.normal, sheaves[static_cast<std::size_t>(number)], shaft);
+        if constexpr (Observe) {
+            if (contact != nullptr) note_contact(geometry, forces, number, *contact);
+        }
         reaction = tip_reaction(geometry, motion, forces);
-        return tip_push(c_, columns.frame, geometry, motion, forces);
+        return tip_action(c_, columns.frame, geometry, motion, forces);
     }
 
     /// 1 where a tip touches, else 0.

@@ -55,7 +55,7 @@ private:
 
     void take(std::size_t column, const std::string& key, const Parameter* parameter) {
         if (parameter == nullptr)
-            return problem(column + 1, fmt::format("there is no key {}{}", toml_text(key), engine::did_you_mean(nearest_key(key))));
+            return problem(column + 1, fmt::format("there is no key {}{}", toml_text(key), engine::did_you_mean(nearest_keys(key))));
         taken_.push_back(column);
         axis_.keys.push_back(parameter);
     }

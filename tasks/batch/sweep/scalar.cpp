@@ -37,12 +37,13 @@ class TermReader {
 public:
     explicit TermReader(const std::string& text) {
         std::istringstream words(text);
-        words >> name_ >> how_;
+        words >> written_ >> how_;
+        name_ = written_;
         for (std::string word; words >> word;) when_ += (when_.empty() ? "" : " ") + word;
     }
 
     /// As written, white space tidied.
-    [[nodiscard]] std::string text() const { return name_ + (how_.empty() ? "" : " " + how_) + (when_.empty() ? "" : " " + when_); }
+    [[nodiscard]] std::string text() const { return written_ + (how_.empty() ? "" : " " + how_) + (when_.empty() ? "" : " " + when_); }
 
     /// What is wrong, or nothing.
     std::string read(ScalarTerm& out) {
@@ -108,7 +109,8 @@ private:
         return {};
     }
 
-    std::string name_, how_, when_;
+    std::string written_, how_, when_;  ///< the channel with its element, the reduction, the time
+    std::string name_;                  ///< of the channel
     bool indexed_ = false;
     ScalarTerm term_;
 };

@@ -102,7 +102,7 @@ private:
             else if (const Parameter* parameter = find_parameter(key))
                 setting(*parameter, row.node);
             else
-                problems_.push_back({row.position, fmt::format("set.{}: unknown key{}", key, engine::did_you_mean(nearest_key(key)))});
+                problems_.push_back({row.position, fmt::format("set.{}: unknown key{}", key, engine::did_you_mean(nearest_keys(key)))});
         }
     }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "tasks/step/assembly/link_accesses.hpp"
@@ -19,14 +20,14 @@ enum FrictionCycle : int { push_cycle = method_cycles, kick_cycle, finish_kick_c
 constexpr long steps_between_estimates = 64;
 constexpr int first_iterations = 50, next_iterations = 4;
 
-/// The first link with an unknown that is not finite, -1: none of the links.
-[[nodiscard]] int first_not_finite(const Workspace& w) noexcept {
+/// The first link with an unknown that is not finite, if there is one.
+[[nodiscard]] std::optional<int> first_not_finite(const Workspace& w) noexcept {
     const model::ChainLayout& at = w.layout();
     for (int link = 0; link < at.links; ++link) {
         const double* begin = w.states[0] + at.link_begin(link);
         if (!std::all_of(begin, begin + 2 * at.link_size(), [](double x) { return std::isfinite(x); })) return link;
     }
-    return -1;
+    return {};
 }
 
 }  // namespace
@@ -108,7 +109,7 @@ NextCycle FrictionLeapfrog::start_kick() {
     table_ = tables_.reaching(margin * radius_ * w_.step.h);
     if (table_ == nullptr) {
         fault_ = std::isfinite(radius_)
-                     ? Fault{FaultKind::too_stiff, w_.step.time, -1, radius_ * w_.step.h, tables_.longest_reach() / margin}
+                     ? Fault{FaultKind::too_stiff, w_.step.time, {}, radius_ * w_.step.h, tables_.longest_reach() / margin}
                      : Fault{FaultKind::non_finite, w_.step.time, first_not_finite(w_), 0.0, 0.0};
         return NextCycle::failed();
     }

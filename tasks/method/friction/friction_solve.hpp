@@ -108,7 +108,7 @@ public:
     void add_tasks(engine::TaskGraph& graph) override;
     [[nodiscard]] bool retakes() const noexcept override { return true; }
     void transition() noexcept override {}
-    [[nodiscard]] Fault fault() const noexcept override { return {FaultKind::non_finite, w_.step.time, -1, 0.0, 0.0}; }
+    [[nodiscard]] Fault fault() const noexcept override { return {FaultKind::non_finite, w_.step.time, {}, 0.0, 0.0}; }
     [[nodiscard]] std::string report() const override { return text(solve_.statistics()); }
 
     // Bodies of tasks.

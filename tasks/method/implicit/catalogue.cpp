@@ -1,8 +1,6 @@
 #include "tasks/method/implicit/catalogue.hpp"
 
-#include <array>
 #include <string>
-#include <utility>
 
 #include "tasks/method/implicit/implicit_stability.hpp"
 #include "tasks/method/implicit/linear_method.hpp"
@@ -13,79 +11,58 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::array<NewtonVariant, 7> variants{{
-    {"trapezoidal-analytic", "Newton with exact derivatives in every iteration", {.matrix = NewtonMatrix::every_iteration, .exact = true}},
-    {"trapezoidal-full",
-     "Newton, Jacobian by coloured differences in every iteration",
-     {.matrix = NewtonMatrix::every_iteration, .exact = false}},
-    {"trapezoidal-once", "Newton, Jacobian by differences once per step", {.matrix = NewtonMatrix::once_per_step, .exact = false}},
-    {"trapezoidal-frozen",
-     "Newton, Jacobian by differences kept over steps until it serves no longer",
-     {.matrix = NewtonMatrix::frozen, .exact = false}},
-    {"trapezoidal-broyden", "Broyden's updates of a Jacobian kept over steps", {.matrix = NewtonMatrix::broyden, .exact = false}},
-    {"trapezoidal-schubert",
-     "Broyden's updates within the sparsity (Schubert) of a Jacobian kept over steps",
-     {.matrix = NewtonMatrix::schubert, .exact = false}},
-    {"trapezoidal-plain",
-     "Newton from the explicit Euler step without backtracking: how it fails on friction",
-     {.matrix = NewtonMatrix::every_iteration, .exact = true, .start = NewtonStart::euler, .backtracking = false}},
-}};
+constexpr NewtonVariant variants[] = {
+    {.name = "trapezoidal-analytic",
+     .description = "Newton with exact derivatives in every iteration",
+     .options = {.matrix = NewtonMatrix::every_iteration, .exact = true}},
+    {.name = "trapezoidal-full",
+     .description = "Newton, Jacobian by coloured differences in every iteration",
+     .options = {.matrix = NewtonMatrix::every_iteration, .exact = false}},
+    {.name = "trapezoidal-once",
+     .description = "Newton, Jacobian by differences once per step",
+     .options = {.matrix = NewtonMatrix::once_per_step, .exact = false}},
+    {.name = "trapezoidal-frozen",
+     .description = "Newton, Jacobian by differences kept over steps until it serves no longer",
+     .options = {.matrix = NewtonMatrix::frozen, .exact = false}},
+    {.name = "trapezoidal-broyden",
+     .description = "Broyden's updates of a Jacobian kept over steps",
+     .options = {.matrix = NewtonMatrix::broyden, .exact = false}},
+    {.name = "trapezoidal-schubert",
+     .description = "Broyden's updates within the sparsity (Schubert) of a Jacobian kept over steps",
+     .options = {.matrix = NewtonMatrix::schubert, .exact = false}},
+    {.name = "trapezoidal-plain",
+     .description = "Newton from the explicit Euler step without backtracking: how it fails on friction",
+     .options = {.matrix = NewtonMatrix::every_iteration, .exact = true, .start = NewtonStart::euler, .backtracking = false}},
+};
 
-template <std::size_t Variant>
-std::unique_ptr<StepMethod> make_trapezoidal(Workspace& workspace) {
-    return std::make_unique<TrapezoidalMethod>(workspace, variants[Variant].options);
+[[nodiscard]] MethodProgram trapezoidal(const NewtonVariant& variant) {
+    return {.name = variant.name,
+            .description = std::string("trapezoidal rule, order 2, A-stable: ") + variant.description,
+            .source = "C. G. Broyden, Math. Comp. 19 (1965); L. K. Schubert, Math. Comp. 24 (1970)",
+            .order = 2,
+            .state_slots = TrapezoidalMethod::state_slots,
+            .slope_slots = TrapezoidalMethod::slope_slots,
+            .make = [&variant](Workspace& w) { return std::make_unique<TrapezoidalMethod>(w, variant.options); },
+            .solves = "1 an iteration, for the whole state",
+            .stability = trapezoidal_stability,
+            .linear = trapezoidal_step,
+            .whole_pins = false};
 }
 
-template <std::size_t Plan>
-std::unique_ptr<StepMethod> make_linear(Workspace& workspace) {
-    return std::make_unique<LinearMethod>(workspace, linear_plans()[Plan]);
-}
-
-template <std::size_t Plan>
-ProgramStability stability_of_linear() {
-    return linear_stability(linear_plans()[Plan]);
-}
-
-template <std::size_t Plan>
-std::unique_ptr<StepMap> linear_step_of(const LinearChain& chain) {
-    return implicit_step(chain, linear_plans()[Plan]);
-}
-
-template <std::size_t... Variant>
-void add_trapezoidal(std::vector<MethodProgram>& all, std::index_sequence<Variant...>) {
-    const auto program = [](const NewtonVariant& variant, auto make) {
-        return MethodProgram{variant.name,
-                             std::string("trapezoidal rule, order 2, A-stable: ") + variant.description,
-                             "C. G. Broyden, Math. Comp. 19 (1965); L. K. Schubert, Math. Comp. 24 (1970)",
-                             2,
-                             0,
-                             TrapezoidalMethod::state_slots,
-                             TrapezoidalMethod::slope_slots,
-                             make,
-                             "1 an iteration, for the whole state",
-                             trapezoidal_stability,
-                             trapezoidal_step};
-    };
-    (all.push_back(program(variants[Variant], make_trapezoidal<Variant>)), ...);
-}
-
-template <std::size_t... Plan>
-void add_linear(std::vector<MethodProgram>& all, std::index_sequence<Plan...>) {
-    const auto program = [](const LinearPlan& plan, auto make, auto stability, auto linear) {
-        const auto stages = static_cast<int>(plan.stages.size());
-        return MethodProgram{plan.name,
-                             plan.description,
-                             plan.source,
-                             plan.order,
-                             stages,
-                             LinearMethod::state_slots(plan),
-                             2,
-                             make,
-                             std::to_string(stages) + " a step, for the whole state",
-                             stability,
-                             linear};
-    };
-    (all.push_back(program(linear_plans()[Plan], make_linear<Plan>, stability_of_linear<Plan>, linear_step_of<Plan>)), ...);
+[[nodiscard]] MethodProgram linearly_implicit(const LinearPlan& plan) {
+    const auto stages = static_cast<int>(plan.stages.size());
+    return {.name = plan.name,
+            .description = plan.description,
+            .source = plan.source,
+            .order = plan.order,
+            .evaluations = stages,
+            .state_slots = LinearMethod::state_slots(plan),
+            .slope_slots = 2,
+            .make = [&plan](Workspace& w) { return std::make_unique<LinearMethod>(w, plan); },
+            .solves = std::to_string(stages) + " a step, for the whole state",
+            .stability = [&plan] { return linear_stability(plan); },
+            .linear = [&plan](const LinearChain& chain) { return implicit_step(chain, plan); },
+            .whole_pins = false};
 }
 
 }  // namespace
@@ -94,9 +71,8 @@ std::span<const NewtonVariant> newton_variants() noexcept { return variants; }
 
 std::vector<MethodProgram> implicit_programs() {
     std::vector<MethodProgram> all;
-    add_trapezoidal(all, std::make_index_sequence<variants.size()>{});
-    add_linear(all, std::make_index_sequence<linear_plan_count>{});
-    for (MethodProgram& program : all) program.whole_pins = false;
+    for (const NewtonVariant& variant : variants) all.push_back(trapezoidal(variant));
+    for (const LinearPlan& plan : linear_plans()) all.push_back(linearly_implicit(plan));
     return all;
 }
 

@@ -29,10 +29,10 @@ void enter_block(int rows, int columns, double theta, const double* d, const dou
 
 }  // namespace
 
-int ContactMap::shaft(int link) const noexcept {
+std::optional<int> ContactMap::shaft(int link) const noexcept {
     const model::Phase* tips = phases + model::tips_per_link * link;
     const bool touches = std::any_of(tips, tips + model::tips_per_link, [](model::Phase phase) { return phase != model::Phase::free; });
-    return touches ? loads[link].shaft : -1;
+    return touches ? std::optional(loads[link].shaft) : std::nullopt;
 }
 
 ImplicitMatrix::ImplicitMatrix(const model::Variator& variator)
@@ -64,10 +64,10 @@ void ImplicitMatrix::find_seen(const model::Variator& variator) {
 }
 
 /// Border unknowns that the inner links of a chunk see.
-int ImplicitMatrix::list_border(int chunk, const int* shafts, int* list) const noexcept {
+int ImplicitMatrix::list_border(int chunk, const std::optional<int>* shafts, int* list) const noexcept {
     std::array<bool, 2> touched{};
     for (int link = range(chunk).first; link + 1 < range(chunk).last; ++link) {
-        if (const int shaft = shafts[link]; shaft >= 0) touched[static_cast<std::size_t>(shaft)] = true;
+        if (const auto shaft = shafts[link]) touched[static_cast<std::size_t>(*shaft)] = true;
     }
     int count = 0;
     for (std::size_t shaft = 0; shaft < 2; ++shaft) {
@@ -98,7 +98,7 @@ void ImplicitMatrix::enter(int link, double theta, const AccelerationJacobian& j
     }
 }
 
-void ImplicitMatrix::eliminate(int chunk, double theta, const AccelerationJacobian& j, const int* shafts) noexcept {
+void ImplicitMatrix::eliminate(int chunk, double theta, const AccelerationJacobian& j, const std::optional<int>* shafts) noexcept {
     int* list = lists_.data() + chunk * border_;
     const int count = list_border(chunk, shafts, list);
     system_.clear(chunk, {list, static_cast<std::size_t>(count)});
@@ -110,7 +110,7 @@ void ImplicitMatrix::eliminate(int chunk, double theta, const AccelerationJacobi
     };
     enter_upper(own.first == 0 ? links_ - 1 : own.first - 1);  // of the separator before
     for (int link = own.first; link < own.last; ++link) {
-        enter(link, theta, j, shafts[link] >= 0);
+        enter(link, theta, j, shafts[link].has_value());
         if (link + 1 < own.last) enter_upper(link);
     }
     sound_[static_cast<std::size_t>(chunk)] = system_.eliminate(chunk);

@@ -4,6 +4,7 @@
 /// inverse is in them). Cyclic block-tridiagonal in links, pulleys and control as border.
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "engine/linear/cyclic_border.hpp"
@@ -16,8 +17,8 @@ namespace cvtflow::tasks {
 struct ContactMap {
     const model::Phase* phases;    ///< [4 links]
     const model::LinkLoad* loads;  ///< [links]
-    /// Shaft whose sheaves a link touches, or -1.
-    [[nodiscard]] int shaft(int link) const noexcept;
+    /// Shaft whose sheaves a link touches, if it touches any.
+    [[nodiscard]] std::optional<int> shaft(int link) const noexcept;
 };
 
 class ImplicitMatrix {
@@ -32,7 +33,7 @@ public:
     [[nodiscard]] const std::vector<int>& seen(int shaft) const noexcept { return seen_[static_cast<std::size_t>(shaft)]; }
 
     /// Enters G for the links of a chunk and eliminates its inner ones. @param theta θ [s]   @param shafts [links] ContactMap::shaft()
-    void eliminate(int chunk, double theta, const model::AccelerationJacobian& jacobian, const int* shafts) noexcept;
+    void eliminate(int chunk, double theta, const model::AccelerationJacobian& jacobian, const std::optional<int>* shafts) noexcept;
     /// After all chunks: pulleys and separators. theta [s]
     void join(double theta, const model::AccelerationJacobian& jacobian) noexcept;
     /// Whether the last factorisation met no vanishing pivot.
@@ -47,7 +48,7 @@ public:
 
 private:
     void find_seen(const model::Variator& variator);
-    [[nodiscard]] int list_border(int chunk, const int* shafts, int* list) const noexcept;
+    [[nodiscard]] int list_border(int chunk, const std::optional<int>* shafts, int* list) const noexcept;
     void enter(int link, double theta, const model::AccelerationJacobian& jacobian, bool touching) noexcept;  ///< theta [s]
 
     int links_, size_, border_;

@@ -12,6 +12,9 @@ namespace {
 /// Shares of a Jacobian: coarse tasks, some more than there are cores in a workstation.
 constexpr int most_batches = 32;
 
+/// Stands in saved numbers for a link that touches no shaft.
+constexpr int no_shaft = -1;
+
 /// Fields of these cycles, numbered behind those of the step graph. Units: link, batch or chunk.
 enum ImplicitField { jacobian_field = 1000, chunk_field, joint_field, right_side_field, increment_field };
 
@@ -27,7 +30,7 @@ ImplicitMethod::ImplicitMethod(Workspace& workspace)
       q_tail_(w_.layout().pulley_begin()),
       jacobian_(w_.layout()),
       matrix_(w_.variator),
-      shafts_(static_cast<std::size_t>(w_.layout().links), -1),
+      shafts_(static_cast<std::size_t>(w_.layout().links)),
       right_side_(static_cast<std::size_t>(matrix_.unknowns())),
       solution_(right_side_),
       differences_(w_.variator, most_batches),
@@ -137,13 +140,16 @@ int ImplicitMethod::factorise(double theta) noexcept {
 void ImplicitMethod::save_factors(std::vector<double>& memory) const {
     const std::span<const double> numbers = jacobian_.numbers();
     memory.push_back(theta_);
-    memory.insert(memory.end(), shafts_.begin(), shafts_.end());
+    for (const std::optional<int>& shaft : shafts_) memory.push_back(shaft.value_or(no_shaft));
     memory.insert(memory.end(), numbers.begin(), numbers.end());
 }
 
 std::span<const double> ImplicitMethod::load_factors(std::span<const double> memory) {
     theta_ = taken(memory, 1)[0];
-    for (int& shaft : shafts_) shaft = whole_taken(memory, -1, 1);
+    for (std::optional<int>& shaft : shafts_) {
+        const int number = whole_taken(memory, no_shaft, 1);
+        shaft = number == no_shaft ? std::nullopt : std::optional(number);
+    }
     const std::span<double> numbers = jacobian_.numbers();
     std::ranges::copy(taken(memory, numbers.size()), numbers.begin());
     for (int chunk = 0; chunk < matrix_.chunks(); ++chunk) eliminate(chunk);

@@ -9,6 +9,7 @@
 ///
 /// Chunks belong to the matrix and batches to the Jacobian, not to segments or threads: results do not depend on either.
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,7 +31,7 @@ public:
     void add_tasks(engine::TaskGraph& graph) override;
     /// Stiff accelerations make no good interpolants.
     [[nodiscard]] bool retakes() const noexcept override { return true; }
-    [[nodiscard]] Fault fault() const noexcept override { return {FaultKind::non_finite, w_.step.time + w_.step.h, -1, 0.0, 0.0}; }
+    [[nodiscard]] Fault fault() const noexcept override { return {FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0}; }
 
     // Bodies of the cycles.
     virtual void prepare(int first, int last) noexcept = 0;
@@ -73,7 +74,7 @@ protected:
     const int q_tail_;                     ///< first pulley coordinate in the state
     model::AccelerationJacobian jacobian_;
     ImplicitMatrix matrix_;
-    std::vector<int> shafts_;                    ///< [links] ContactMap::shaft() at the last factorisation
+    std::vector<std::optional<int>> shafts_;     ///< [links] ContactMap::shaft() at the last factorisation
     std::vector<double> right_side_, solution_;  ///< [matrix_.unknowns()]
     long jacobians_ = 0, factorisations_ = 0, solves_ = 0;
     double theta_ = 0.0;           ///< of the matrix [s]

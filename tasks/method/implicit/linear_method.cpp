@@ -114,7 +114,7 @@ void LinearMethod::prepare_link(int link) noexcept {
     if (half_ == 0) return;
     double* reaction = reactions_.data() + link * border_size_;
     std::fill_n(reaction, border_size_, 0.0);
-    if (ContactMap{w_.tips.phases.data(), w_.links.loads.data()}.shaft(link) < 0) return;
+    if (!ContactMap{w_.tips.phases.data(), w_.links.loads.data()}.shaft(link).has_value()) return;
     double pulleys[36 + 1] = {};
     coordinates_right(q_tail_, half_, pulleys);
     add_product(size_, border_size_, theta(), jacobian_.columns(link, model::With::position), pulleys, r);

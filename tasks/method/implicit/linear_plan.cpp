@@ -102,9 +102,8 @@ LinearPlan extrapolated_w(int order) {
     return plan;
 }
 
-const std::array<LinearPlan, linear_plan_count>& linear_plans() {
-    static const std::array all =
-        std::to_array<LinearPlan>({steihaug_wolfbrandt(), ros34pw2(), extrapolated_w(2), extrapolated_w(3), extrapolated_w(4)});
+const std::vector<LinearPlan>& linear_plans() {
+    static const std::vector<LinearPlan> all{steihaug_wolfbrandt(), ros34pw2(), extrapolated_w(2), extrapolated_w(3), extrapolated_w(4)};
     return all;
 }
 

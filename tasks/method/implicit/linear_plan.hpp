@@ -6,8 +6,6 @@
 /// with a J of its own choosing: a W-method keeps its order for any J. The time of a stage is derived as for a J that knows no time.
 /// Slots of the table are numbers of stages.
 
-#include <array>
-#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -42,9 +40,7 @@ struct LinearTimes {
 /// Linearly implicit Euler steps, 1 … order of them over the step, extrapolated. @param order 1 … 4
 [[nodiscard]] LinearPlan extrapolated_w(int order);
 
-/// Number of the plans below; the compiler says if it is not.
-inline constexpr std::size_t linear_plan_count = 5;
 /// All of them; each has a row in the implementation.
-[[nodiscard]] const std::array<LinearPlan, linear_plan_count>& linear_plans();
+[[nodiscard]] const std::vector<LinearPlan>& linear_plans();
 
 }  // namespace cvtflow::tasks

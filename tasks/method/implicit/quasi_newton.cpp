@@ -34,7 +34,7 @@ NextCycle TrapezoidalMethod::begin_update() noexcept {
     const ContactMap contacts{w_.tips.phases.data(), w_.links.loads.data()};
     squares_[0] = squares_[1] = 0.0;
     for (int link = 0; link < w_.layout().links; ++link) {
-        if (const int shaft = contacts.shaft(link); shaft >= 0) squares_[shaft] += square(velocities(change_, link), size_);
+        if (const auto shaft = contacts.shaft(link)) squares_[*shaft] += square(velocities(change_, link), size_);
     }
     squares_[2] = square(border(change_), border_size_);
     at_ = At::update;
@@ -47,12 +47,12 @@ void TrapezoidalMethod::update(int first, int last) noexcept {
     const model::ChainLayout& at = w_.layout();
     const ContactMap contacts{w_.tips.phases.data(), w_.links.loads.data()};
     for (int link = first; link < last; ++link) {
-        const int shaft = contacts.shaft(link);
+        const auto shaft = contacts.shaft(link);
         const int near[3] = {at.previous(link), link, at.next(link)};
         double seen = 0.0;
         for (const int other : near) seen += square(velocities(change_, other), size_);
-        if (shaft >= 0) {
-            for (const int k : matrix_.seen(shaft)) seen += border(change_)[k] * border(change_)[k];
+        if (shaft) {
+            for (const int k : matrix_.seen(*shaft)) seen += border(change_)[k] * border(change_)[k];
         }
         if (!(seen > 0.0)) continue;
         const double* r = velocities(residual_, link);
@@ -63,11 +63,11 @@ void TrapezoidalMethod::update(int first, int last) noexcept {
                 double* d = jacobian_.link(link, static_cast<model::Near>(n), model::With::velocity) + row * size_;
                 for (int k = 0; k < size_; ++k) d[k] -= factor * velocities(change_, near[n])[k];
             }
-            if (shaft < 0) continue;
-            for (const int k : matrix_.seen(shaft))
+            if (!shaft) continue;
+            for (const int k : matrix_.seen(*shaft))
                 jacobian_.columns(link, model::With::velocity)[row * border_size_ + k] -= factor * border(change_)[k];
         }
-        if (shaft >= 0) update_border_rows(link, shaft);
+        if (shaft) update_border_rows(link, *shaft);
     }
 }
 

@@ -170,13 +170,13 @@ int StepController::end(Fault fault) {
 }
 
 Fault StepController::budget() const {
-    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.step.time, -1, 0.0, 0.0};
+    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.step.time, {}, 0.0, 0.0};
     if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
-        return {FaultKind::max_steps, w_.step.time, -1, 0.0, static_cast<double>(settings_.max_steps)};
+        return {FaultKind::max_steps, w_.step.time, {}, 0.0, static_cast<double>(settings_.max_steps)};
     }
     if (settings_.max_wall > 0.0 && counters_.steps % 64 == 0) {
         const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
-        if (wall > settings_.max_wall) return {FaultKind::max_wall, w_.step.time, -1, wall, settings_.max_wall};
+        if (wall > settings_.max_wall) return {FaultKind::max_wall, w_.step.time, {}, wall, settings_.max_wall};
     }
     return {};
 }
@@ -221,7 +221,7 @@ int StepController::reject() {
     ++counters_.rejected;
     method_.rejected();
     const double shortest = shortest_step * settings_.step;
-    if (control_.proposal() < shortest) return end({FaultKind::step_size, w_.step.time, -1, control_.proposal(), shortest});
+    if (control_.proposal() < shortest) return end({FaultKind::step_size, w_.step.time, {}, control_.proposal(), shortest});
     if (const Fault spent = budget()) return end(spent);
     return start_step();
 }

@@ -39,7 +39,7 @@ int StepController::finish_detect() {
     }
     const double* tail = w_.end_state + w_.layout().pulley_begin();
     for (int k = 0; k < w_.tail_size(); ++k) {
-        if (!std::isfinite(tail[k])) return end({FaultKind::non_finite, w_.step.time + w_.step.h, -1, 0.0, 0.0});
+        if (!std::isfinite(tail[k])) return end({FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0});
     }
     for (const Verdict& verdict : w_.verdicts) {
         if (verdict.fault) return end(verdict.fault);

@@ -20,7 +20,7 @@ constexpr double worth_while = 1.05;
 Fault StepController::lost_in_rounding() const {
     const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.step.time);
     if (grid_.step >= shortest) return {};
-    return {FaultKind::step_too_short, w_.step.time, -1, grid_.step, shortest};
+    return {FaultKind::step_too_short, w_.step.time, {}, grid_.step, shortest};
 }
 
 int StepController::start_observation() {

@@ -91,7 +91,7 @@ ExtremeJudge::ExtremeJudge(const Scene& tiny) {
             all.emplace_back(setting);
         set_values(level.scene, all);
         Simulation simulation(level.scene);
-        if (const Fault fault = simulation.settle(silent, never))
+        if (const Fault fault = simulation.advance({.until = 0.0}, silent, never))
             throw SimulationError(fmt::format("detail {} does not settle: {}", name, fault.message()));
         level.settled = simulation.integration_state();
         level.scene.parameters.start.settling_time = 0.0;
@@ -123,7 +123,7 @@ public:
         if (probed_) return probed_;
         SilentObserver silent;
         const engine::Cancellation never;
-        return simulation_.run(simulation_.time() + span, silent, never);
+        return simulation_.advance({.until = simulation_.time() + span, .anew = true}, silent, never);
     }
 
 private:

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "engine/executor/tbb/job_pool.hpp"
@@ -127,7 +128,7 @@ void run_exactly(const Simulation& coarse, Scene scene, const engine::SavedState
     simulation.reset(scene, &start);
     Means means(simulation.variator());
     const engine::Cancellation never;
-    if (const Fault fault = simulation.run(rules.duration, means, never)) {
+    if (const Fault fault = simulation.advance({.until = rules.duration}, means, never)) {
         ticket.message = "shorter steps: " + fault.message();
         return;
     }
@@ -141,10 +142,10 @@ void settle_and_run(const Scene& scene, LotteryTicket& ticket, const LotteryRule
     Simulation simulation(scene, Schedule{});
     SilentObserver silent;
     const engine::Cancellation never;
-    Fault fault = simulation.settle(silent, never);
+    Fault fault = simulation.advance({.until = 0.0}, silent, never);
     const engine::SavedState start = simulation.saved_state();
     Means means(simulation.variator());
-    if (!fault) fault = simulation.run(rules.duration, means, never);
+    if (!fault) fault = simulation.advance({.until = rules.duration}, means, never);
     ticket.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     ticket.step = simulation.step();
     ticket.suspicion = simulation.suspicion();
@@ -180,7 +181,7 @@ std::vector<LotteryTicket> play_all(std::uint64_t seed, long first, long count, 
     std::vector<LotteryTicket> tickets(static_cast<std::size_t>(count));
     long next = 0;
     engine::JobPool pool({threads});
-    pool.run([&](int) { return next < count ? next++ : -1; },
+    pool.run([&](int) { return next < count ? std::optional(next++) : std::nullopt; },
              [&](int, long k) { tickets[static_cast<std::size_t>(k)] = play(seed, first + k, rules); });
     return tickets;
 }

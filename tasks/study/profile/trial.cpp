@@ -45,7 +45,7 @@ Trial::Trial(const Scene& scene, const Schedule& schedule, engine::StampRecorder
 TrialSample Trial::run(long steps, double patience) {
     const double cpu = processor_seconds();
     Impatient observer(patience);
-    const Fault fault = simulation_.run_steps(steps, observer, observer.cancellation());
+    const Fault fault = simulation_.advance({.steps = steps, .anew = true, .max_wall = 0.0}, observer, observer.cancellation());
     const double wall = observer.waited();
     const double used = processor_seconds() - cpu;
     simulation_.runner().release_threads();  // the next schedule's turn is its own

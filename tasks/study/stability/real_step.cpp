@@ -9,7 +9,6 @@ namespace {
 
 constexpr double disturbance = 1e-6;  ///< largest velocity of one [m/s]; saturation speeds are thousands of it
 constexpr double held_disturbances[] = {1e-7, 1e-6, 1e-5, 1e-8, 1e-9};  ///< [m/s]
-constexpr double far_beyond = 1e6;                                      ///< a time that no step reaches [s]
 
 [[nodiscard]] Scene with_method(Scene scene, std::string_view method) {
     scene.run.method = method;
@@ -64,7 +63,7 @@ bool RealStep::take(IntegrationState& state) {
     const engine::Cancellation never;
     try {
         simulation_.restore(state);
-        const Fault fault = simulation_.advance(far_beyond, 1, nobody, never);
+        const Fault fault = simulation_.advance({.steps = 1}, nobody, never);
         if (fault.kind != FaultKind::max_steps) return false;
     } catch (const std::exception&) {
         return false;  // a method that finds no polynomial

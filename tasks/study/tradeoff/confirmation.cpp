@@ -56,7 +56,7 @@ LongRun Confirmation::run(std::span<const std::string> settings, FrozenStart* be
     LongObserver observer(simulation.variator());
     LongRun run;
     const auto started = LongClock::now();
-    run.fault = simulation.run(simulation.time() + settings_.duration, observer, cancel_);
+    run.fault = simulation.advance({.until = simulation.time() + settings_.duration}, observer, cancel_);
     run.wall = std::chrono::duration<double>(LongClock::now() - started).count() / settings_.duration;
     run.watch = observer.watch.verdict(simulation.energy(), simulation.suspicion());
     run.step = simulation.step();

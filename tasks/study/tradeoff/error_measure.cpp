@@ -64,7 +64,7 @@ Trajectory observed(const Scene& scene, double duration, const engine::Cancellat
         throw SimulationError(fmt::format("{}: the start is not settled, nothing can be measured from there (cvtflow settle)", scene.name));
     TrajectoryObserver observer(simulation.variator(), begin, trajectory);
     const auto started = Clock::now();
-    trajectory.fault = simulation.run(begin + duration, observer, cancel);
+    trajectory.fault = simulation.advance({.until = begin + duration}, observer, cancel);
     trajectory.wall = seconds(Clock::now() - started) - observer.observing();
     trajectory.counters = simulation.counters();
     trajectory.step = simulation.step();

@@ -32,6 +32,7 @@ TEST(Spelling, NothingIsSuggestedForAFarWord) {
 TEST(Spelling, SuggestionIsAQuestion) {
     EXPECT_EQ(did_you_mean("chain"), " (did you mean \"chain\"?)");
     EXPECT_EQ(did_you_mean(""), "");
+    EXPECT_EQ(did_you_mean(std::vector<std::string>{"pins", "rods"}), " (did you mean \"pins\" or \"rods\"?)");
 }
 
 }  // namespace

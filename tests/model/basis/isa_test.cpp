@@ -24,6 +24,13 @@ std::vector<double> outcome(const Parameters& p, Isa isa, const oracle::RandomSt
     EvaluationScratch scratch(at);
     std::vector<double> all(random.state.size());
     right_hand_side(variator, 0.0, random.state.data(), random.phases.data(), all.data(), scratch);
+    std::vector<LinkContact> contacts(static_cast<std::size_t>(at.links));
+    const ChainRange range{0, at.links, scratch.window.data(), scratch.sheaves, random.phases.data()};
+    variator.chain().observed_slopes(range, all.data(), scratch.loads.data(), scratch.accounts.data(), contacts.data());
+    for (const LinkContact& contact : contacts) {
+        all.push_back(contact.tension);
+        for (const auto& tips : {contact.depth, contact.normal, contact.axial}) all.insert(all.end(), tips, tips + tips_per_link);
+    }
     for (int link = 0; link < at.links && at.pulley_size != 0; ++link) {
         LinkStrip strip;
         const double* state = strip.of(at, random.state.data(), link);
@@ -31,11 +38,6 @@ std::vector<double> outcome(const Parameters& p, Isa isa, const oracle::RandomSt
         variator.chain().probe(state, scratch.sheaves, true, probe);
         all.insert(all.end(), probe.depth, probe.depth + tips_per_link);
         all.insert(all.end(), probe.slip, probe.slip + tips_per_link);
-        LinkContact contact;
-        variator.chain().contact(link, state, scratch.sheaves, random.phases.data() + tips_per_link * link, contact);
-        all.push_back(contact.tension);
-        all.insert(all.end(), contact.normal, contact.normal + tips_per_link);
-        all.insert(all.end(), contact.axial, contact.axial + tips_per_link);
     }
     return all;
 }

@@ -26,13 +26,13 @@ protected:
 
     /// What a child does: two cases side by side until all are done. `die` may end the process.
     int work(const SweepPart& part, const std::function<void(long)>& die) {
-        if (part.only >= 0) {
+        if (part.only) {
             EXPECT_NE(part.attempt, 0);
             if (part.crashed.empty()) {
-                journal_.set(0, part.only);
-                die(part.only);
+                journal_.set(0, *part.only);
+                die(*part.only);
             }
-            rows_[part.only] = part.crashed.empty() ? ok : booked;
+            rows_[*part.only] = part.crashed.empty() ? ok : booked;
             return 0;
         }
         for (long number = 0; number < cases; number += 2) {

@@ -40,7 +40,7 @@ TEST(ForceChannels, NamesThatMeanNothingAreFound) {
 class Means final : public RunObserver {
 public:
     explicit Means(const Scene& scene) : simulation_(scene), observer_(simulation_.variator()), pin_(scene.run.followed_pin) {
-        fault = simulation_.run(scene.run.until, *this, engine::Cancellation());
+        fault = simulation_.advance({.until = scene.run.until}, *this, engine::Cancellation());
     }
     void output(double time, const Workspace& workspace, const Counters& counters) override {
         const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());

@@ -25,7 +25,7 @@ RunVerdict watched(const std::vector<std::string>& settings, double duration) {
     Simulation simulation(test::settled_tiny(settings));
     Watching observer(simulation);
     const engine::Cancellation never;
-    EXPECT_FALSE(simulation.run(simulation.time() + duration, observer, never));
+    EXPECT_FALSE(simulation.advance({.until = simulation.time() + duration}, observer, never));
     return observer.watch.verdict(simulation.energy(), simulation.suspicion());
 }
 

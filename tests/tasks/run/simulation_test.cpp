@@ -26,8 +26,8 @@ Scene tiny_scene() {
 }
 
 Fault settle_and_run(Simulation& simulation, double until) {
-    if (const Fault fault = simulation.settle(silent, uncancelled)) return fault;
-    return simulation.run(until, silent, uncancelled);
+    if (const Fault fault = simulation.advance({.until = 0.0}, silent, uncancelled)) return fault;
+    return simulation.advance({.until = until}, silent, uncancelled);
 }
 
 std::vector<double> slope_of(const Simulation& simulation, double t) {
@@ -58,7 +58,7 @@ TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
 
 TEST(Simulation, GoesThroughTransitionsInTheseRuns) {
     Simulation simulation(tiny_scene());
-    ASSERT_FALSE(simulation.settle(silent, uncancelled));
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
     EXPECT_GT(simulation.counters().detected, 100);
     EXPECT_GT(simulation.counters().truncated, 50);
 }
@@ -71,8 +71,8 @@ TEST(Simulation, AnyNumberMayLiveSideBySide) {
     other.run.segments = 3;
     Simulation first(tiny_scene()), second(other);
     for (int part = 0; part < 2; ++part) {  // by turns
-        ASSERT_FALSE(part == 0 ? first.settle(silent, uncancelled) : first.run(1e-5, silent, uncancelled));
-        ASSERT_FALSE(part == 0 ? second.settle(silent, uncancelled) : second.run(1e-5, silent, uncancelled));
+        ASSERT_FALSE(first.advance({.until = 1e-5}, silent, uncancelled));
+        ASSERT_FALSE(second.advance({.until = 1e-5}, silent, uncancelled));
     }
     EXPECT_EQ(first.hash(), alone.hash());
     EXPECT_NE(second.hash(), alone.hash());
@@ -82,11 +82,38 @@ TEST(Simulation, RunsInOneGoAsInPieces) {
     Simulation whole(tiny_scene()), pieces(tiny_scene());
     ASSERT_FALSE(settle_and_run(whole, 4e-5));
     ASSERT_FALSE(settle_and_run(pieces, 2e-5));
-    ASSERT_FALSE(pieces.run(4e-5, silent, uncancelled));
+    ASSERT_FALSE(pieces.advance({.until = 4e-5, .anew = true}, silent, uncancelled));
     EXPECT_DOUBLE_EQ(pieces.time(), whole.time());
     // Times of steps may differ in their last digit.
     for (int k = 0; k < whole.variator().layout().size(); ++k)
         EXPECT_NEAR(pieces.state()[k], whole.state()[k], 1e-7 + 1e-7 * std::abs(whole.state()[k]));
+}
+
+TEST(Simulation, WhereCallsEndDoesNotChangeABit) {
+    const double until = 2e-5;
+    Simulation whole(tiny_scene()), pieces(tiny_scene());
+    ASSERT_FALSE(settle_and_run(whole, until));
+    long calls = 0, steps = 0;
+    while (pieces.needs_settling() || pieces.time() < until - 1e-12) {
+        const Fault fault = pieces.advance({.until = until, .steps = 997}, silent, uncancelled);
+        ASSERT_TRUE(!fault || fault.kind == FaultKind::max_steps) << fault.message();
+        ASSERT_LT(++calls, 100);
+        steps = pieces.counters().steps;
+    }
+    EXPECT_GT(calls, 5);
+    EXPECT_EQ(steps, whole.counters().steps) << "of the run, without those of settling";
+    EXPECT_EQ(pieces.hash(), whole.hash());
+}
+
+TEST(Simulation, APartBegunAnewCountsFromZeroAndEndsAfterItsSteps) {
+    Simulation simulation(tiny_scene());
+    ASSERT_FALSE(settle_and_run(simulation, 1e-5));
+    const double before = simulation.time();
+    EXPECT_EQ(simulation.advance({.steps = 5, .anew = true}, silent, uncancelled).kind, FaultKind::max_steps);
+    EXPECT_EQ(simulation.counters().steps, 5);
+    EXPECT_GT(simulation.time(), before);
+    EXPECT_EQ(simulation.advance({.steps = 3}, silent, uncancelled).kind, FaultKind::max_steps);
+    EXPECT_EQ(simulation.counters().steps, 8) << "goes on";
 }
 
 /// A state file that is gone with the test.
@@ -123,8 +150,8 @@ TEST(Simulation, ContinuesFromASavedStateAsIfItHadNotBeenSaved) {
             EXPECT_EQ(continued.time(), simulation.time());
             EXPECT_EQ(continued.hash(), simulation.hash());
             EXPECT_EQ(slope_of(continued, continued.time()), slope_of(simulation, simulation.time()));
-            ASSERT_FALSE(continued.run(saved_at + 1e-5, silent, uncancelled));
-            ASSERT_FALSE(simulation.run(saved_at + 1e-5, silent, uncancelled));
+            ASSERT_FALSE(continued.advance({.until = saved_at + 1e-5}, silent, uncancelled));
+            ASSERT_FALSE(simulation.advance({.until = saved_at + 1e-5, .anew = true}, silent, uncancelled));
             EXPECT_EQ(continued.hash(), simulation.hash());
         }
     }
@@ -163,7 +190,7 @@ TEST(Simulation, TakesASavedStateWithOrWithoutControlAndLedger) {
         scene.parameters.control.enabled = had;
         scene.parameters.ledger = had;
         Simulation simulation(scene);
-        ASSERT_FALSE(simulation.settle(silent, uncancelled));
+        ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
         const StateFile file(simulation);
         scene.state_file = file.path();
         scene.parameters.control.enabled = !had;
@@ -181,12 +208,12 @@ TEST(Simulation, TranslatesStickAndSlipOfASavedState) {
         Scene scene = tiny_scene();
         scene.parameters.detail.stick_slip = had;
         Simulation simulation(scene);
-        ASSERT_FALSE(simulation.settle(silent, uncancelled));
+        ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
         const StateFile file(simulation);
         scene.state_file = file.path();
         scene.parameters.detail.stick_slip = !had;
         Simulation other(scene);
-        ASSERT_FALSE(other.run(1e-6, silent, uncancelled));
+        ASSERT_FALSE(other.advance({.until = 1e-6}, silent, uncancelled));
         int touching = 0, stick_or_slip = 0;
         for (const model::Phase phase : other.phases()) {
             touching += phase == model::Phase::touching ? 1 : 0;

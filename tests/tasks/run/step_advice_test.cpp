@@ -28,7 +28,7 @@ std::unique_ptr<Simulation> settled(const Scene& scene) {
     auto simulation = std::make_unique<Simulation>(scene);
     SilentObserver silent;
     const engine::Cancellation never;
-    EXPECT_FALSE(simulation->settle(silent, never));
+    EXPECT_FALSE(simulation->advance({.until = 0.0}, silent, never));
     return simulation;
 }
 
@@ -81,7 +81,7 @@ TEST(StableStep, TellsStepsThatEndFromStepsThatBlowUp) {
         simulation.restore(start.integration_state());
         SilentObserver silent;
         const engine::Cancellation never;
-        return simulation.run(300.0 * scene.run.step, silent, never);
+        return simulation.advance({.until = 300.0 * scene.run.step}, silent, never);
     };
     EXPECT_FALSE(fault_at(0.5)) << fault_at(0.5).message();
     EXPECT_TRUE(fault_at(20.0)) << "within 300 steps";

@@ -100,12 +100,17 @@ TEST(ParameterTable, SaturationSpeedsAreStrictlyPositiveAndSpanSevenDecades) {
 
 TEST(ParameterTable, UnknownKeyIsNotFound) { EXPECT_EQ(find_parameter("chain.colour"), nullptr); }
 
-TEST(ParameterTable, NearestKeyIsByEndingOrSectionOrSpelling) {
-    EXPECT_EQ(nearest_key("chain.pich"), "chain.pitch");
-    EXPECT_EQ(nearest_key("half.pins"), "chain.pins");
-    EXPECT_EQ(nearest_key("pins"), "chain.pins");
-    EXPECT_EQ(nearest_key("joint.friction"), "joint.friction_coefficient");
-    EXPECT_EQ(nearest_key("gearbox.teeth"), "");
+TEST(ParameterTable, NearestKeysAreByEndingOrSectionOrSpelling) {
+    using Keys = std::vector<std::string>;
+    EXPECT_EQ(nearest_keys("chain.pich"), Keys{"chain.pitch"});
+    EXPECT_EQ(nearest_keys("joint.friction"), Keys{"joint.friction_coefficient"});
+    EXPECT_EQ(nearest_keys("gearbox.teeth"), Keys{});
+}
+
+TEST(ParameterTable, NearestKeysAreBothWhereADialOfDetailHasTheNameOfAPart) {
+    const std::vector<std::string> both{"chain.pins", "detail.pins"};
+    EXPECT_EQ(nearest_keys("half.pins"), both);
+    EXPECT_EQ(nearest_keys("pins"), both);
 }
 
 TEST(ParameterTable, ChoicesAreNamedInTheOrderOfTheEnumerators) {

@@ -59,7 +59,7 @@ RunnerOutcome runner_outcome(const Scene& scene, const std::vector<Schedule>& ca
     SilentObserver quiet;
     const engine::Cancellation never;
     Simulation simulation(scene, candidates, options);
-    EXPECT_FALSE(simulation.run(scene.run.until, quiet, never));
+    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, quiet, never));
     return {simulation.hash(), simulation.counters(), simulation.runner().rests(), simulation.runner().moves()};
 }
 
@@ -99,7 +99,7 @@ TEST(ScheduleRunner, NoMethodMindsOtherSegmentsBetweenItsSteps) {
              {std::vector{Schedule{}},
               std::vector{Schedule{}, Schedule{"barrier", {Assembly::staged}, 5, 2}, Schedule{"serial", {Assembly::fused}, 24, 1}}}) {
             Simulation simulation(scene, candidates, restless());
-            EXPECT_EQ(simulation.run_steps(30, quiet, never).kind, FaultKind::max_steps) << method;
+            EXPECT_EQ(simulation.advance({.steps = 30}, quiet, never).kind, FaultKind::max_steps) << method;
             if (candidates.size() == 1) expected = simulation.hash();
             EXPECT_EQ(simulation.hash(), expected) << method;
             EXPECT_EQ(simulation.runner().rests() > 0, candidates.size() > 1);
@@ -136,7 +136,7 @@ TEST(ScheduleRunner, AllocatesNothingBetweenRests) {
     QuietAllocations counter;
     counter.watch(simulation);
     const engine::Cancellation never;
-    EXPECT_FALSE(simulation.run(scene.run.until, counter, never));
+    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, counter, never));
     EXPECT_GT(simulation.runner().rests(), 3);
     EXPECT_GT(counter.quiet_, 10);
     EXPECT_EQ(counter.allocations_, 0);
@@ -148,11 +148,11 @@ TEST(ScheduleRunner, EndsWhenAskedWhileSchedulesChange) {
     SilentObserver quiet;
     const engine::Cancellation never;
     Simulation simulation(scene, mixed(), restless());
-    EXPECT_EQ(simulation.run(1.0, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(simulation.advance({.until = 1.0}, quiet, never).kind, FaultKind::max_steps);
     EXPECT_EQ(simulation.counters().steps, 50);
     engine::Cancellation at_once;
     at_once.request();
-    EXPECT_EQ(simulation.run(1.0, quiet, at_once).kind, FaultKind::cancelled);
+    EXPECT_EQ(simulation.advance({.until = 1.0, .anew = true}, quiet, at_once).kind, FaultKind::cancelled);
 }
 
 TEST(ScheduleRunner, SaysWhatItCameTo) {
@@ -160,13 +160,13 @@ TEST(ScheduleRunner, SaysWhatItCameTo) {
     SilentObserver quiet;
     const engine::Cancellation never;
     Simulation brief(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, {});
-    EXPECT_EQ(brief.run_steps(3, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(brief.advance({.steps = 3, .anew = true}, quiet, never).kind, FaultKind::max_steps);
     EXPECT_EQ(brief.runner().text(), "serial (auto: no check finished, trials may cost 1 % of the time)");
     EXPECT_EQ(Simulation(scene, Schedule{"barrier", {Assembly::staged}, 5, 2}).runner().text(), "barrier, staged, 5 segments, 2 threads");
     ChooserOptions options = restless();
     options.gain = options.edge = 1e9;  // nothing can bring that
     Simulation longer(scene, std::vector<Schedule>{Schedule{}, {"barrier", {Assembly::fused}, 2, 2}}, options);
-    EXPECT_EQ(longer.run_steps(200, quiet, never).kind, FaultKind::max_steps);
+    EXPECT_EQ(longer.advance({.steps = 200, .anew = true}, quiet, never).kind, FaultKind::max_steps);
     EXPECT_THAT(longer.runner().text(), AllOf(StartsWith("serial (auto: "),
                                               HasSubstr(" us per cycle, barrier, fused, 2 segments, 2 threads "), HasSubstr("0 changes)")));
 }

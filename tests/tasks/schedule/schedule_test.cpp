@@ -32,7 +32,7 @@ Outcome outcome(const Scene& scene, const Schedule& schedule) {
     SilentObserver quiet;
     const engine::Cancellation never;
     Simulation simulation(scene, schedule);
-    EXPECT_FALSE(simulation.run(scene.run.until, quiet, never));
+    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, quiet, never));
     return {simulation.hash(), simulation.counters().detected};
 }
 

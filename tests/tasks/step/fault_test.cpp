@@ -66,7 +66,7 @@ TEST(Faults, PulleysThatAreNotFiniteAreNamed) {
     rig.mutable_state()[rig.variator().layout().pulley_begin() + 4] = std::numeric_limits<double>::infinity();  // speed of shaft 1
     const Fault fault = rig.run({settling_begin, 0.0, 5e-8, 1e-5});
     EXPECT_EQ(fault.kind, FaultKind::non_finite);
-    EXPECT_EQ(fault.pin, -1) << fault.message();
+    EXPECT_FALSE(fault.pin) << fault.message();
     EXPECT_NE(fault.message().find("pulleys"), std::string::npos);
 }
 
@@ -124,7 +124,7 @@ TEST(FaultText, SaysWhatBlewUpAndWhichStepIsLost) {
     EXPECT_EQ(
         (Fault{FaultKind::blow_up, 1e-3, 7, 2.5e4, 1e4}).message(),
         "pin 7 moves at 2.5e+04 m/s at t = 0.001 s (limit 1e+04 m/s, faster than sound in steel): the step is too long for this scene");
-    EXPECT_EQ((Fault{FaultKind::step_too_short, 1e4, -1, 1e-12, 2.2e-9}).message(),
+    EXPECT_EQ((Fault{FaultKind::step_too_short, 1e4, {}, 1e-12, 2.2e-9}).message(),
               "a step of 1e-12 s is lost in the rounding of the time at t = 10000 s (limit 2.2e-09 s)");
 }
 

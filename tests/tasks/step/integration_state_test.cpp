@@ -52,9 +52,9 @@ struct Course {
 Course undisturbed(const Scene& scene) {
     Simulation simulation(scene);
     Pauser observer(false);
-    EXPECT_FALSE(simulation.settle(observer, never));
+    EXPECT_FALSE(simulation.advance({.until = 0.0}, observer, never));
     const Counters settling = simulation.counters();
-    EXPECT_FALSE(simulation.run(scene.run.until, observer, never));
+    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, observer, never));
     return {simulation.hash(), settling, simulation.counters(), observer.times, observer.transitions};
 }
 
@@ -73,9 +73,7 @@ Course from_file_to_file(const Scene& scene, int segments) {
         simulation.pause_on(&observer.pause);
         observer.pause = false;
         const bool settling = simulation.needs_settling();
-        const Fault fault = simulation.integration_state().started ? simulation.proceed(here.run.until, observer, never)
-                            : settling                             ? simulation.settle(observer, never)
-                                                                   : simulation.run(here.run.until, observer, never);
+        const Fault fault = simulation.advance({.until = here.run.until}, observer, never);
         fresh = false;
         if (settling) course.settling = simulation.counters();
         if (!fault && !settling) {
@@ -135,8 +133,6 @@ TEST(IntegrationState, OfAnotherSizeIsRefused) {
     const Simulation small(other);
     Simulation simulation(tiny());
     EXPECT_THROW(simulation.restore(small.integration_state()), SimulationError);
-    SilentObserver silent;
-    EXPECT_THROW((void)simulation.proceed(1.0, silent, never), SimulationError);
 }
 
 /// Somewhere within settling, with all that the method remembers.
@@ -144,7 +140,7 @@ IntegrationState midway(const Scene& scene) {
     Simulation simulation(scene);
     Pauser observer(true);
     simulation.pause_on(&observer.pause);
-    EXPECT_EQ(simulation.settle(observer, never).kind, FaultKind::cancelled);
+    EXPECT_EQ(simulation.advance({.until = 0.0}, observer, never).kind, FaultKind::cancelled);
     return simulation.integration_state();
 }
 
@@ -161,7 +157,7 @@ TEST(IntegrationState, WithLessThanItsMethodRemembersIsRefused) {
             Simulation simulation(scene);
             simulation.restore(cut);
             SilentObserver silent;
-            EXPECT_THROW((void)simulation.proceed(0.0, silent, never), std::invalid_argument)
+            EXPECT_THROW((void)simulation.advance({.until = 0.0}, silent, never), std::invalid_argument)
                 << method << ", " << kept << " of " << whole.method.size();
         }
     }
@@ -191,14 +187,14 @@ TEST(Simulation, ResetIsANewOne) {
     Scene scene = tiny();
     Simulation used(scene);
     Pauser observer(false);
-    ASSERT_FALSE(used.settle(observer, never));
+    ASSERT_FALSE(used.advance({.until = 0.0}, observer, never));
     scene.parameters.load.torque = model::TimeTable(7.0);
     scene.parameters.tip.friction.saturation_speed *= 0.5;
     ASSERT_TRUE(used.fits(scene));
     used.reset(scene, nullptr);
     Simulation fresh(scene);
-    ASSERT_FALSE(used.settle(observer, never));
-    ASSERT_FALSE(fresh.settle(observer, never));
+    ASSERT_FALSE(used.advance({.until = 0.0}, observer, never));
+    ASSERT_FALSE(fresh.advance({.until = 0.0}, observer, never));
     EXPECT_EQ(used.hash(), fresh.hash());
     EXPECT_EQ(used.counters(), fresh.counters());
     scene.parameters.detail.order = 2;

@@ -26,9 +26,9 @@ void expect_same(const std::string& method, const std::string& step, double seco
     Simulation whole(scene);
     SilentObserver nobody;
     const engine::Cancellation never;
-    ASSERT_FALSE(whole.settle(nobody, never));
+    ASSERT_FALSE(whole.advance({.until = 0.0}, nobody, never));
     const FrozenStart start = frozen_start(whole);
-    ASSERT_FALSE(whole.run(400e-6, nobody, never));
+    ASSERT_FALSE(whole.advance({.until = 400e-6}, nobody, never));
     MethodRun run(scene.parameters, method);
     for (int again = 0; again < 2; ++again) {
         ASSERT_FALSE(run.run(start, 400e-6, seconds, 10e-6, nobody, never));

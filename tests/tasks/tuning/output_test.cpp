@@ -53,7 +53,7 @@ TEST(OutputReader, CountsFromItsTimeOn) {
         void transition(const TransitionRecord&) override {}
     } both(all, late);
     const engine::Cancellation never;
-    ASSERT_FALSE(simulation.run(scene.run.until, both, never));
+    ASSERT_FALSE(simulation.advance({.until = scene.run.until}, both, never));
     const std::vector<double> values = all.values();
     EXPECT_NEAR(values[0], values[1], 1e-12) << "a figure and the scalar of the same meaning";
     EXPECT_NEAR(values[2], values[3], 1e-9 * values[2]);

@@ -56,7 +56,7 @@ TEST_F(TunedScenes, RunFromAStateOfTheirOwnDetail) {
     EXPECT_FALSE(simulation.needs_settling());
     EXPECT_EQ(simulation.time(), 0.0);
     SilentObserver nobody;
-    EXPECT_FALSE(simulation.run(1e-3, nobody, never));
+    EXPECT_FALSE(simulation.advance({.until = 1e-3}, nobody, never));
     EXPECT_LE(simulation.suspicion(), 1.0) << "its energy balance begins with the run, not with what came before the state";
 }
 

@@ -16,7 +16,7 @@ TEST(JobPool, RunsEveryJobOnceForAnyNumberOfThreads) {
         std::vector<std::atomic<int>> runs(200);
         long next = 0;
         JobPool({threads, false})
-            .run([&](int) { return next < 200 ? next++ : -1L; },
+            .run([&](int) { return next < 200 ? std::optional(next++) : std::nullopt; },
                  [&](int worker, long job) {
                      EXPECT_TRUE(worker >= 0 && worker < threads);
                      ++runs[static_cast<std::size_t>(job)];
@@ -29,7 +29,7 @@ TEST(JobPool, EndsWithWhatAJobThrows) {
     long next = 0;
     const auto run = [&] {
         JobPool({2, false})
-            .run([&](int) { return next < 1000 ? next++ : -1L; },
+            .run([&](int) { return next < 1000 ? std::optional(next++) : std::nullopt; },
                  [](int, long job) {
                      if (job == 3) throw std::runtime_error("job 3");
                  });
@@ -67,7 +67,7 @@ TEST(OnceEach, IsMadeByOneWhileOthersWait) {
     std::atomic<int> makers{0};
     long next = 0;
     JobPool({4, false})
-        .run([&](int) { return next < 40 ? next++ : -1L; },
+        .run([&](int) { return next < 40 ? std::optional(next++) : std::nullopt; },
              [&](int, long job) {
                  const auto key = static_cast<std::uint64_t>(job % 3);
                  if (!once.claim(key)) return;

@@ -17,21 +17,21 @@ TEST_F(FileSealTest, BreaksWithEveryBit) {
     const std::string text = "some bytes, some more, and a seal behind them";
     std::ofstream(name) << text;
     seal_anew(name);
-    ASSERT_EQ(look_at_seal(InputFile(name)), Seal::whole);
+    ASSERT_EQ(inspect_seal(InputFile(name)), Seal::whole);
     const std::string good = read_text_file(name);
     ASSERT_EQ(good.size(), text.size() + seal_size);
     for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
         std::string bad = good;
         bad[bit / 8] = static_cast<char>(bad[bit / 8] ^ (1 << (bit % 8)));
         std::ofstream(name) << bad;
-        EXPECT_EQ(look_at_seal(InputFile(name)), bit / 8 < text.size() ? Seal::broken : Seal::none) << bit;
+        EXPECT_EQ(inspect_seal(InputFile(name)), bit / 8 < text.size() ? Seal::broken : Seal::none) << bit;
     }
     for (std::size_t size = 0; size < good.size(); ++size) {
         std::ofstream(name) << good.substr(0, size);
-        EXPECT_EQ(look_at_seal(InputFile(name)), Seal::none);
+        EXPECT_EQ(inspect_seal(InputFile(name)), Seal::none);
     }
     std::ofstream(name) << text.substr(1) << good.substr(text.size());
-    EXPECT_EQ(look_at_seal(InputFile(name)), Seal::broken);
+    EXPECT_EQ(inspect_seal(InputFile(name)), Seal::broken);
 }
 
 TEST_F(FileSealTest, IsOnFinishedRecordsAndOnInterruptedOnes) {

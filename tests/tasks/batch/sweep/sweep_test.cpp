@@ -205,6 +205,17 @@ TEST(Reducer, ReducesAsItSays) {
     EXPECT_TRUE(none.empty());
 }
 
+TEST(Scalar, OfEveryElementHasAColumnOfItsOwn) {
+    std::vector<Problem> none;
+    const Scalar second = parse_scalar("sheaves/axial_force[2]  max", {}, none),
+                 third = parse_scalar("sheaves/axial_force[3] max", {}, none);
+    EXPECT_EQ(second.text, "sheaves/axial_force[2] max");
+    EXPECT_EQ(second.column, "sheaves_axial_force_2_max");
+    EXPECT_EQ(third.column, "sheaves_axial_force_3_max");
+    EXPECT_EQ(parse_scalar("tips/axial_force[*] max", {}, none).column, "tips_axial_force_max") << "that of all";
+    EXPECT_TRUE(none.empty());
+}
+
 TEST(Reducer, TakesAllElementsOfAChannel) {
     std::vector<Problem> none;
     const Scalar scalar = parse_scalar("tips/axial_force[*] max", {}, none);

@@ -17,7 +17,7 @@ const engine::Cancellation uncancelled;
 std::uint64_t leapfrog_hash(const std::vector<std::string>& settings) {
     Simulation simulation(claims::ready_scene("baseline", settings));
     SilentObserver nobody;
-    EXPECT_FALSE(simulation.run(60e-6, nobody, uncancelled)) << settings.back();
+    EXPECT_FALSE(simulation.advance({.until = 60e-6}, nobody, uncancelled)) << settings.back();
     EXPECT_GT(simulation.counters().steps, 29);
     return simulation.hash();
 }
@@ -54,7 +54,7 @@ TEST(FrictionLeapfrog, FrictionTooStiffForItIsAFaultThatSaysSo) {
     Simulation simulation(
         claims::ready_scene("baseline", {"run.method=leapfrog-rkc", "run.step=2us", "run.schedule=serial", "joint.saturation_speed=1e-6"}));
     SilentObserver nobody;
-    const Fault fault = simulation.run(1e-5, nobody, uncancelled);
+    const Fault fault = simulation.advance({.until = 1e-5}, nobody, uncancelled);
     EXPECT_EQ(fault.kind, FaultKind::too_stiff);
     EXPECT_GT(fault.value, fault.limit);
     EXPECT_NE(fault.message().find("friction is too stiff for the step at t = "), std::string::npos) << fault.message();

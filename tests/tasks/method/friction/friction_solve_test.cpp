@@ -238,7 +238,7 @@ TEST(FrictionImplicit, ConvergesHoweverLowSaturationSpeedsAre) {
 std::uint64_t hash_of(const std::vector<std::string>& settings) {
     Simulation simulation(claims::ready_scene("baseline", settings));
     SilentObserver nobody;
-    EXPECT_FALSE(simulation.run(40e-6, nobody, never)) << settings.back();
+    EXPECT_FALSE(simulation.advance({.until = 40e-6}, nobody, never)) << settings.back();
     EXPECT_GT(simulation.counters().steps, 19);
     return simulation.hash();
 }

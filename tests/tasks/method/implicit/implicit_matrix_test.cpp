@@ -18,7 +18,7 @@ TEST(ImplicitMatrix, SolvesForTheWholeStateInVelocitiesAlone) {
     ImplicitMatrix matrix(settled.variator());
     const double theta = 1e-6;
     const ContactMap contacts{settled.base().phases, settled.base().loads};
-    std::vector<int> shafts;
+    std::vector<std::optional<int>> shafts;
     for (int link = 0; link < at.links; ++link) shafts.push_back(contacts.shaft(link));
     for (int chunk = 0; chunk < matrix.chunks(); ++chunk) matrix.eliminate(chunk, theta, jacobian, shafts.data());
     matrix.join(theta, jacobian);

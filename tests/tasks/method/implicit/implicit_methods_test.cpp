@@ -63,7 +63,7 @@ protected:
         Simulation simulation(brief(GetParam()), schedule);
         SilentObserver nobody;
         const engine::Cancellation never;
-        EXPECT_FALSE(simulation.settle(nobody, never)) << schedule.text();
+        EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never)) << schedule.text();
         return simulation.hash();
     }
 };
@@ -107,7 +107,7 @@ TEST_P(EveryImplicitMethod, AllocatesNothingInTheStepLoop) {
     Simulation simulation(brief(GetParam()), Schedule{});
     Allocations counter;
     const engine::Cancellation never;
-    ASSERT_FALSE(simulation.settle(counter, never));
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, counter, never));
     EXPECT_EQ(counter.between, 0);
 }
 
@@ -131,7 +131,7 @@ TEST(ImplicitMethods, RunAFreeRingAndRigidPulleysToo) {
             Simulation simulation(scene, Schedule{});
             SilentObserver nobody;
             const engine::Cancellation never;
-            EXPECT_FALSE(simulation.needs_settling() ? simulation.settle(nobody, never) : simulation.run(8e-6, nobody, never)) << method;
+            EXPECT_FALSE(simulation.advance({.until = 8e-6}, nobody, never)) << method;
         }
     }
 }

@@ -19,7 +19,7 @@ FrozenStart settled(const Scene& scene) {
     Simulation simulation(scene);
     SilentObserver nobody;
     const engine::Cancellation never;
-    EXPECT_FALSE(simulation.settle(nobody, never));
+    EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never));
     return frozen_start(simulation);
 }
 

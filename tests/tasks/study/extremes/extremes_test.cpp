@@ -57,7 +57,7 @@ void run_long(long steps) {
     Simulation settled(scene);
     SilentObserver silent;
     const engine::Cancellation never;
-    ASSERT_FALSE(settled.settle(silent, never));
+    ASSERT_FALSE(settled.advance({.until = 0.0}, silent, never));
     const IntegrationState start = settled.integration_state();
     scene.run.method = "euler";
     scene.run.step = step;
@@ -76,7 +76,7 @@ void run_long(long steps) {
     };
     const double before = energy();
     const double span = static_cast<double>(steps) * step;
-    ASSERT_FALSE(simulation.run(span, silent, never));
+    ASSERT_FALSE(simulation.advance({.until = span}, silent, never));
     // Times come from counting, not from adding up: 1e8 additions of 1e-9 would be off by 1e-12.
     EXPECT_NEAR(simulation.time(), span, 1e-9 * scene.run.output_interval);
     const Counters& counters = simulation.counters();

@@ -1,0 +1,59 @@
+/// Looking into the table of parameters: rows by key, kinds by member, the keys that were probably meant.
+
+#include <algorithm>
+#include <array>
+
+#include "engine/base/spelling.hpp"
+#include "tasks/scene/parameter_table.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+constexpr std::size_t most_suggested = 3;
+
+}  // namespace
+
+Kind Parameter::kind() const {
+    static constexpr std::array kinds{Kind::number,      Kind::integer,    Kind::integer,     Kind::integer,  Kind::boolean, Kind::text,
+                                      Kind::number_list, Kind::time_table, Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::choice,     Kind::choice,      Kind::choice,   Kind::choice,  Kind::choice,
+                                      Kind::choice,      Kind::choice,     Kind::auto_number, Kind::text_list};
+    static_assert(kinds.size() == std::variant_size_v<Slot>);
+    Scene scene;
+    return kinds[member(scene).index()];
+}
+
+const Parameter* find_parameter(std::string_view key) {
+    const auto rows = parameter_table();
+    const auto row = std::ranges::find_if(rows, [&](const Parameter& parameter) { return parameter.key == key; });
+    return row == rows.end() ? nullptr : &*row;
+}
+
+std::vector<std::string> nearest_keys(std::string_view key) {
+    const auto rows = parameter_table();
+    const std::string_view name = key.substr(key.find('.') + 1);
+    std::vector<std::string> keys;
+    for (const Parameter& parameter : rows) keys.emplace_back(parameter.key);
+    const std::string near = engine::closest(key, keys);
+    if (!near.empty() && engine::edit_distance(key, near) <= 2) return {near};
+    for (const Parameter& parameter : rows)
+        if (name.size() > 2 && parameter.key.starts_with(key)) return {std::string(parameter.key)};
+    std::vector<std::string> of_that_name;
+    for (const Parameter& parameter : rows)
+        if (parameter.name() == name) of_that_name.emplace_back(parameter.key);
+    // A dial of detail may have the name of what it is a detail of, which is meant more often.
+    std::ranges::stable_partition(of_that_name, [](const std::string& one) { return !one.starts_with("detail."); });
+    if (of_that_name.size() > most_suggested) of_that_name.resize(most_suggested);
+    if (of_that_name.empty() && !near.empty()) of_that_name.push_back(near);
+    return of_that_name;
+}
+
+std::vector<std::string> section_names() {
+    std::vector<std::string> names;
+    for (const Parameter& parameter : parameter_table())
+        if (names.empty() || names.back() != parameter.section()) names.emplace_back(parameter.section());
+    return names;
+}
+
+}  // namespace cvtflow::tasks
