@@ -13,8 +13,15 @@ namespace cvtflow::tasks {
 namespace {
 
 template <Kick kick>
+std::unique_ptr<StepMethod> make_double(Workspace& workspace) {
+    return std::make_unique<FrictionLeapfrog<double>>(workspace, kick);
+}
+
+/// Stages in single precision, but for whole pins.
+template <Kick kick>
 std::unique_ptr<StepMethod> make(Workspace& workspace) {
-    return std::make_unique<FrictionLeapfrog>(workspace, kick);
+    if (workspace.parameters.detail.pins == model::PinDetail::whole) return make_double<kick>(workspace);
+    return std::make_unique<FrictionLeapfrog<float>>(workspace, kick);
 }
 
 template <DirkTable (*table)()>
@@ -74,7 +81,7 @@ MethodProgram additive(const char* description, const char* solves) {
 }  // namespace
 
 std::vector<MethodProgram> friction_methods() {
-    constexpr int states = FrictionLeapfrog::state_slots, slopes = FrictionLeapfrog::slope_slots;
+    constexpr int states = LeapfrogFrame::state_slots, slopes = LeapfrogFrame::slope_slots;
     constexpr int own_states = ImplicitLeapfrog::state_slots, own_slopes = ImplicitLeapfrog::slope_slots;
     return {
         {"leapfrog-rkc", "leapfrog, friction inside the step by damped RKC stages on velocities alone",
@@ -83,6 +90,10 @@ std::vector<MethodProgram> friction_methods() {
         {"leapfrog-chebyshev", "the same with fewer, first-order stages that leave nothing stiff behind",
          "this project (tasks/method/friction)", 1, 1, states, slopes, make<Kick::chebyshev>, "none", stability<Kick::chebyshev>,
          linear_step<Kick::chebyshev>},
+        {"leapfrog-rkc-double", "leapfrog-rkc with stages in double precision, too", "this project (tasks/method/friction)", 2, 1, states,
+         slopes, make_double<Kick::rkc>, "none", stability<Kick::rkc>, linear_step<Kick::rkc>},
+        {"leapfrog-chebyshev-double", "leapfrog-chebyshev with stages in double precision, too", "this project (tasks/method/friction)", 1,
+         1, states, slopes, make_double<Kick::chebyshev>, "none", stability<Kick::chebyshev>, linear_step<Kick::chebyshev>},
         {"leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone",
          "this project (tasks/method/friction)", 1, 1, own_states, own_slopes, make_implicit<backward_euler>, "1 a step, for friction",
          stability_of<backward_euler>, linear_step_with<backward_euler>, false, false},
