@@ -69,6 +69,7 @@ void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
                        .own(Field::states_read, false)
                        .segment(Field::window, false)
                        .own(Field::state_kept, true)
+                       .own(Field::end_state, true)
                        .own(Field::load, true)
                        .list()});
     }
@@ -88,6 +89,7 @@ NextCycle FrictionLeapfrog<Number>::begin() {
         system_.turn_over();
     }
     frame_.begin();
+    w_.step.links_ended = w_.layout().probe_halo() == 0;  // else tips depend on neighbours, whose results are combined with them
     if (!w_.layout().ledger) {
         state_ = State::pushing;
         return push_cycle;
@@ -160,13 +162,13 @@ void FrictionLeapfrog<Number>::stage(int segment) noexcept {
 template <class Number>
 void FrictionLeapfrog<Number>::finish(int segment) noexcept {
     system_.react(w_, segment);
-    system_.give(w_, w_.states[1], segment);
+    double* end = w_.step.links_ended ? w_.end_state : w_.states[1];
+    system_.give(w_, end, segment);
     const model::ChainLayout& at = w_.layout();
     for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) {
         const int q = at.link_begin(link);
         const int v = q + at.link_size();
-        for (int k = 0; k < at.link_size(); ++k)
-            w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.step.h * (w_.states[0][v + k] + w_.states[1][v + k]);
+        for (int k = 0; k < at.link_size(); ++k) end[q + k] = w_.states[0][q + k] + 0.5 * w_.step.h * (w_.states[0][v + k] + end[v + k]);
     }
 }
 
