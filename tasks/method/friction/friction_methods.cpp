@@ -1,5 +1,7 @@
 #include "tasks/method/friction/friction_methods.hpp"
 
+#include <algorithm>
+#include <string>
 #include <type_traits>
 
 #include "tasks/method/friction/additive_method.hpp"
@@ -11,6 +13,9 @@
 namespace cvtflow::tasks {
 
 namespace {
+
+/// Ends the name of the method whose stages are in double precision.
+constexpr const char* in_double = "-double";
 
 template <Kick kick>
 std::unique_ptr<StepMethod> make_double(Workspace& workspace) {
@@ -90,10 +95,12 @@ std::vector<MethodProgram> friction_methods() {
         {"leapfrog-chebyshev", "the same with fewer, first-order stages that leave nothing stiff behind",
          "this project (tasks/method/friction)", 1, 1, states, slopes, make<Kick::chebyshev>, "none", stability<Kick::chebyshev>,
          linear_step<Kick::chebyshev>},
-        {"leapfrog-rkc-double", "leapfrog-rkc with stages in double precision, too", "this project (tasks/method/friction)", 2, 1, states,
-         slopes, make_double<Kick::rkc>, "none", stability<Kick::rkc>, linear_step<Kick::rkc>},
-        {"leapfrog-chebyshev-double", "leapfrog-chebyshev with stages in double precision, too", "this project (tasks/method/friction)", 1,
-         1, states, slopes, make_double<Kick::chebyshev>, "none", stability<Kick::chebyshev>, linear_step<Kick::chebyshev>},
+        {std::string("leapfrog-rkc") + in_double, "leapfrog-rkc with stages in double precision, too",
+         "this project (tasks/method/friction)", 2, 1, states, slopes, make_double<Kick::rkc>, "none", stability<Kick::rkc>,
+         linear_step<Kick::rkc>},
+        {std::string("leapfrog-chebyshev") + in_double, "leapfrog-chebyshev with stages in double precision, too",
+         "this project (tasks/method/friction)", 1, 1, states, slopes, make_double<Kick::chebyshev>, "none", stability<Kick::chebyshev>,
+         linear_step<Kick::chebyshev>},
         {"leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone",
          "this project (tasks/method/friction)", 1, 1, own_states, own_slopes, make_implicit<backward_euler>, "1 a step, for friction",
          stability_of<backward_euler>, linear_step_with<backward_euler>, false, false},
@@ -103,6 +110,12 @@ std::vector<MethodProgram> friction_methods() {
         additive<ark436>("ARK4(3)6L[2]SA, additive Runge-Kutta: friction implicit, all else explicit", "5 a step, for friction"),
         additive<ars343>("ARS(3,4,3), additive Runge-Kutta: friction implicit, all else explicit", "3 a step, for friction"),
     };
+}
+
+std::string in_double_precision(std::string_view method) {
+    const std::string name(method), longer = name + in_double;
+    const auto programs = friction_methods();
+    return std::ranges::any_of(programs, [&](const MethodProgram& program) { return program.name == longer; }) ? longer : name;
 }
 
 }  // namespace cvtflow::tasks
