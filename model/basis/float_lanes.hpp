@@ -91,8 +91,71 @@ template <int W>
     return chosen_where_greater<float_lanes>(a, b, chosen, otherwise);
 }
 
+/// a > b ? a : b, as one instruction where the processor has it.
+template <int W>
+[[nodiscard]] inline Floats<W> larger_floats(const Floats<W>& a, const Floats<W>& b) noexcept {
+    if constexpr (W == native_floats) {
+#if defined(__AVX512F__)
+        return _mm512_maskz_max_ps(0xffff, a.v, b.v);
+#elif defined(__AVX2__)
+        return _mm256_max_ps(a.v, b.v);
+#elif defined(__x86_64__)
+        return _mm_max_ps(a.v, b.v);
+#else
+        return a.v > b.v ? a.v : b.v;
+#endif
+    } else {
+        return {larger_floats<W / 2>(a.low, b.low), larger_floats<W / 2>(a.high, b.high)};
+    }
+}
+/// a < b ? a : b.
+template <int W>
+[[nodiscard]] inline Floats<W> smaller_floats(const Floats<W>& a, const Floats<W>& b) noexcept {
+    if constexpr (W == native_floats) {
+#if defined(__AVX512F__)
+        return _mm512_maskz_min_ps(0xffff, a.v, b.v);
+#elif defined(__AVX2__)
+        return _mm256_min_ps(a.v, b.v);
+#elif defined(__x86_64__)
+        return _mm_min_ps(a.v, b.v);
+#else
+        return a.v < b.v ? a.v : b.v;
+#endif
+    } else {
+        return {smaller_floats<W / 2>(a.low, b.low), smaller_floats<W / 2>(a.high, b.high)};
+    }
+}
+/// Whether no lane exceeds a limit; false for NaN. limit [unit of the floats]
+template <int W>
+[[nodiscard]] inline bool floats_at_most(const Floats<W>& a, float limit) noexcept {
+    if constexpr (W == native_floats) {
+#if defined(__AVX512F__)
+        return _mm512_cmp_ps_mask(a.v, _mm512_set1_ps(limit), _CMP_LE_OQ) == 0xffff;
+#elif defined(__AVX2__)
+        return _mm256_movemask_ps(_mm256_cmp_ps(a.v, _mm256_set1_ps(limit), _CMP_LE_OQ)) == 0xff;
+#elif defined(__x86_64__)
+        return _mm_movemask_ps(_mm_cmple_ps(a.v, _mm_set1_ps(limit))) == 0xf;
+#else
+        bool all = true;
+        for (int lane = 0; lane < W; ++lane) all = all && a.v[lane] <= limit;
+        return all;
+#endif
+    } else {
+        return floats_at_most<W / 2>(a.low, limit) && floats_at_most<W / 2>(a.high, limit);
+    }
+}
+template <int W>
+[[nodiscard]] inline Floats<W> absolute(const Floats<W>& a) noexcept {
+    if constexpr (W == native_floats) {
+        typedef int Bits __attribute__((vector_size(W * sizeof(int))));
+        return (typename Floats<W>::Vector)((Bits)a.v & 0x7fffffff);
+    } else {
+        return {absolute<W / 2>(a.low), absolute<W / 2>(a.high)};
+    }
+}
+
 /// The larger of both; b if a is NaN.
-[[nodiscard]] inline FloatLanes larger(const FloatLanes& a, const FloatLanes& b) noexcept { return select_greater(a, b, a, b); }
+[[nodiscard]] inline FloatLanes larger(const FloatLanes& a, const FloatLanes& b) noexcept { return larger_floats<float_lanes>(a, b); }
 
 /// Half a vector of floats for every vector of doubles.
 typedef float HalfFloats __attribute__((vector_size(native_lanes * sizeof(float))));

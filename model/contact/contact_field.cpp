@@ -2,30 +2,25 @@
 
 #include <Eigen/Core>
 #include <Eigen/LU>
+#include <algorithm>
 
 #include "model/kernels/kernels.hpp"
 
 namespace cvtflow::model {
 
-namespace {
-
-constexpr int line = 8;  // doubles of a cache line
-
-}  // namespace
-
-Columns::Columns(int components, int columns) : stride_((columns + line - 1 + line - 1) / line * line + line) {
-    memory_.assign(static_cast<std::size_t>(components * stride_ + 2 * line), 0.0);
-}
-
-ContactField::ContactField(const ChainModel& chain)
-    : components{chain.layout().whole ? 0 : chain.coefficients().joint_points.count, chain.coefficients().plates.count},
+template <class Number>
+ContactFieldOf<Number>::ContactFieldOf(const ChainModel& chain)
+    : components{chain.layout().whole ? 0 : chain.coefficients().joint_points.count, chain.coefficients().plates.count,
+                 std::is_same_v<Number, float>},
       columns(components.count(), chain.layout().links + 2 * chain.layout().halo()),
       arms(static_cast<std::size_t>(chain.layout().links)) {
     for (int corner = 0; corner < tips_per_link; ++corner) {  // a tip that has never touched must not divide by zero
         for (int column = 0; column < columns.stride(); ++column)
-            *columns.at(components.tip(corner) + ContactComponents::Tip::least, column) = 1.0;
+            *columns.at(components.tip(corner) + ContactComponents::Tip::least, column) = Number(1);
     }
 }
+template struct ContactFieldOf<double>;
+template struct ContactFieldOf<float>;
 
 namespace {
 
@@ -34,6 +29,11 @@ Coefficients without_friction(Coefficients c) {
     c.plate_friction.coefficient = c.tip.friction.coefficient = 0.0;
     if (!c.layout.whole) c.joint.friction.coefficient = 0.0;
     return c;
+}
+
+[[nodiscard]] SingleFrictionKernels single_kernels_for(const ChainModel& chain) {
+    if (chain.layout().whole) return {};
+    return kernels_of(chain.isa()).single(chain.layout().order);
 }
 
 [[nodiscard]] FrictionKernels kernels_for(const ChainModel& chain) {
@@ -58,15 +58,50 @@ MirroredInverse inverse_of(const double* rows, int size) {
     return mirrored;
 }
 
-}  // namespace
-
-FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
-    : chain_(chain), frictionless_(without_friction(chain.coefficients())), by_phase_(by_phase), kernels_(kernels_for(chain)) {
-    if (chain.layout().whole) return;
-    lateral_inverse_ = inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral());
-    axial_inverse_ = inverse_of(chain.inertia().axial_matrix.data(), 2);
+template <class Number>
+MirroredInverseOf<Number> rounded(const MirroredInverse& inverse) {
+    MirroredInverseOf<Number> to;
+    std::ranges::transform(inverse.sum, to.sum.begin(), [](double x) { return static_cast<Number>(x); });
+    std::ranges::transform(inverse.difference, to.difference.begin(), [](double x) { return static_cast<Number>(x); });
+    return to;
 }
 
-int FrictionOperator::scratch_size(int links) const noexcept { return (2 * chain_.layout().lateral() + 5) * joint_stride(links); }
+/// As a law is evaluated in floats: nothing is divided by zero there, either, and what is surely proportional is so after their rounding.
+template <class Number>
+FrictionCurve curve_in(FrictionCurve curve) {
+    if constexpr (std::is_same_v<Number, float>) {
+        curve.proportional_speed = std::max(curve.proportional_speed, slowest_single);
+        curve.surely_proportional = (1.0 - 1e-6) * curve.proportional_speed * curve.proportional_speed;
+    }
+    return curve;
+}
+
+}  // namespace
+
+template <class Number>
+FrictionNumbers<Number>::FrictionNumbers(const ChainModel& chain)
+    : joint(curve_in<Number>(chain.coefficients().joint.friction)),
+      plate(curve_in<Number>(chain.coefficients().plate_friction)),
+      tip(curve_in<Number>(chain.coefficients().tip.friction)) {
+    const Coefficients& c = chain.coefficients();
+    const auto round_all = [](const auto& from, auto& to) {
+        std::ranges::transform(from, to.begin(), [](double x) { return static_cast<Number>(x); });
+    };
+    round_all(c.joint_points.position, joint_position);
+    for (std::size_t m = 0; m < joint_basis.size(); ++m) round_all(c.joint_points.basis[m], joint_basis[m]);
+    round_all(c.plates.position, plate_position);
+    if (chain.layout().whole) return;
+    lateral = rounded<Number>(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral()));
+    axial = rounded<Number>(inverse_of(chain.inertia().axial_matrix.data(), 2));
+}
+
+FrictionOperator::FrictionOperator(const ChainModel& chain, bool by_phase)
+    : chain_(chain),
+      frictionless_(without_friction(chain.coefficients())),
+      numbers_(chain),
+      single_numbers_(chain),
+      by_phase_(by_phase),
+      kernels_(kernels_for(chain)),
+      single_(single_kernels_for(chain)) {}
 
 }  // namespace cvtflow::model

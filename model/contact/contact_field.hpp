@@ -2,9 +2,13 @@
 /// Every friction contact of the chain with all frozen but velocities, laid out component by component so that lanes can run over links:
 /// [component][column], column = link + 1; column 0 repeats the last link, column links + 1 the first. (With whole pins
 /// three columns on each side do, and a column is a pin and the link behind which it lies.)
+///
+/// In double precision velocities are what they are. In single precision they count from those at which the contacts were recorded, so that
+/// small differences of large velocities are taken in double precision, once a step; a field then also holds how contacts slide at those.
 
 #include <array>
 #include <cstddef>
+#include <type_traits>
 #include <vector>
 
 #include "model/basis/aligned.hpp"
@@ -14,8 +18,9 @@ namespace cvtflow::model {
 
 /// Numbers of the components of a contact field.
 struct ContactComponents {
-    int joint_points;  ///< integration points of a joint
-    int plates;        ///< plates of a link
+    int joint_points;       ///< integration points of a joint
+    int plates;             ///< plates of a link
+    bool relative = false;  ///< velocities count from those at which contacts were recorded
 
     /// Frame of the link: t_x, t_y, 1/|d0|.
     static constexpr int frame_x = 0, frame_y = 1, inverse_length = 2;
@@ -23,7 +28,8 @@ struct ContactComponents {
     struct Joint {
         static constexpr int normal_x = 0, normal_y = 1, lever_before = 2, lever_after = 3, grip = 4, count = 5;
     };
-    /// Of one tip; drift: change of the sheave's velocity where the tip touches, over the step, along with the tip.
+    /// Of one tip; sheave: velocity of the sheave where the tip touches (if relative: of the sheave against the tip); drift: its change
+    /// over the step, along with the tip.
     struct Tip {
         static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, grip = 11, least = 12, most = 13, count = 14;
     };
@@ -31,98 +37,145 @@ struct ContactComponents {
     /// μN of a plate [N].
     [[nodiscard]] constexpr int plate(int number) const noexcept { return joint(joint_points) + number; }
     [[nodiscard]] constexpr int tip(int corner) const noexcept { return plate(plates) + Tip::count * corner; }
-    [[nodiscard]] constexpr int count() const noexcept { return tip(tips_per_link); }
+    /// If relative, at the velocities that others count from: sliding of a joint's points across the axis, z and e of the joint's gap and
+    /// of the gap between the link's pins [m/s].
+    [[nodiscard]] constexpr int sliding(int point) const noexcept { return tip(tips_per_link) + point; }
+    [[nodiscard]] constexpr int joint_gap() const noexcept { return sliding(joint_points); }
+    [[nodiscard]] constexpr int plate_gap() const noexcept { return joint_gap() + 2; }
+    [[nodiscard]] constexpr int count() const noexcept { return relative ? plate_gap() + 2 : tip(tips_per_link); }
 };
 
-/// Columns of doubles, one row per component, rows on cache lines of their own. Column 1, where links begin, begins a cache line.
-class Columns {
+/// Columns of numbers, one row per component, rows on cache lines of their own. Column 1, where links begin, begins a cache line. A whole
+/// line may be read from any column on. Rows are an odd number of lines apart, so that one column's numbers do not meet in few sets of a
+/// cache.
+template <class Number>
+class ColumnsOf {
 public:
+    static constexpr int line = static_cast<int>(cache_line / sizeof(Number));
     /// Numbers that may be read and written before column 0.
-    static constexpr int before_first = 7;
+    static constexpr int before_first = line - 1;
 
-    Columns() = default;
-    Columns(int components, int columns);
+    ColumnsOf() = default;
+    ColumnsOf(int components, int columns) : stride_(((columns + before_first + 2 * line - 1) / line | 1) * line) {
+        memory_.assign(static_cast<std::size_t>(components * stride_ + 2 * line), Number(0));
+    }
 
-    [[nodiscard]] double* at(std::ptrdiff_t component, std::ptrdiff_t column) noexcept { return data() + component * stride_ + column; }
-    [[nodiscard]] const double* at(std::ptrdiff_t component, std::ptrdiff_t column) const noexcept {
+    [[nodiscard]] Number* at(std::ptrdiff_t component, std::ptrdiff_t column) noexcept { return data() + component * stride_ + column; }
+    [[nodiscard]] const Number* at(std::ptrdiff_t component, std::ptrdiff_t column) const noexcept {
         return data() + component * stride_ + column;
     }
     [[nodiscard]] int stride() const noexcept { return static_cast<int>(stride_); }
-    [[nodiscard]] const double* data() const noexcept { return memory_.data() + before_first; }
-    [[nodiscard]] double* data() noexcept { return memory_.data() + before_first; }
+    [[nodiscard]] const Number* data() const noexcept { return memory_.data() + before_first; }
+    [[nodiscard]] Number* data() noexcept { return memory_.data() + before_first; }
 
 private:
-    LineVector<double> memory_;
+    LineVector<Number> memory_;
     std::ptrdiff_t stride_ = 0;
 };
+using Columns = ColumnsOf<double>;
 
 /// Arms from a sheave's origin to the contact points of a link's tips, for reactions on the sheaves [m].
 struct TipArms {
     double x[tips_per_link], y[tips_per_link], z[tips_per_link];
 };
 
-struct ContactField {
-    explicit ContactField(const ChainModel& chain);
+template <class Number>
+struct ContactFieldOf {
+    explicit ContactFieldOf(const ChainModel& chain);
 
     ContactComponents components;
-    Columns columns;
+    ColumnsOf<Number> columns;
     std::vector<TipArms> arms;  ///< [links], where a tip touches
 };
+using ContactField = ContactFieldOf<double>;
 
 /// Inverse of a mass matrix of a link, by its symmetries: both ends are alike, and so are both halves of the pins' length.
 /// [[a, b], [b, a]] acts on the sum of both ends as a + b and on their difference as a - b; modes of even and of odd order do not couple.
-struct MirroredInverse {
-    std::array<double, most_lateral * most_lateral> sum{}, difference{};  ///< (a ± b)/2, rows most_lateral apart; where m + k is odd: 0
+template <class Number>
+struct MirroredInverseOf {
+    std::array<Number, most_lateral * most_lateral> sum{}, difference{};  ///< (a ± b)/2, rows most_lateral apart; where m + k is odd: 0
+};
+using MirroredInverse = MirroredInverseOf<double>;
+
+/// Slower sliding counts as this in single precision: its square is still a float, and so is one over it [m/s].
+inline constexpr double slowest_single = 1e-15;
+
+/// Constants of friction in the precision of its velocities. With whole pins inverses are not needed.
+template <class Number>
+struct FrictionNumbers {
+    explicit FrictionNumbers(const ChainModel& chain);
+
+    FrictionCurve joint, plate, tip;
+    std::array<Number, most_joint_lanes> joint_position{};                         ///< ξ [1]
+    std::array<std::array<Number, most_joint_lanes>, most_lateral> joint_basis{};  ///< P_m(ξ)
+    std::array<Number, most_plate_lanes> plate_position{};                         ///< ξ [1]
+    MirroredInverseOf<Number> lateral, axial;                                      ///< of x, and of y; of z and e
 };
 
 class FrictionOperator;
 
-struct FrictionRange {
+template <class Number>
+struct FrictionRangeOf {
     int first, last;         ///< links [first, last)
-    const double* velocity;  ///< [link_size()][stride] of links first - 1 … last
+    const Number* velocity;  ///< [link_size()][stride] of links first - 1 … last
     std::ptrdiff_t stride;   ///< of velocity
-    double* scratch;         ///< FrictionOperator::scratch_size(last - first) [m/s, N]
+    Number* scratch;         ///< FrictionOperator::scratch_size<Number>(last - first) [m/s, N]
     const Phase* phases;     ///< [links * 4], of the whole chain
     double time;             ///< of the velocities, from the middle of the step, in steps [1]
 };
+using FrictionRange = FrictionRangeOf<double>;
 
 /// Accelerations by everything but friction, linear in time: now + lean (now - before). Columns over links (column = link + 1).
-struct FrictionBase {
-    const Columns* now;
-    const Columns* before;
+template <class Number>
+struct FrictionBaseOf {
+    const ColumnsOf<Number>* now;
+    const ColumnsOf<Number>* before;
     double lean;  ///< share of the change since the last step [1]
 };
+using FrictionBase = FrictionBaseOf<double>;
 
 /// Velocities that a table combines from others and from the slope just evaluated: Σ weight from + slope_weight slope, in this order.
-struct VelocityRow {
+template <class Number>
+struct VelocityRowOf {
     static constexpr std::size_t most_terms = 4;
-    std::array<const Columns*, most_terms> from{};
+    std::array<const ColumnsOf<Number>*, most_terms> from{};
     std::array<double, most_terms> weight{};  ///< [1]
     std::size_t terms = 0;
-    double slope_weight = 0.0;  ///< [s]
-    Columns* to = nullptr;      ///< none of `from`, nor the columns evaluated
+    double slope_weight = 0.0;        ///< [s]
+    ColumnsOf<Number>* to = nullptr;  ///< none of `from`, nor the columns evaluated
 
     /// factor [1]
-    void add(const Columns& columns, double factor) noexcept {
+    void add(const ColumnsOf<Number>& columns, double factor) noexcept {
         from[terms] = &columns;
         weight[terms++] = factor;
     }
 };
+using VelocityRow = VelocityRowOf<double>;
 
 /// What an evaluation of friction is for: its slopes alone, or a row of a table. Columns over links (column = link + 1), all of the same
 /// shape.
-struct FrictionStage {
-    const FrictionBase* base = nullptr;
-    Columns* slope = nullptr;           ///< may be absent from a row
-    const VelocityRow* next = nullptr;  ///< with base, or neither
-    double weight = 0.0;                ///< of the tips' forces in impulses [1]
-    Columns* impulses = nullptr;        ///< [3 tips_per_link] rows: x, y, z of each tip
+template <class Number>
+struct FrictionStageOf {
+    const FrictionBaseOf<Number>* base = nullptr;
+    ColumnsOf<Number>* slope = nullptr;           ///< may be absent from a row
+    const VelocityRowOf<Number>* next = nullptr;  ///< with base, or neither
+    double weight = 0.0;                          ///< of the tips' forces in impulses [1]
+    ColumnsOf<Number>* impulses = nullptr;        ///< [3 tips_per_link] rows: x, y, z of each tip
 };
+using FrictionStage = FrictionStageOf<double>;
 
 /// What a field has to know of the step in whose middle it is recorded.
 struct ContactDrift {
     double step = 0.0;         ///< h [s]
     SheaveMotion change[4]{};  ///< of the sheaves' velocities over the step
+};
+
+/// What a pass over the links leaves of them for friction in single precision.
+struct KickStart {
+    const double* states;  ///< [unknowns] at the step's beginning, of the range's first link on
+    ContactFieldOf<float>& field;
+    ColumnsOf<float>& push;      ///< accelerations by everything but friction [m/s², rad/s²]
+    ColumnsOf<float>& velocity;  ///< at the step's beginning, counted from those at which contacts are recorded [m/s, rad/s]
 };
 
 /// Functions of one order and one instruction set.
@@ -135,17 +188,33 @@ struct FrictionKernels {
     Evaluate slopes, steepest;
 };
 
+/// The same in single precision. There are none for whole pins.
+struct SingleFrictionKernels {
+    using Push = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const KickStart&, LinkLoad*) noexcept;
+    using Evaluate = void (*)(const FrictionOperator&, const ContactFieldOf<float>&, const FrictionRangeOf<float>&,
+                              const FrictionStageOf<float>&) noexcept;
+    Push push = nullptr;
+    Evaluate slopes = nullptr, steepest = nullptr;
+};
+
 /// Friction as a function of velocities, for fields that record() has written. Velocities, forces and slopes of links are
 /// [link_size()][stride] columns that begin at a range's first link - 1.
 class FrictionOperator {
 public:
     FrictionOperator(const ChainModel& chain, bool by_phase);
 
-    /// Doubles of scratch for a range of so many links.
-    [[nodiscard]] int scratch_size(int links) const noexcept;
+    /// Numbers of scratch for a range of so many links.
+    template <class Number = double>
+    [[nodiscard]] int scratch_size(int links) const noexcept {
+        return (2 * chain_.layout().lateral() + 5) * joint_stride<Number>(links);
+    }
 
     /// Columns of a joint's rows in scratch.
-    [[nodiscard]] static constexpr int joint_stride(int links) noexcept { return (links + 1 + 7) / 8 * 8 + 8; }
+    template <class Number = double>
+    [[nodiscard]] static constexpr int joint_stride(int links) noexcept {
+        constexpr int line = ColumnsOf<Number>::line;
+        return (links + line) / line * line + line;
+    }
 
     /// Notes the contacts of the links of a range, and replaces their reactions on the sheaves by those of the normal forces alone.
     /// Ghost columns are written with the links that they repeat.
@@ -159,13 +228,24 @@ public:
                          LinkLoad* loads) const noexcept {
         kernels_.push(*this, range, drift, field, push, loads);
     }
+    /// The same for friction in single precision. Not with whole pins.
+    void record_and_push(const ChainRange& range, const ContactDrift& drift, const KickStart& start, LinkLoad* loads) const noexcept {
+        single_.push(*this, range, drift, start, loads);
+    }
     /// slope = base + A⁻¹ friction(velocity) of links first … last - 1, and what the stage makes of it.
     void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept {
         kernels_.slopes(*this, field, range, stage);
     }
+    void slopes(const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range,
+                const FrictionStageOf<float>& stage) const noexcept {
+        single_.slopes(*this, field, range, stage);
+    }
     /// slopes() for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
     void steepest(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept {
         kernels_.steepest(*this, field, range, {nullptr, &slope});
+    }
+    void steepest(const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range, ColumnsOf<float>& slope) const noexcept {
+        single_.steepest(*this, field, range, {nullptr, &slope});
     }
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
@@ -173,16 +253,26 @@ public:
     [[nodiscard]] const Coefficients& frictionless() const noexcept { return frictionless_; }
     /// Whether the branch of the law is that of the tip's phase (detail.stick_slip).
     [[nodiscard]] bool by_phase() const noexcept { return by_phase_; }
-    [[nodiscard]] const MirroredInverse& lateral_inverse() const noexcept { return lateral_inverse_; }
-    [[nodiscard]] const MirroredInverse& axial_inverse() const noexcept { return axial_inverse_; }
+    [[nodiscard]] const MirroredInverse& lateral_inverse() const noexcept { return numbers_.lateral; }
+    [[nodiscard]] const MirroredInverse& axial_inverse() const noexcept { return numbers_.axial; }
+    /// Constants in the precision of the velocities.
+    template <class Number>
+    [[nodiscard]] const FrictionNumbers<Number>& numbers() const noexcept {
+        if constexpr (std::is_same_v<Number, float>) {
+            return single_numbers_;
+        } else {
+            return numbers_;
+        }
+    }
 
 private:
     const ChainModel& chain_;
     Coefficients frictionless_;
-    MirroredInverse lateral_inverse_;  ///< of x, and of y; with whole pins neither is needed
-    MirroredInverse axial_inverse_;    ///< of z and e
+    FrictionNumbers<double> numbers_;
+    FrictionNumbers<float> single_numbers_;
     bool by_phase_;
     FrictionKernels kernels_;
+    SingleFrictionKernels single_;
 };
 
 }  // namespace cvtflow::model

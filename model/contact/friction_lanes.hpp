@@ -2,6 +2,7 @@
 /// Friction of all contacts as a function of velocities, lanes over links. (model/EQUATIONS.md sections 4 to 7)
 /// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
 
+#include "model/contact/friction_columns.hpp"
 #include "model/contact/friction_sinks.hpp"
 #include "model/contact/mirrored.hpp"
 #include "model/force/link_frame.hpp"
@@ -11,23 +12,25 @@
 namespace cvtflow::model {
 namespace {
 
-/// W links side by side. Column numbers count from the first link of the range.
+/// W links side by side, in single precision if W says so: velocities then count from those at which contacts were recorded. Column numbers
+/// count from the first link of the range.
 template <int P, int W, bool Steepest>
-class FrictionLanes {
+class FrictionLanes : private FrictionColumns<P, W> {
+    using Base = FrictionColumns<P, W>;
+    using Base::column, Base::velocity, Base::contact, Base::joint, Base::keep_joint, Base::links_at, Base::add, Base::turning,
+        Base::field_, Base::range_;
+
 public:
     using V = Lanes<W>;
+    using Number = NumberOf<W>;
     using Joint = ContactComponents::Joint;
     using Tip = ContactComponents::Tip;
     static constexpr int n = P + 1;
     /// Rows of a joint's force: x_0…x_p, y_0…y_p, z, e, moment before, moment after.
     static constexpr int joint_rows = 2 * n + 4;
 
-    FrictionLanes(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range) noexcept
-        : friction_(friction),
-          c_(friction.chain().coefficients()),
-          field_(field),
-          range_(range),
-          joint_stride_(FrictionOperator::joint_stride(range.last - range.first)) {}
+    FrictionLanes(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range) noexcept
+        : Base(field, range), friction_(friction), numbers_(friction.numbers<Number>()) {}
 
     /// Joint of the rear pins of links first + own … + W - 1, to scratch.
     void joints(int own) const noexcept {
@@ -38,6 +41,10 @@ public:
         }
         rates.z = velocity(at<P>.z(End::front), own - 1) - velocity(at<P>.z(End::rear), own);
         rates.e = velocity(at<P>.e(End::front), own - 1) - velocity(at<P>.e(End::rear), own);
+        if constexpr (counts_from_recorded) {
+            rates.z += contact(field_.components.joint_gap(), own);
+            rates.e += contact(field_.components.joint_gap() + 1, own);
+        }
         rates.before = turning(own - 1);
         rates.after = turning(own);
         V force[joint_rows];
@@ -45,11 +52,11 @@ public:
         const int points = field_.components.joint_points;
         for (int g = 0; g < points / 2; ++g) mirrored_points(own, g, rates, force);
         if (points % 2 == 1) middle_point(own, points / 2, rates, force);
-        for (int row = 0; row < joint_rows; ++row) store(force[row], range_.scratch + row * joint_stride_ + own);
+        for (int row = 0; row < joint_rows; ++row) keep_joint(row, own, force[row]);
     }
 
     /// Slopes of links first + own … + W - 1; their joints must be in scratch.
-    void links(int own, const FrictionStage& stage) const noexcept {
+    void links(int own, const FrictionStageOf<Number>& stage) const noexcept {
         V f[at<P>.link_size()];
         add_joints(own, f);
         V moment = joint(2 * n + 3, own) + joint(2 * n + 2, own + 1);
@@ -65,6 +72,9 @@ public:
     }
 
 private:
+    /// Friction about rest has no velocities to count from.
+    static constexpr bool counts_from_recorded = is_single<W> && !Steepest;
+
     /// Relative velocities in a joint: of the axes, and how fast the links before and after it turn.
     struct JointRates {
         V x[n], y[n], z, e, before, after;
@@ -79,17 +89,19 @@ private:
 
     [[nodiscard]] Halves halves_at(const V* modes, int g) const noexcept {
         Halves sum{modes[0], V(0.0)};
-        if constexpr (n > 1) sum.odd = basis(c_.joint_points, 1, g) * modes[1];
-        if constexpr (n > 2) sum.even += basis(c_.joint_points, 2, g) * modes[2];
-        if constexpr (n > 3) sum.odd += basis(c_.joint_points, 3, g) * modes[3];
+        if constexpr (n > 1) sum.odd = basis(1, g) * modes[1];
+        if constexpr (n > 2) sum.even += basis(2, g) * modes[2];
+        if constexpr (n > 3) sum.odd += basis(3, g) * modes[3];
         return sum;
     }
 
     /// Sliding of point g across the axis.
     [[nodiscard]] V slip_of(int own, int g, const V& x, const V& y, const JointRates& rates) const noexcept {
         const int row = field_.components.joint(g);
-        return contact(row + Joint::normal_x, own) * y - contact(row + Joint::normal_y, own) * x +
-               rates.before * contact(row + Joint::lever_before, own) + rates.after * contact(row + Joint::lever_after, own);
+        const V slip = contact(row + Joint::normal_x, own) * y - contact(row + Joint::normal_y, own) * x +
+                       rates.before * contact(row + Joint::lever_before, own) + rates.after * contact(row + Joint::lever_after, own);
+        if constexpr (counts_from_recorded) return slip + contact(field_.components.sliding(g), own);
+        return slip;
     }
 
     /// Force at point g that slides with slip and axial; moments to force.
@@ -105,14 +117,14 @@ private:
     /// Points g and count - 1 - g, at ξ and -ξ.
     void mirrored_points(int own, int g, const JointRates& rates, V* force) const noexcept {
         const int h = field_.components.joint_points - 1 - g;
-        const double xi = c_.joint_points.position[static_cast<std::size_t>(g)];
+        const Number xi = numbers_.joint_position[static_cast<std::size_t>(g)];
         const Halves x = halves_at(rates.x, g), y = halves_at(rates.y, g);
         const V slip_g = slip_of(own, g, x.even + x.odd, y.even + y.odd, rates),
                 slip_h = slip_of(own, h, x.even - x.odd, y.even - y.odd, rates);
         const V tilt = xi * rates.e;
         const V axial_g = rates.z + tilt, axial_h = rates.z - tilt;
         const auto [factor_g, factor_h] =
-            sliding_factors<W, Steepest>(c_.joint.friction, slip_g * slip_g + axial_g * axial_g, slip_h * slip_h + axial_h * axial_h);
+            sliding_factors<W, Steepest>(numbers_.joint, slip_g * slip_g + axial_g * axial_g, slip_h * slip_h + axial_h * axial_h);
         const PointForce a = point_force(own, g, slip_g, axial_g, factor_g, force),
                          b = point_force(own, h, slip_h, axial_h, factor_h, force);
         spread(g, a.x + b.x, a.x - b.x, force);
@@ -125,7 +137,7 @@ private:
     void middle_point(int own, int g, const JointRates& rates, V* force) const noexcept {
         const V slip = slip_of(own, g, halves_at(rates.x, g).even, halves_at(rates.y, g).even, rates);
         const PointForce f =
-            point_force(own, g, slip, rates.z, sliding_factor<W, Steepest>(c_.joint.friction, slip * slip + rates.z * rates.z), force);
+            point_force(own, g, slip, rates.z, sliding_factor<W, Steepest>(numbers_.joint, slip * slip + rates.z * rates.z), force);
         spread(g, f.x, V(0.0), force);
         spread(g, f.y, V(0.0), force + n);
         force[2 * n] += f.along;
@@ -134,26 +146,13 @@ private:
     /// Adds the forces at two mirrored points, as sum and difference, to the modes.
     void spread(int g, const V& sum, const V& difference, V* modes) const noexcept {
         modes[0] += sum;
-        if constexpr (n > 1) modes[1] += basis(c_.joint_points, 1, g) * difference;
-        if constexpr (n > 2) modes[2] += basis(c_.joint_points, 2, g) * sum;
-        if constexpr (n > 3) modes[3] += basis(c_.joint_points, 3, g) * difference;
+        if constexpr (n > 1) modes[1] += basis(1, g) * difference;
+        if constexpr (n > 2) modes[2] += basis(2, g) * sum;
+        if constexpr (n > 3) modes[3] += basis(3, g) * difference;
     }
 
-    static void store(const V& lanes, double* to) noexcept { lanes.copy_to(to); }  ///< to [W]
-    [[nodiscard]] int column(int own) const noexcept { return range_.first + own + 1; }
-    [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
-    [[nodiscard]] V contact(int row, int own) const noexcept { return load<W>(field_.columns.at(row, column(own))); }
-    [[nodiscard]] V joint(int row, int own) const noexcept { return load<W>(range_.scratch + row * joint_stride_ + own); }
-    template <int Most>
-    [[nodiscard]] static double basis(const PointLanes<Most>& points, int m, int point) noexcept {
-        return points.basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(point)];
-    }
-
-    [[nodiscard]] V turning(int own) const noexcept {
-        const V vx = velocity(at<P>.x(End::front, 0), own) - velocity(at<P>.x(End::rear, 0), own);
-        const V vy = velocity(at<P>.y(End::front, 0), own) - velocity(at<P>.y(End::rear, 0), own);
-        return (contact(ContactComponents::frame_x, own) * vy - contact(ContactComponents::frame_y, own) * vx) *
-               contact(ContactComponents::inverse_length, own);
+    [[nodiscard]] Number basis(int m, int point) const noexcept {
+        return numbers_.joint_basis[static_cast<std::size_t>(m)][static_cast<std::size_t>(point)];
     }
 
     void add_joints(int own, V* f) const noexcept {
@@ -170,13 +169,17 @@ private:
     }
 
     void plates(int own, V* f) const noexcept {
-        const V gap_z = velocity(at<P>.z(End::front), own) - velocity(at<P>.z(End::rear), own);
-        const V gap_e = velocity(at<P>.e(End::front), own) - velocity(at<P>.e(End::rear), own);
+        V gap_z = velocity(at<P>.z(End::front), own) - velocity(at<P>.z(End::rear), own);
+        V gap_e = velocity(at<P>.e(End::front), own) - velocity(at<P>.e(End::rear), own);
+        if constexpr (counts_from_recorded) {
+            gap_z += contact(field_.components.plate_gap(), own);
+            gap_e += contact(field_.components.plate_gap() + 1, own);
+        }
         V fz(0.0), fe(0.0);
         for (int j = 0; j < field_.components.plates; ++j) {
-            const double xi = c_.plates.position[static_cast<std::size_t>(j)];
+            const Number xi = numbers_.plate_position[static_cast<std::size_t>(j)];
             const V sliding = gap_z + xi * gap_e;
-            const V slide = contact(field_.components.plate(j), own) * sliding_share<W, Steepest>(c_.plate_friction, sliding);
+            const V slide = contact(field_.components.plate(j), own) * sliding_share<W, Steepest>(numbers_.plate, sliding);
             fz += slide;
             fe += xi * slide;
         }
@@ -190,11 +193,11 @@ private:
     [[nodiscard]] bool touching(int own) const noexcept {
         const Phase* phases = range_.phases + tips_per_link * (range_.first + own);
         std::uint32_t any = 0;
-        for (int link = 0; link < W; ++link) any |= phase_word(phases + tips_per_link * link);
+        for (int link = 0; link < links_at(own); ++link) any |= phase_word(phases + tips_per_link * link);
         return any != 0;
     }
 
-    void tips(int own, V* f, V& moment, const FrictionStage& stage) const noexcept {
+    void tips(int own, V* f, V& moment, const FrictionStageOf<Number>& stage) const noexcept {
         const V turn = turning(own);
         for (const End end : {End::rear, End::front}) {
             Halves x{velocity(at<P>.x(end, 0), own), V(0.0)}, y{velocity(at<P>.y(end, 0), own), V(0.0)};
@@ -231,31 +234,33 @@ private:
         const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
         V vx = pin_x - turn * contact(row + Tip::lever_y, own), vy = pin_y + turn * contact(row + Tip::lever_x, own), vz = pin_z;
         if constexpr (!Steepest) {
-            vx = vx - contact(row + Tip::sheave, own) - range_.time * contact(row + Tip::drift, own);
-            vy = vy - contact(row + Tip::sheave + 1, own) - range_.time * contact(row + Tip::drift + 1, own);
-            vz = vz - contact(row + Tip::sheave + 2, own) - range_.time * contact(row + Tip::drift + 2, own);
+            const auto time = static_cast<Number>(range_.time);
+            vx = vx - contact(row + Tip::sheave, own) - time * contact(row + Tip::drift, own);
+            vy = vy - contact(row + Tip::sheave + 1, own) - time * contact(row + Tip::drift + 1, own);
+            vz = vz - contact(row + Tip::sheave + 2, own) - time * contact(row + Tip::drift + 2, own);
         }
         const V along = vx * gx + vy * gy + vz * gz;
         return {vx - along * gx, vy - along * gy, vz - along * gz};
     }
 
     [[nodiscard]] PointForce tip_force(int own, int corner, const TipSlip& slip, const V& factor, V& moment,
-                                       const FrictionStage& stage) const noexcept {
+                                       const FrictionStageOf<Number>& stage) const noexcept {
         const int row = field_.components.tip(corner);
         const V grip = -contact(row + Tip::grip, own) * factor;
         const PointForce force{grip * slip.x, grip * slip.y, grip * slip.z};
         moment += contact(row + Tip::lever_x, own) * force.y - contact(row + Tip::lever_y, own) * force.x;
         if (stage.impulses != nullptr) {
-            add(stage.weight * force.x, stage.impulses->at(3 * corner, column(own)));
-            add(stage.weight * force.y, stage.impulses->at(3 * corner + 1, column(own)));
-            add(stage.weight * force.along, stage.impulses->at(3 * corner + 2, column(own)));
+            const auto weight = static_cast<Number>(stage.weight);
+            add(own, weight * force.x, *stage.impulses, 3 * corner);
+            add(own, weight * force.y, *stage.impulses, 3 * corner + 1);
+            add(own, weight * force.along, *stage.impulses, 3 * corner + 2);
         }
         return force;
     }
 
     /// Of tips `low` and low + 1.
     [[nodiscard]] std::pair<V, V> tip_factors(int own, int low, const V& first, const V& second) const noexcept {
-        if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(c_.tip.friction, first, second);
+        if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(numbers_.tip, first, second);
         return {1.0 / bounded_speed(own, low, first), 1.0 / bounded_speed(own, low + 1, second)};
     }
 
@@ -265,34 +270,29 @@ private:
         return larger<W>(smaller<W>(sqrt(square), contact(row + Tip::most, own)), contact(row + Tip::least, own));
     }
 
-    static void add(const V& lanes, double* to) noexcept { store(load<W>(to) + lanes, to); }  ///< to [W]
-
-    void accelerate(int own, const V* f, const FrictionStage& stage) const noexcept {
-        if (stage.next == nullptr) return accelerate(f, SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride()});
-        if (stage.next->terms <= 2) return accelerate(f, RowSink<W, 2>(stage, *stage.next, column(own)));
-        accelerate(f, RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own)));
+    void accelerate(int own, const V* f, const FrictionStageOf<Number>& stage) const noexcept {
+        if (stage.next == nullptr)
+            return accelerate(f, SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride(), links_at(own)});
+        if (stage.next->terms <= 2) return accelerate(f, RowSink<W, 2>(stage, *stage.next, column(own), links_at(own)));
+        accelerate(f, RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own), links_at(own)));
     }
 
     template <class Sink>
     void accelerate(const V* f, const Sink& to) const noexcept {
-        const MirroredInverse& lateral = friction_.lateral_inverse();
-        for (int axis = 0; axis < 2; ++axis) accelerate_ends<n>(lateral, f + 2 * n * axis, 2 * n * axis, to);
-        accelerate_ends<2>(friction_.axial_inverse(), f + 4 * n, 4 * n, to);
+        for (int axis = 0; axis < 2; ++axis) accelerate_ends<n>(numbers_.lateral, f + 2 * n * axis, 2 * n * axis, to);
+        accelerate_ends<2>(numbers_.axial, f + 4 * n, 4 * n, to);
     }
 
     /// Rows row … row + 2 size - 1: `size` modes of the rear pin, then of the front pin.
     template <int size, class Sink>
-    static void accelerate_ends(const MirroredInverse& inverse, const V* force, int row, const Sink& to) noexcept {
+    static void accelerate_ends(const MirroredInverseOf<Number>& inverse, const V* force, int row, const Sink& to) noexcept {
         V product[2 * size];
         multiply_ends<size>(inverse, force, product);
         for (int k = 0; k < 2 * size; ++k) to.put(row + k, product[k]);
     }
 
     const FrictionOperator& friction_;
-    const Coefficients& c_;
-    const ContactField& field_;
-    const FrictionRange& range_;
-    std::ptrdiff_t joint_stride_;
+    const FrictionNumbers<Number>& numbers_;
 };
 
 }  // namespace

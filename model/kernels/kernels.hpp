@@ -41,6 +41,16 @@ FrictionKernels friction_kernels<Isa::avx2>(int order) noexcept;
 template <>
 FrictionKernels friction_kernels<Isa::avx512>(int order) noexcept;
 
+/// Defined in single_kernels.cpp, likewise: friction in single precision.
+template <Isa isa>
+SingleFrictionKernels single_kernels(int order) noexcept;
+template <>
+SingleFrictionKernels single_kernels<Isa::baseline>(int order) noexcept;
+template <>
+SingleFrictionKernels single_kernels<Isa::avx2>(int order) noexcept;
+template <>
+SingleFrictionKernels single_kernels<Isa::avx512>(int order) noexcept;
+
 /// Defined in slip_kernels.cpp, likewise. @param points of a joint
 template <Isa isa>
 SlipKernels slip_kernels(int order, int points) noexcept;
@@ -71,6 +81,7 @@ struct CompiledKernels {
     ChainKernels (*chain)(int order) noexcept;
     StagedFunctions (*staged)(int order, bool observe) noexcept;
     FrictionKernels (*friction)(int order) noexcept;
+    SingleFrictionKernels (*single)(int order) noexcept;
     SlipKernels (*slip)(int order, int points) noexcept;
     PinKernels (*pins)(int order) noexcept;
 };

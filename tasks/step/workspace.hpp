@@ -43,7 +43,8 @@ struct StepInput {
     engine::PlanStep error_row{};  ///< how
     ErrorScale error_scale;        ///< in which units
     Transition due;                ///< what it cuts for
-    bool secant = false;           ///< a detect cycle makes the slopes at both ends from the states there
+    bool secant = false;           ///< slopes at both ends are made from the states there
+    bool links_ended = false;      ///< the step method has left the links' result in end_state; a detect cycle combines nothing
     long evaluations = 0;          ///< of the right-hand side, so far
     double* slope_out = nullptr;   ///< [layout.size()] where an evaluate cycle writes slopes
     double* state_out = nullptr;   ///< [layout.size()] where a detect or truncate cycle writes states

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 
+#include "model/basis/single_lanes.hpp"
 #include "model/chain_model.hpp"
 #include "model/contact/contact_field.hpp"
 #include "model/force/joint.hpp"
@@ -15,21 +17,22 @@ namespace {
 
 /// Nobody looks: forces are all that is wanted.
 struct NoContacts {
-    static constexpr bool wanted = false;
+    static constexpr bool wanted = false, relative = false;
 };
 
 /// Groups of W links; `own` counts from the range's first, `count` of the lanes stand for links. Lanes outside the range are left out.
-template <int P, int W>
+/// @tparam Number float: velocities count from those of the links that are passed over
+template <int P, int W, class Number = double>
 class ContactWriter {
 public:
     using V = Lanes<W>;
     using Joint = ContactComponents::Joint;
     using Tip = ContactComponents::Tip;
-    static constexpr bool wanted = true;
+    static constexpr bool wanted = true, relative = std::is_same_v<Number, float>;
 
     /// @param real coefficients with friction in them
-    ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, ContactField& field,
-                  Columns& push) noexcept
+    ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase,
+                  ContactFieldOf<Number>& field, ColumnsOf<Number>& push) noexcept
         : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), push_(push) {}
 
     void frame(int own, int count, const LinkFrameOf<V>& frame) const noexcept {
@@ -46,7 +49,15 @@ public:
         put(row + Joint::lever_before, own, count, m.lever_before);
         put(row + Joint::lever_after, own, count, m.lever_after);
         put(row + Joint::grip, own, count, c_.joint.friction.coefficient * normal_force<W>(c_.joint, weight, m).normal);
+        if constexpr (relative) put(field_.components.sliding(point), own, count, m.slip);
     }
+
+    /// How fast the gap of a joint opens, and that between the pins of a link.
+    void gaps(int row, int own, int count, const Difference<P, V>& rate) const noexcept {
+        put(row, own, count, rate.z);
+        put(row + 1, own, count, rate.e);
+    }
+    [[nodiscard]] const ContactComponents& components() const noexcept { return field_.components; }
 
     void plate(int own, int count, int plate, const V& tension) const noexcept {
         put(field_.components.plate(plate), own, count, c_.plate_friction.coefficient * positive_part<W>(tension));
@@ -68,7 +79,7 @@ public:
         put(row + Tip::lever_x, own, count, m.lever_x);
         put(row + Tip::lever_y, own, count, m.lever_y);
         put(row + Tip::grip, own, count, c_.tip.friction.coefficient * normal);
-        surface(own, count, corner, m.sheave_arm, sheave, shaft);
+        surface(own, count, corner, m, sheave, shaft);
         keep_arms(own, count, corner, m.sheave_arm);
         if (by_phase_) branches(own, count, corner);
     }
@@ -87,24 +98,33 @@ public:
         for (int link = std::max(links - halo, range_.first); link < range_.last; ++link) copy(link + 1, link + 1 - links);
     }
 
-private:
+protected:
     void put(int row, int own, int count, const V& lanes) const noexcept { put_to(field_.columns, row, own, count, lanes); }
 
     /// Lanes of a group that stand for links of the range: [first, last).
     [[nodiscard]] static int first_lane(int own) noexcept { return std::max(0, -own); }
     [[nodiscard]] int last_lane(int own, int count) const noexcept { return std::min({count, W, range_.last - range_.first - own}); }
 
-    void put_to(Columns& columns, int row, int own, int count, const V& lanes) const noexcept {
+    void put_to(ColumnsOf<Number>& columns, int row, int own, int count, const V& lanes) const noexcept {
         const int first = first_lane(own), last = last_lane(own, count);
-        double* to = columns.at(row, range_.first + own + 1);
-        if (last - first == W) return lanes.copy_to(to);
-        alignas(64) double buffer[W];
-        lanes.copy_to(buffer);
+        Number* to = columns.at(row, range_.first + own + 1);
+        if (last - first == W) return store_as(lanes, to);
+        alignas(64) Number buffer[W];
+        store_as(lanes, buffer);
         if (first < last) std::copy_n(buffer + first, last - first, to + first);
     }
 
+    static void store_as(const V& lanes, Number* to) noexcept {
+        if constexpr (relative) {
+            store_rounded<W>(lanes, to);
+        } else {
+            lanes.copy_to(to);
+        }
+    }
+
     /// Velocity of the sheave at a tip's contact, and how it changes over the step while both go round.
-    void surface(int own, int count, int corner, const Vector3<V>& p, const SheaveMotionLanes<W>& s, const V& shaft) const noexcept {
+    void surface(int own, int count, int corner, const TipMotion<V>& m, const SheaveMotionLanes<W>& s, const V& shaft) const noexcept {
+        const Vector3<V>& p = m.sheave_arm;
         const SheaveMotion& first = drift_.change[corner % 2];
         const SheaveMotion& second = drift_.change[2 + corner % 2];
         const auto change = [&](double SheaveMotion::*number) {
@@ -114,9 +134,9 @@ private:
         const V cx = change(&SheaveMotion::spin_x), cy = change(&SheaveMotion::spin_y), cz = change(&SheaveMotion::spin_z);
         const double h = drift_.step;
         const int row = field_.components.tip(corner);
-        put(row + Tip::sheave, own, count, s.vx + x);
-        put(row + Tip::sheave + 1, own, count, s.vy + y);
-        put(row + Tip::sheave + 2, own, count, s.vz + z);
+        put(row + Tip::sheave, own, count, relative ? -m.material.x : s.vx + x);
+        put(row + Tip::sheave + 1, own, count, relative ? -m.material.y : s.vy + y);
+        put(row + Tip::sheave + 2, own, count, relative ? -m.material.z : s.vz + z);
         put(row + Tip::drift, own, count, change(&SheaveMotion::vx) + cy * p.z - cz * p.y + h * (s.spin_y * z - s.spin_z * y));
         put(row + Tip::drift + 1, own, count, change(&SheaveMotion::vy) + cz * p.x - cx * p.z + h * (s.spin_z * x - s.spin_x * z));
         put(row + Tip::drift + 2, own, count, change(&SheaveMotion::vz) + cx * p.y - cy * p.x + h * (s.spin_x * y - s.spin_y * x));
@@ -142,8 +162,10 @@ private:
         for (int lane = first_lane(own); lane < last_lane(own, count); ++lane) {
             const int link = range_.first + own + lane;
             const Phase phase = range_.phases[tips_per_link * link + corner];
-            *field_.columns.at(row + Tip::least, link + 1) = phase == Phase::slip ? std::numeric_limits<double>::min() : v0;
-            *field_.columns.at(row + Tip::most, link + 1) = phase == Phase::stick ? v0 : std::numeric_limits<double>::max();
+            constexpr double least = relative ? slowest_single : std::numeric_limits<double>::min();
+            *field_.columns.at(row + Tip::least, link + 1) = static_cast<Number>(phase == Phase::slip ? least : v0);
+            *field_.columns.at(row + Tip::most, link + 1) =
+                phase == Phase::stick ? static_cast<Number>(v0) : std::numeric_limits<Number>::max();
         }
     }
 
@@ -151,8 +173,34 @@ private:
     const ChainRange& range_;
     const ContactDrift& drift_;
     bool by_phase_;
-    ContactField& field_;
-    Columns& push_;
+    ContactFieldOf<Number>& field_;
+    ColumnsOf<Number>& push_;
+};
+
+/// For friction in single precision: also velocities at the step's beginning, counted from those of the links that are passed over.
+template <int P, int W>
+class KickWriter : public ContactWriter<P, W, float> {
+    using Base = ContactWriter<P, W, float>;
+
+public:
+    KickWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, const KickStart& start) noexcept
+        : Base(real, range, drift, by_phase, start.field, start.push), start_(start) {}
+
+    /// @param v velocities passed over, rows of the coordinates
+    void velocities(int own, int count, const Lanes<W>* v) const noexcept {
+        constexpr int size = at<P>.link_size(), block = at<P>.link_block();
+        constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
+        std::array<const double*, W> from;
+        for (int lane = 0; lane < W; ++lane)
+            from[static_cast<std::size_t>(lane)] = start_.states + (own + std::min(lane, count - 1) + 1) * block - rows;
+        std::array<Lanes<W>, rows> begin;
+        load_rows<W, rows>(from, begin.data());
+        for (int row = 0; row < size; ++row)
+            Base::put_to(start_.velocity, row, own, count, begin[static_cast<std::size_t>(rows - size + row)] - v[row]);
+    }
+
+private:
+    const KickStart& start_;
 };
 
 }  // namespace

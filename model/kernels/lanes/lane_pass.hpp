@@ -79,6 +79,7 @@ public:
             {before(a.tx, b.tx), before(a.ty, b.ty), before(a.inverse_length, b.inverse_length), before(a.turning, b.turning)}, b);
         const Difference<P, V> gap = opening(earlier.q(), here.q()), rate = opening(earlier.v(), here.v());
         const auto& points = c_.joint_points;
+        if constexpr (Contacts::relative) contacts_.gaps(contacts_.components().joint_gap(), own, std::min(W, links_ - own), rate);
         JointTerms<P, W> total;
         V worst(0.0);
         const auto pressed = [&](int point) noexcept {
@@ -139,6 +140,7 @@ public:
         V moment = inner(own, count, columns, f.data());
         plates(kinds(own, count), columns, f.data(), own, count);
         if constexpr (Contacts::wanted) contacts_.frame(own, count, columns.frame);
+        if constexpr (Contacts::relative) contacts_.velocities(own, count, columns.v());
         rear.on_front.apply(-1.0, f.data(), End::rear);
         add_front(rear, next, f.data());
         moment += rear.after + after(rear.before, next.before);
@@ -166,6 +168,7 @@ public:
                 [[maybe_unused]] int count = 0) const noexcept {
         const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
+        if constexpr (Contacts::relative) contacts_.gaps(contacts_.components().plate_gap(), own, count, rate);
         Difference<P, V> pull;
         for (int first = 0; first < points.count; first += points.width) {
             const auto pulled = [&](int plate) noexcept {

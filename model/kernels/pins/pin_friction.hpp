@@ -47,9 +47,9 @@ public:
         f[at.x(End::rear, 0)] += couple_before.x - couple_behind.x;
         f[at.y(End::rear, 0)] += couple_before.y - couple_behind.y;
         accelerate_pins<P, W>(friction_.chain().inertia(), f);
-        if (stage.next == nullptr) return give(f, SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride()});
-        if (stage.next->terms <= 2) return give(f, RowSink<W, 2>(stage, *stage.next, column(own)));
-        give(f, RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own)));
+        if (stage.next == nullptr) return give(f, SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride(), W});
+        if (stage.next->terms <= 2) return give(f, RowSink<W, 2>(stage, *stage.next, column(own), W));
+        give(f, RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own), W));
     }
 
 private:

@@ -32,9 +32,12 @@ constexpr int first_iterations = 50, next_iterations = 4;
 
 }  // namespace
 
-FrictionLeapfrog::FrictionLeapfrog(Workspace& workspace, Kick kick) : w_(workspace), frame_(workspace), system_(workspace), tables_(kick) {}
+template <class Number>
+FrictionLeapfrog<Number>::FrictionLeapfrog(Workspace& workspace, Kick kick)
+    : w_(workspace), frame_(workspace), system_(workspace), tables_(kick) {}
 
-void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
+template <class Number>
+void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
         const auto own = [&] { return LinkAccesses(w_, s); };
@@ -65,24 +68,29 @@ void FrictionLeapfrog::add_tasks(engine::TaskGraph& graph) {
                        .own(Field::contact, false)
                        .own(Field::phase, false)
                        .own(Field::states_read, false)
+                       .segment(Field::window, false)
                        .own(Field::state_kept, true)
+                       .own(Field::end_state, true)
                        .own(Field::load, true)
                        .list()});
     }
 }
 
-void FrictionLeapfrog::restart() noexcept {
+template <class Number>
+void FrictionLeapfrog<Number>::restart() noexcept {
     frame_.restart();
     steps_ = 0;
     system_.restart();
 }
 
-NextCycle FrictionLeapfrog::begin() {
+template <class Number>
+NextCycle FrictionLeapfrog<Number>::begin() {
     if (frame_.is_new()) {
         frame_.turn_over();
         system_.turn_over();
     }
     frame_.begin();
+    w_.step.links_ended = w_.layout().probe_halo() == 0;  // else tips depend on neighbours, whose results are combined with them
     if (!w_.layout().ledger) {
         state_ = State::pushing;
         return push_cycle;
@@ -91,7 +99,8 @@ NextCycle FrictionLeapfrog::begin() {
     return evaluate_cycle;
 }
 
-NextCycle FrictionLeapfrog::next() {
+template <class Number>
+NextCycle FrictionLeapfrog<Number>::next() {
     switch (state_) {
         case State::evaluating: state_ = State::pushing; return push_cycle;
         case State::pushing: return start_kick();
@@ -103,7 +112,8 @@ NextCycle FrictionLeapfrog::next() {
     return finish_kick_cycle;
 }
 
-NextCycle FrictionLeapfrog::start_kick() {
+template <class Number>
+NextCycle FrictionLeapfrog<Number>::start_kick() {
     if (steps_ % steps_between_estimates == 0) radius_ = system_.spectral_radius(w_, steps_ == 0 ? first_iterations : next_iterations);
     ++steps_;
     table_ = tables_.reaching(margin * radius_ * w_.step.h);
@@ -117,45 +127,53 @@ NextCycle FrictionLeapfrog::start_kick() {
     return start_stage(0);
 }
 
-NextCycle FrictionLeapfrog::start_stage(int stage) {
+template <class Number>
+NextCycle FrictionLeapfrog<Number>::start_stage(int stage) {
     stage_ = stage;
     row_ = table_->row(stage);
     lean_ = table_->lean(row_.here.time, frame_.rise());
     return kick_cycle;
 }
 
-void FrictionLeapfrog::save(std::vector<double>& memory) const {
+template <class Number>
+void FrictionLeapfrog<Number>::save(std::vector<double>& memory) const {
     memory.assign({radius_, static_cast<double>(steps_)});
     frame_.save(memory);
     system_.save(memory);
 }
 
-void FrictionLeapfrog::load(std::span<const double> memory) {
+template <class Number>
+void FrictionLeapfrog<Number>::load(std::span<const double> memory) {
     if (memory.empty()) return;
     radius_ = taken(memory, 1)[0];
     steps_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
     system_.load(frame_.load(memory));
 }
 
-void FrictionLeapfrog::push(int segment) noexcept {
+template <class Number>
+void FrictionLeapfrog<Number>::push(int segment) noexcept {
     system_.push(w_, frame_.drift(), segment);
-    system_.begin_from(w_, w_.states[0], segment);
 }
 
-void FrictionLeapfrog::stage(int segment) noexcept { system_.stage(w_, row_, w_.step.h, lean_, segment); }
+template <class Number>
+void FrictionLeapfrog<Number>::stage(int segment) noexcept {
+    system_.stage(w_, row_, w_.step.h, lean_, segment);
+}
 
-void FrictionLeapfrog::finish(int segment) noexcept {
+template <class Number>
+void FrictionLeapfrog<Number>::finish(int segment) noexcept {
     system_.react(w_, segment);
+    double* end = w_.step.links_ended ? w_.end_state : w_.states[1];
+    system_.give(w_, end, segment);
     const model::ChainLayout& at = w_.layout();
-    const model::Columns& velocity = system_.result();
     for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) {
         const int q = at.link_begin(link);
         const int v = q + at.link_size();
-        for (int k = 0; k < at.link_size(); ++k) {
-            w_.states[1][v + k] = *velocity.at(k, link + 1);
-            w_.states[1][q + k] = w_.states[0][q + k] + 0.5 * w_.step.h * (w_.states[0][v + k] + w_.states[1][v + k]);
-        }
+        for (int k = 0; k < at.link_size(); ++k) end[q + k] = w_.states[0][q + k] + 0.5 * w_.step.h * (w_.states[0][v + k] + end[v + k]);
     }
 }
+
+template class FrictionLeapfrog<double>;
+template class FrictionLeapfrog<float>;
 
 }  // namespace cvtflow::tasks

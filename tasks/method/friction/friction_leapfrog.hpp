@@ -17,6 +17,8 @@
 
 namespace cvtflow::tasks {
 
+/// @tparam Number in which velocities inside the step are computed: double or, not with whole pins, float
+template <class Number>
 class FrictionLeapfrog final : public StepMethod {
 public:
     /// Slots of the workspace that the method uses.
@@ -50,7 +52,7 @@ private:
 
     Workspace& w_;
     LeapfrogFrame frame_;
-    FrictionSystem system_;
+    FrictionSystem<Number> system_;
     const KickTables tables_;
     const KickTable* table_ = nullptr;  ///< of the step at hand
     State state_ = State::evaluating;

@@ -1,5 +1,8 @@
 #include "tasks/method/friction/friction_methods.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include "tasks/method/friction/additive_method.hpp"
 #include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/friction/friction_stability.hpp"
@@ -10,18 +13,28 @@ namespace cvtflow::tasks {
 
 namespace {
 
+/// Ends the name of the method whose stages are in double precision.
+constexpr const char* in_double = "-double";
+
 constexpr const char* ours = "this project (tasks/method/friction)";
 
-/// Friction by explicit stages on velocities alone.
-[[nodiscard]] MethodProgram explicit_friction(const char* name, const char* description, int order, Kick kick) {
+enum class Precision { with_single_stages, double_throughout };
+
+/// Friction by explicit stages on velocities alone. Those of whole pins are in double precision under either name.
+[[nodiscard]] MethodProgram explicit_friction(const std::string& name, const char* description, int order, Kick kick,
+                                              Precision precision = Precision::with_single_stages) {
     return {.name = name,
             .description = description,
             .source = ours,
             .order = order,
             .evaluations = 1,
-            .state_slots = FrictionLeapfrog::state_slots,
-            .slope_slots = FrictionLeapfrog::slope_slots,
-            .make = [kick](Workspace& workspace) { return std::make_unique<FrictionLeapfrog>(workspace, kick); },
+            .state_slots = LeapfrogFrame::state_slots,
+            .slope_slots = LeapfrogFrame::slope_slots,
+            .make = [kick, precision](Workspace& workspace) -> std::unique_ptr<StepMethod> {
+                if (precision == Precision::double_throughout || workspace.parameters.detail.pins == model::PinDetail::whole)
+                    return std::make_unique<FrictionLeapfrog<double>>(workspace, kick);
+                return std::make_unique<FrictionLeapfrog<float>>(workspace, kick);
+            },
             .stability = [kick] { return leapfrog_stability(kick); },
             .linear = [kick](const LinearChain& chain) { return leapfrog_step(chain, kick); }};
 }
@@ -67,6 +80,10 @@ std::vector<MethodProgram> friction_methods() {
         explicit_friction("leapfrog-rkc", "leapfrog, friction inside the step by damped RKC stages on velocities alone", 2, Kick::rkc),
         explicit_friction("leapfrog-chebyshev", "the same with fewer, first-order stages that leave nothing stiff behind", 1,
                           Kick::chebyshev),
+        explicit_friction(std::string("leapfrog-rkc") + in_double, "leapfrog-rkc with stages in double precision, too", 2, Kick::rkc,
+                          Precision::double_throughout),
+        explicit_friction(std::string("leapfrog-chebyshev") + in_double, "leapfrog-chebyshev with stages in double precision, too", 1,
+                          Kick::chebyshev, Precision::double_throughout),
         implicit_friction("leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone", ours, 1,
                           "1 a step, for friction", backward_euler),
         implicit_friction("leapfrog-sdirk2", "the same with two stages of order 2 (SDIRK2)",
@@ -75,6 +92,12 @@ std::vector<MethodProgram> friction_methods() {
         additive("ARK4(3)6L[2]SA, additive Runge-Kutta: friction implicit, all else explicit", "5 a step, for friction", ark436),
         additive("ARS(3,4,3), additive Runge-Kutta: friction implicit, all else explicit", "3 a step, for friction", ars343),
     };
+}
+
+std::string in_double_precision(std::string_view method) {
+    const std::string name(method), longer = name + in_double;
+    const auto programs = friction_methods();
+    return std::ranges::any_of(programs, [&](const MethodProgram& program) { return program.name == longer; }) ? longer : name;
 }
 
 }  // namespace cvtflow::tasks

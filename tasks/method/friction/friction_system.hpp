@@ -1,9 +1,13 @@
 #pragma once
 /// The friction of a step: velocities of all links under friction and constant accelerations, everything else frozen, as a small system of
 /// ordinary differential equations that a table of stages integrates inside the step, by segments.
+///
+/// In single precision velocities count from those of the middle of the step, at which contacts and all other forces are taken in double
+/// precision; so does whatever slides. What the stages add to a link's velocities is rounded to 6e-8 of itself.
 
 #include <array>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -13,6 +17,8 @@
 
 namespace cvtflow::tasks {
 
+/// @tparam Number of stages: double or, not with whole pins, float
+template <class Number>
 class FrictionSystem {
 public:
     explicit FrictionSystem(const Workspace& workspace);
@@ -27,15 +33,16 @@ public:
 
     // Bodies of tasks: each touches the columns of one segment only, and reads those of its two neighbours.
 
-    /// Notes the contacts of a segment's links at the stage state of workspace.step.row, and all other forces there.
+    /// Notes the contacts of a segment's links at the stage state of workspace.step.row, and all other forces there. Takes their velocities
+    /// at the step's start into slot 0, forgets their impulses.
     void push(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
     /// One row of a chained table: evaluates at the velocities of its slot, with lean times the difference between base and that of the
     /// step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
     void stage(const Workspace& workspace, const KickRow& row, double h, double lean, int segment) noexcept;
-    /// Begins an integration from the velocities in a state: takes them into slot 0 and forgets the impulses. state [unknowns]
-    void begin_from(const Workspace& workspace, const double* state, int segment) noexcept;
-    /// Loads of a segment's links: of the normal forces, and the mean reaction of the tips' friction since begin_from().
+    /// Loads of a segment's links: of the normal forces, and the mean reaction of the tips' friction since push().
     void react(Workspace& workspace, int segment) const noexcept;
+    /// Velocities of a segment's links after the last row, into a state. state [unknowns]
+    void give(const Workspace& workspace, double* state, int segment) const noexcept;
 
     /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
     [[nodiscard]] double spectral_radius(const Workspace& workspace, int iterations) noexcept;
@@ -44,21 +51,22 @@ public:
     void save(std::vector<double>& memory) const;
     void load(std::span<const double> memory);  ///< memory [what save() wrote]
 
-    /// Velocities after the last row.
-    [[nodiscard]] const model::Columns& result() const noexcept { return result_; }
-
 private:
+    using Columns = model::ColumnsOf<Number>;
+    static constexpr bool relative = std::is_same_v<Number, float>;
+
     /// time [s]
-    [[nodiscard]] model::FrictionRange range_of(const Workspace& workspace, double time, const model::Columns& velocity,
-                                                int segment) noexcept;
-    void repeat(const Workspace& workspace, model::Columns& field, int segment) noexcept;
+    [[nodiscard]] model::FrictionRangeOf<Number> range_of(const Workspace& workspace, double time, const Columns& velocity,
+                                                          int segment) noexcept;
+    void repeat(const Workspace& workspace, Columns& field, int segment) noexcept;
+    void take(const Workspace& workspace, const double* state, int segment) noexcept;
 
     model::FrictionOperator friction_;
-    model::ContactField field_;
-    std::array<model::Columns, kick_state_slots> states_;
-    model::Columns result_, first_slope_, base_, base_before_, impulses_, mode_, image_;
+    model::ContactFieldOf<Number> field_;
+    std::array<Columns, kick_state_slots> states_;
+    Columns result_, first_slope_, base_, base_before_, impulses_, mode_, image_;
     std::vector<model::LinkLoad> normal_loads_;       ///< [links]
-    std::vector<model::LineVector<double>> scratch_;  ///< of segments
+    std::vector<model::LineVector<Number>> scratch_;  ///< of segments
 };
 
 }  // namespace cvtflow::tasks

@@ -83,10 +83,14 @@ void check_middle(Workspace& w, int link, const double* end, Verdict& verdict) n
         for (int k = 0; k < size; ++k) to[k] = 0.75 * before[k] + 0.25 * after[k] + 0.25 * w.step.h * before[size + k];
         for (int k = size; k < 2 * size; ++k) to[k] = 0.5 * (before[k] + after[k]);
     }
-    const double* slope = w.slopes[0] + layout.link_begin(link);
-    for (int k = 0; k < layout.link_block(); ++k) {
-        middle.place(layout, 0)[k] = 0.75 * w.states[0][layout.link_begin(link) + k] + 0.25 * end[k] + 0.25 * w.step.h * slope[k];
-    }
+    const int begin = layout.link_begin(link);
+    const double *start = w.states[0] + begin, *slope = w.slopes[0] + begin;
+    const auto slope_at = [&](int k) noexcept {
+        if (!w.step.secant) return slope[k];
+        return k < size ? start[size + k] : (end[k] - start[k]) / w.step.h;
+    };
+    for (int k = 0; k < layout.link_block(); ++k)
+        middle.place(layout, 0)[k] = 0.75 * start[k] + 0.25 * end[k] + 0.25 * w.step.h * slope_at(k);
     TipIndicator tips[model::tips_per_link];
     model::TipProbe probe;
     indicate(w, middle.place(layout, 0), w.pulleys.end_sheaves, tips, probe);
@@ -190,7 +194,8 @@ void evaluate_segment(void* workspace, int segment) noexcept {
 
 namespace {
 
-/// Slopes of a segment's links at both ends of a step from its states there: velocities, and one mean acceleration.
+/// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
+/// start are wanted only where a transition is due: StepController::make_start_secants.)
 void make_secants(Workspace& w, const Segment& own) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int half = layout.link_size();
@@ -199,11 +204,9 @@ void make_secants(Workspace& w, const Segment& own) noexcept {
         const int begin = layout.link_begin(link);
         const double* __restrict from = w.states[0] + begin + half;
         const double* __restrict to = w.end_state + begin + half;
-        std::memcpy(w.slopes[0] + begin, from, at(half) * sizeof(double));
         std::memcpy(w.end_slope + begin, to, at(half) * sizeof(double));
-        double* __restrict mean = w.slopes[0] + begin + half;
+        double* __restrict mean = w.end_slope + begin + half;
         for (int k = 0; k < half; ++k) mean[k] = (to[k] - from[k]) / h;
-        std::memcpy(w.end_slope + begin + half, mean, at(half) * sizeof(double));
     }
 }
 
@@ -226,8 +229,10 @@ void detect_segment(void* workspace, int segment) noexcept {
     const Segment& own = w.partition[segment];
     Verdict& verdict = w.verdicts[at(segment)];
     verdict = {};
-    engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
-                    w.end_state + layout.link_begin(own.first));
+    if (!w.step.links_ended) {
+        engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(own.first),
+                        layout.link_begin(own.last - 1) + layout.link_block(), w.end_state + layout.link_begin(own.first));
+    }
     if (w.step.secant) make_secants(w, own);
     if (w.step.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
     const double* end = end_blocks(w, segment);

@@ -145,6 +145,7 @@ private:
     int accept();
     int end(Fault fault);
     void make_secants();
+    void make_start_secants();
     void record_transitions();
     [[nodiscard]] Fault budget() const;
     [[nodiscard]] Fault lost_in_rounding() const;

@@ -28,6 +28,17 @@ void StepController::make_secants() {
     }
 }
 
+/// The same of links at the step's start: what locating and cutting read. Few steps need it, so that it is not made in every detect cycle.
+void StepController::make_start_secants() {
+    const model::ChainLayout& at = w_.layout();
+    const int half = at.link_size();
+    for (int link = 0; link < at.links; ++link) {
+        const int begin = at.link_begin(link);
+        std::copy_n(w_.states[0] + begin + half, half, w_.slopes[0] + begin);
+        std::copy_n(w_.end_slope + begin + half, half, w_.slopes[0] + begin + half);
+    }
+}
+
 int StepController::finish_detect() {
     bool pending = false;
     const double error = w_.step.estimate_error && !retaking_ ? step_error() : 0.0;
@@ -46,8 +57,9 @@ int StepController::finish_detect() {
         counters_.suppressed += verdict.suppressed;
         pending = pending || verdict.pending;
     }
+    if (!retaking_ && !pending) return accept();
+    if (w_.step.secant) make_start_secants();
     if (retaking_) return start_truncate();
-    if (!pending) return accept();
     return method_.retakes() ? start_locate() : start_end_slope();
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What one step makes of small disturbances, found by taking it, from a state and from one next to it. Phases are held.
+/// What one step makes of small disturbances, found by taking it, from a state and from one next to it. Phases are held. Methods with
+/// stages in single precision take the same step in double: how far they are stable does not depend on it, and what is small is seen.
 
 #include <string_view>
 #include <vector>

@@ -1,0 +1,55 @@
+/// Friction in single precision, compiled once per instruction set.
+
+#include <algorithm>
+
+#include "model/contact/friction_lanes.hpp"
+#include "model/kernels/kernels.hpp"
+#include "model/kernels/lanes/lane_pass.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+template <int P>
+void push_single(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const KickStart& start,
+                 LinkLoad* loads) noexcept {
+    const ChainModel& chain = friction.chain();
+    using Contacts = KickWriter<P, native_lanes>;
+    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), start);
+    LanePass<P, native_lanes, Contacts>(chain, friction.frictionless(), range, loads, contacts).run();
+    contacts.repeat(chain.layout().links);
+}
+
+template <int P, bool Steepest>
+void evaluate_single(const FrictionOperator& friction, const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range,
+                     const FrictionStageOf<float>& stage) noexcept {
+    const int links = range.last - range.first;
+    // Two vectors side by side as long as there are links for more than one; the last group's lanes beyond the range are thrown away.
+    const auto in_groups = [](int count, const auto& body) {
+        constexpr int most = std::min(float_lanes, 2 * native_floats);
+        int own = 0;
+        for (; count - own > native_floats; own += most) body.template operator()<singles<most>>(own);
+        if (own < count) body.template operator()<singles<native_floats>>(own);
+    };
+    in_groups(links + 1, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).joints(own); });
+    in_groups(links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, stage); });
+}
+
+template <int P>
+[[nodiscard]] SingleFrictionKernels single_of_order() noexcept {
+    return {push_single<P>, evaluate_single<P, false>, evaluate_single<P, true>};
+}
+
+}  // namespace
+
+template <>
+SingleFrictionKernels single_kernels<compiled_isa>(int order) noexcept {
+    switch (order) {
+        case 0: return single_of_order<0>();
+        case 1: return single_of_order<1>();
+        case 2: return single_of_order<2>();
+        default: return single_of_order<3>();
+    }
+}
+
+}  // namespace cvtflow::model
