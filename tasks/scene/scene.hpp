@@ -109,7 +109,7 @@ struct DetailPreset {
     model::PlateDetail plates;
     int joint_points;
     model::PulleyDetail pulleys;
-    double cost;           ///< instructions of a simulated second, over those of "fine", each with its own automatic step [1]
+    double cost;           ///< processor time of a simulated second over that of "fine", each with its own automatic step [1]
     double tension_error;  ///< of the strands' tensions, the larger one, against the finest level at a quarter of its step [1]
     double slip_error;     ///< likewise [1]
 };

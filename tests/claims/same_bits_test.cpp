@@ -17,8 +17,8 @@ std::vector<double> end_of(const tasks::Scene& scene) {
     tasks::SilentObserver nobody;
     const engine::Cancellation never;
     EXPECT_FALSE(simulation.settle(nobody, never));
-    EXPECT_FALSE(simulation.run(scene.run.until, nobody, never));
     EXPECT_GT(simulation.counters().detected, 0);
+    EXPECT_FALSE(simulation.run(scene.run.until, nobody, never));
     return {simulation.state(), simulation.state() + simulation.variator().layout().size()};
 }
 
