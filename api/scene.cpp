@@ -16,8 +16,7 @@ namespace {
 /// What a scene's state file must agree with.
 [[nodiscard]] std::string resolution(const tasks::Scene& scene) {
     std::string text;
-    for (const char* key : {"detail.order", "detail.plates", "detail.pulleys"})
-        text += tasks::value_text(*tasks::find_parameter(key), scene) + " ";
+    for (const std::string_view key : tasks::state_keys()) text += tasks::value_text(*tasks::find_parameter(key), scene) + " ";
     return text;
 }
 

@@ -17,12 +17,9 @@ namespace cvtflow::tools {
 
 namespace {
 
-/// Keys that decide what the state vector is made of, or what the same numbers mean.
-constexpr std::string_view state_keys[] = {"detail.order", "detail.plates", "detail.pulleys", "chain.pins"};
-
 std::vector<std::string> state_values(const tasks::Scene& scene) {
     std::vector<std::string> values;
-    for (const std::string_view key : state_keys) values.push_back(tasks::value_text(*tasks::find_parameter(key), scene));
+    for (const std::string_view key : tasks::state_keys()) values.push_back(tasks::value_text(*tasks::find_parameter(key), scene));
     return values;
 }
 
@@ -30,7 +27,7 @@ std::vector<std::string> state_values(const tasks::Scene& scene) {
 std::string changes(const std::vector<std::string>& before, const std::vector<std::string>& now) {
     std::vector<std::string> texts;
     for (std::size_t i = 0; i < now.size(); ++i) {
-        if (before[i] != now[i]) texts.push_back(fmt::format("{} = {} (was {})", state_keys[i], now[i], before[i]));
+        if (before[i] != now[i]) texts.push_back(fmt::format("{} = {} (was {})", tasks::state_keys()[i], now[i], before[i]));
     }
     return fmt::format("{}", fmt::join(texts, ", "));
 }

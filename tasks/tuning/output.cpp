@@ -38,7 +38,7 @@ constexpr std::array figure_rows{
            .read = [](const M& m) { return m.span.tight; }},
     Figure{.name = "slack_tension", .meaning = "mean tension of the slack strand", .read = [](const M& m) { return m.span.slack; }},
     Figure{.name = "tips",
-           .meaning = "largest axial force of a tip, mean over time",
+           .meaning = "largest axial force of an end of a pin, both halves together, mean over time",
            .usual = true,
            .needs_pulleys = true,
            .read = [](const M& m) { return m.tip; }},
@@ -78,6 +78,19 @@ TunedOutput of_scalar(const std::string& text) {
                                  engine::did_you_mean(engine::closest(text, names))));
 }
 
+/// Halves share what an end of a pin carries; a whole pin's stands at its rear tip. The same quantity at every level of detail. [N]
+double largest_pin_end(const model::ChainLayout& at, const std::vector<double>& tip_axial) {
+    double largest = 0.0;
+    for (int pin = 0; pin < at.links; ++pin) {
+        for (int side = 0; side < 2; ++side) {
+            const double rear = tip_axial[static_cast<std::size_t>(model::tips_per_link * pin + side)];
+            const double front = tip_axial[static_cast<std::size_t>(model::tips_per_link * at.previous(pin) + 2 + side)];
+            largest = std::max(largest, std::abs(rear + front));
+        }
+    }
+    return largest;
+}
+
 }  // namespace
 
 std::vector<TunedOutput> tuned_outputs(const std::vector<std::string>& names, bool has_pulleys) {
@@ -108,9 +121,7 @@ void OutputReader::output(double time, const Workspace& workspace, const Counter
     if (time < from_ - 1e-12 * std::abs(from_)) return;
     const model::Observation& now = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
     watch_.add(now, workspace);
-    double tip = 0.0;
-    for (const double axial : now.tip_axial) tip = std::max(tip, std::abs(axial));
-    tip_ += tip;
+    tip_ += largest_pin_end(workspace.layout(), now.tip_axial);
     thrust_ += now.clamping[0] / now.clamping[1];
     ++count_;
     const Instant instant{now, workspace, counters, followed_pin_, observer_};

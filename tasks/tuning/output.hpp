@@ -15,7 +15,7 @@ namespace cvtflow::tasks {
 /// What figures are read of: means over the outputs of the part of a run that counts.
 struct FigureMeans {
     SpanMeans span;
-    double tip = 0.0;     ///< mean of the largest axial force of a tip [N]
+    double tip = 0.0;     ///< mean of the largest axial force of an end of a pin [N]
     double thrust = 0.0;  ///< mean of S_1/S_2 [1]
 };
 

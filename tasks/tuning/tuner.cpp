@@ -83,6 +83,20 @@ void Tuner::require_going_on() const {
     if (cancel_.requested()) throw SimulationError("interrupted");
 }
 
+/// "rk4, heun: reason" of methods that the same speaks against, in their order. @param objections method, reason
+std::vector<std::string> joined_by_reason(const std::vector<std::pair<std::string, std::string>>& objections) {
+    std::vector<std::string> lines;
+    for (const auto& [name, reason] : objections) {
+        const auto ending = ": " + reason;
+        const auto same = std::find_if(lines.begin(), lines.end(), [&](const std::string& line) { return line.ends_with(ending); });
+        if (same == lines.end())
+            lines.push_back(name + ending);
+        else
+            same->insert(same->size() - ending.size(), ", " + name);
+    }
+    return lines;
+}
+
 /// The cheapest methods of the catalogue, each at its automatic step, by a short run with the scene's own detail.
 void Tuner::find_methods() {
     const std::string usual = RunSettings{}.method;
@@ -93,6 +107,7 @@ void Tuner::find_methods() {
     }
     say("methods");
     std::vector<std::pair<double, std::string>> costs;
+    std::vector<std::pair<std::string, std::string>> objections;
     for (const std::string& name : method_names()) {
         require_going_on();
         try {
@@ -100,11 +115,12 @@ void Tuner::find_methods() {
             if (run.objection.empty())
                 costs.emplace_back(run.seconds, name);
             else
-                methods_left_out_.push_back(fmt::format("{}: {}", name, run.objection));
+                objections.emplace_back(name, run.objection);
         } catch (const std::exception& error) {  // a method that cannot be used with the scene
-            methods_left_out_.push_back(fmt::format("{}: {}", name, error.what()));
+            objections.emplace_back(name, error.what());
         }
     }
+    methods_left_out_ = joined_by_reason(objections);
     std::stable_sort(costs.begin(), costs.end());
     std::vector<std::string> dear;
     for (const auto& [seconds, name] : costs) {

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tests/claims/operating_point_fixture.hpp"
+#include "tests/claims/rig_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {
@@ -50,22 +51,40 @@ void expect_theory(const Operation& run) {
     testing::Test::RecordProperty("slack", std::to_string(run.mean(run.slack)));
 }
 
+void expect_hum(const Operation& run, const tasks::Scene& scene) {
+    const double pitch = scene.parameters.chain.pitch[0];
+    const double passing = run.mean(run.chain_speed) / pitch;
+    EXPECT_NEAR(passing, 1404.0, 0.01 * 1404.0);
+    EXPECT_GT(prominence(run, run.driven_speed, passing), 3.0);
+    // At that frequency the polygon of pins moves the strand by no more than the sagitta of one pitch (peak to peak).
+    const double r = run.mean(run.radius);
+    const double sagitta = r * (1.0 - std::cos(std::asin(pitch / (2.0 * r))));
+    EXPECT_LT(2.0 * amplitude(run.time, run.strand_height, passing), sagitta);
+}
+
 TEST(Baseline, IsStationaryWithTheTensionsTorqueAndAxialForcesOfTheoryAndHumsAtThePinPassingFrequency) {
     const tasks::Scene scene = ready_scene("baseline", {"run.until=10 ms"});
     const Operation run(scene);
     ASSERT_FALSE(run.fault) << run.fault.message();
     expect_theory(run);
-    const double pitch = scene.parameters.chain.pitch[0];
-    const double passing = run.mean(run.chain_speed) / pitch;
-    EXPECT_NEAR(passing, 1404.0, 0.01 * 1404.0);
-    EXPECT_GT(prominence(run, run.driven_speed, passing), 3.0);
+    expect_hum(run, scene);
+    const double passing = run.mean(run.chain_speed) / scene.parameters.chain.pitch[0];
     EXPECT_GT(prominence(run, run.slack, passing), 3.0);
     EXPECT_GT(prominence(run, run.slack, 3.0 * passing), 3.0);
     EXPECT_GT(prominence(run, run.tight, 2.0 * passing), 3.0);
-    // At that frequency the polygon of pins moves the strand by no more than the sagitta of one pitch (peak to peak).
-    const double r = run.mean(run.radius);
-    const double sagitta = r * (1.0 - std::cos(std::asin(pitch / (2.0 * r))));
-    EXPECT_LT(2.0 * amplitude(run.time, run.strand_height, passing), sagitta);
+}
+
+/// The same at every level of detail, with its own automatic step, but for the lines in the strands' tensions: those of coarse and medium
+/// do not stand out so far (measured 1.4 to 2.3 for the multiples).
+class EveryLevel : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryLevel, TellsTheBaselineOfTheoryItsHumAndAClosedEnergyBalance) {
+    const tasks::Scene scene = scene_at_level("baseline", GetParam(), {"run.until=10 ms"});
+    const Operation run(scene);
+    ASSERT_FALSE(run.fault) << run.fault.message();
+    EXPECT_LE(run.suspicion, 1.0);
+    expect_theory(run);
+    expect_hum(run, scene);
 }
 
 TEST(Baseline, ShiftsTowardsLowWhenTheDrivingSideIsClampedLess) {
@@ -77,8 +96,8 @@ TEST(Baseline, ShiftsTowardsLowWhenTheDrivingSideIsClampedLess) {
     EXPECT_LT(end / begin - 1.0, -0.6e-3);
 }
 
-TEST(LoadRamp, SlipsWithinFivePercentOfTheFrictionLimit) {
-    const tasks::Scene scene = ready_scene("load_ramp");
+/// @return the largest torque that the driven side took [N·m]
+double expect_gross_slip_at_the_limit(const tasks::Scene& scene, double within) {
     const Operation run(scene);
     const auto& p = scene.parameters;
     double carried = 0.0;  // largest torque that the driven side takes, averaged over a pin passage
@@ -86,16 +105,32 @@ TEST(LoadRamp, SlipsWithinFivePercentOfTheFrictionLimit) {
         carried = std::max(carried, run.mean(run.driven_torque, from, from + 0.72e-3));
     const double limit =
         2.0 * p.tip.friction.coefficient * p.clamping.driven.at(0.0) * run.mean(run.radius, 0.0, 2e-3) / std::cos(p.tip.angle);
-    EXPECT_NEAR(carried, limit, 0.05 * limit);
+    EXPECT_NEAR(carried, limit, within * limit);
     // Gross slip, not creep: ten times what the baseline creeps, and growing to the end.
     EXPECT_GT(run.mean(run.slip, 24e-3, 25e-3), 10.0 * run.mean(run.slip, 0.0, 1e-3));
     EXPECT_GT(run.mean(run.slip, 24e-3, 25e-3), run.mean(run.slip, 22e-3, 23e-3));
-    RecordProperty("carried", std::to_string(carried));
-    RecordProperty("limit", std::to_string(limit));
+    return carried;
 }
 
-TEST(NightlyThrustRatio, UnderRatioControlTheControllerFindsTheThrustRatioOfTheory) {
-    const Operation run(ready_scene("control"));
+TEST(LoadRamp, SlipsWithinFivePercentOfTheFrictionLimit) {
+    RecordProperty("carried", std::to_string(expect_gross_slip_at_the_limit(ready_scene("load_ramp"), 0.05)));
+}
+
+/// Whole pins carry 5.3 % more than theory says for a moment; halves stay within five.
+TEST_P(EveryLevel, SlipsAtTheFrictionLimitWhenTheLoadIsRamped) {
+    const tasks::Scene scene = scene_at_level("load_ramp", GetParam());
+    const bool whole = scene.parameters.detail.pins == model::PinDetail::whole;
+    RecordProperty("carried", std::to_string(expect_gross_slip_at_the_limit(scene, whole ? 0.06 : 0.05)));
+}
+
+/// A run of some ten milliseconds settles for 60: the cheapest level in every run, all of them nightly.
+INSTANTIATE_TEST_SUITE_P(Cheapest, EveryLevel, testing::Values(levels().front()), [](const auto& level) { return level.param; });
+INSTANTIATE_TEST_SUITE_P(NightlyBaseline, EveryLevel, testing::ValuesIn(levels()), [](const auto& level) { return level.param; });
+
+class NightlyThrustRatio : public testing::TestWithParam<std::string> {};
+
+TEST_P(NightlyThrustRatio, UnderRatioControlTheControllerFindsTheThrustRatioOfTheory) {
+    const Operation run(scene_at_level("control", GetParam()));
     ASSERT_FALSE(run.fault) << run.fault.message();
     const double end = run.time.back();
     // One-dimensional theory: 1.357 at 75 % of the torque limit. The controller still swings by a few per cent after 80 ms.
@@ -103,11 +138,11 @@ TEST(NightlyThrustRatio, UnderRatioControlTheControllerFindsTheThrustRatioOfTheo
     RecordProperty("thrust_ratio", std::to_string(run.mean(run.thrust_ratio, end - 30e-3, end)));
 }
 
-TEST(NightlyThrustRatio, WithoutLoadTheStationaryThrustRatioIsOneWithinThreePercent) {
+TEST_P(NightlyThrustRatio, WithoutLoadTheStationaryThrustRatioIsOneWithinThreePercent) {
     const auto drift = [](const char* driving) {
-        const Operation run(ready_scene(
-            "baseline", {"detail.order=1", "detail.plates=lumped", "start.state=", "start.settling_time=15 ms", "run.until=12 ms",
-                         "load.torque=0", "clamping.driven=20 kN", std::string("clamping.driving=") + driving}));
+        const Operation run(scene_at_level("baseline", GetParam(),
+                                           {"start.settling_time=15 ms", "run.until=12 ms", "load.torque=0", "clamping.driven=20 kN",
+                                            std::string("clamping.driving=") + driving}));
         EXPECT_FALSE(run.fault) << run.fault.message();
         return run.mean(run.ratio, 10e-3, 12e-3) - run.mean(run.ratio, 0.0, 2e-3);
     };
@@ -115,6 +150,8 @@ TEST(NightlyThrustRatio, WithoutLoadTheStationaryThrustRatioIsOneWithinThreePerc
     EXPECT_GT(drift("19.4 kN"), 0.0);
     EXPECT_LT(drift("20.6 kN"), 0.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(Levels, NightlyThrustRatio, testing::ValuesIn(levels()), [](const auto& level) { return level.param; });
 
 }  // namespace
 }  // namespace cvtflow::claims

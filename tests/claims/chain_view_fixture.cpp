@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/machine/link_inertia.hpp"
+#include "model/observe/pin_halves.hpp"
 
 namespace cvtflow::claims {
 
@@ -22,10 +23,12 @@ double arm(const model::Parameters& p) { return p.joint.radius - 0.5 * p.half.wi
 }  // namespace
 
 ChainView::ChainView(const model::Parameters& parameters, const double* state)
-    : parameters_(parameters), layout_(model::layout_of(parameters)), state_(state) {}
+    : parameters_(parameters), own_(model::layout_of(parameters)), layout_(model::halves_layout(own_)), state_(state) {
+    model::halves_of(model::ChainModel(parameters), state, halves_);
+}
 
 Vector ChainView::read(int link, End end, int offset) const {
-    const double* block = state_ + layout_.link_begin(link) + offset;
+    const double* block = halves_.data() + layout_.link_begin(link) + offset;
     return {block[layout_.x(end, 0)], block[layout_.y(end, 0)], block[layout_.z(end)]};
 }
 
@@ -72,19 +75,19 @@ double ChainView::stretching(int link) const {
 
 Vector ChainView::momentum() const {
     const model::LinkInertia inertia = model::link_inertia(parameters_);
-    const int lateral = layout_.lateral();
+    const int lateral = own_.lateral(), size = own_.bodies() * lateral, axial = 2 * own_.bodies();
     Vector sum{0.0, 0.0, 0.0};
     for (int link = 0; link < links(); ++link) {
-        const double* v = state_ + layout_.link_begin(link) + layout_.link_size();
-        for (const int row : {0, lateral}) {  // m = 0 of both halves; plates couple it with bending
-            for (int column = 0; column < 2 * lateral; ++column) {
-                const double mass = inertia.lateral_matrix[static_cast<std::size_t>(2 * lateral * row + column)];
-                sum = sum + Vector{mass * v[column], mass * v[2 * lateral + column], 0.0};
+        const double* v = state_ + own_.link_begin(link) + own_.link_size();
+        for (int row = 0; row < size; row += lateral) {  // m = 0 of every body; plates couple it with bending
+            for (int column = 0; column < size; ++column) {
+                const double mass = inertia.lateral_matrix[static_cast<std::size_t>(size * row + column)];
+                sum = sum + Vector{mass * v[column], mass * v[size + column], 0.0};
             }
         }
-        for (const int row : {0, 2}) {
-            for (int column = 0; column < 4; ++column)
-                sum.z += inertia.axial_matrix[static_cast<std::size_t>(4 * row + column)] * v[4 * lateral + column];
+        for (int row = 0; row < axial; row += 2) {
+            for (int column = 0; column < axial; ++column)
+                sum.z += inertia.axial_matrix[static_cast<std::size_t>(axial * row + column)] * v[2 * size + column];
         }
     }
     return sum;
@@ -92,11 +95,11 @@ Vector ChainView::momentum() const {
 
 double ChainView::angular_momentum() const {
     const model::LinkInertia inertia = model::link_inertia(parameters_);
-    const int size = 2 * layout_.lateral();
+    const int size = own_.bodies() * own_.lateral();
     double sum = 0.0;
     for (int link = 0; link < links(); ++link) {
-        const double* q = state_ + layout_.link_begin(link);
-        const double* v = q + layout_.link_size();
+        const double* q = state_ + own_.link_begin(link);
+        const double* v = q + own_.link_size();
         for (int row = 0; row < size; ++row) {
             for (int column = 0; column < size; ++column) {
                 sum += inertia.lateral_matrix[static_cast<std::size_t>(row * size + column)] *

@@ -1,6 +1,6 @@
 #pragma once
 /// Reads a state as a person would look at the chain: where halves are, how deep joints are, how far plates are stretched.
-/// Written from model/EQUATIONS.md, not from the kernels.
+/// Written from model/EQUATIONS.md, not from the kernels. Whole pins are looked at as the halves that they consist of.
 
 #include <vector>
 
@@ -45,8 +45,10 @@ private:
     [[nodiscard]] Vector centres(int pin) const;  ///< C_L - C_R
 
     const model::Parameters& parameters_;
-    model::ChainLayout layout_;
+    model::ChainLayout own_;     ///< of the state
+    model::ChainLayout layout_;  ///< of its halves
     const double* state_;
+    std::vector<double> halves_;
 };
 
 }  // namespace cvtflow::claims

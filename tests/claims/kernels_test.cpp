@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <string>
 
 #include "model/observe/observation.hpp"
 #include "tests/claims/rig_fixture.hpp"
@@ -15,7 +16,9 @@ namespace {
 
 TEST(Losses, AreNeverNegativeOnAnyState) {
     std::uint64_t seed = 900;
-    for (const oracle::Case& one : oracle::all_details(oracle::small_scene())) {
+    std::vector<oracle::Case> cases = oracle::all_details(oracle::small_scene());
+    for (const oracle::Case& whole : oracle::whole_pins(oracle::small_scene())) cases.push_back(whole);
+    for (const oracle::Case& one : cases) {
         const model::Variator variator(one.parameters);
         model::Observer observer(variator);
         const auto random = oracle::random_state(one.parameters, ++seed);
@@ -51,7 +54,7 @@ std::vector<double> link_force(const model::Variator& variator, int link, const 
     const model::LinkInertia& inertia = variator.chain().inertia();
     const double* a = slope.data() + at.link_begin(link) + at.link_size();
     std::vector<double> force(static_cast<std::size_t>(at.link_size()), 0.0);
-    const int lateral = 2 * at.lateral();
+    const int lateral = at.bodies() * at.lateral();
     const auto multiply = [&](const double* matrix, int size, int begin) {
         for (int row = 0; row < size; ++row) {
             for (int column = 0; column < size; ++column)
@@ -60,7 +63,7 @@ std::vector<double> link_force(const model::Variator& variator, int link, const 
     };
     multiply(inertia.lateral_matrix.data(), lateral, 0);
     multiply(inertia.lateral_matrix.data(), lateral, lateral);
-    multiply(inertia.axial_matrix.data(), 4, 2 * lateral);
+    multiply(inertia.axial_matrix.data(), 2 * at.bodies(), 2 * lateral);
     return force;
 }
 
@@ -97,15 +100,16 @@ private:
 /// N, and 1e-1 N where a contact or a clearance opens within h (stiffness 1e9 N/m · h/10).
 constexpr double h = 2e-9;
 
-model::Parameters conservative(int order) {
-    model::Parameters p = oracle::small_scene();
-    p.detail.order = order;
+model::Parameters conservative(const std::string& level) {
+    model::Parameters p = at_level(oracle::small_scene(), level);
     make_conservative(p);
     return p;
 }
 
-TEST(ElasticForces, OnLinksAreMinusTheGradientOfTheObservedEnergy) {
-    Gradient gradient(conservative(3));
+class ElasticForces : public testing::TestWithParam<std::string> {};
+
+TEST_P(ElasticForces, OnLinksAreMinusTheGradientOfTheObservedEnergy) {
+    Gradient gradient(conservative(GetParam()));
     const model::ChainLayout& at = gradient.variator().layout();
     for (int link = 0; link < at.links; ++link) {
         const auto force = gradient.force(link);
@@ -117,8 +121,8 @@ TEST(ElasticForces, OnLinksAreMinusTheGradientOfTheObservedEnergy) {
     }
 }
 
-TEST(ElasticForces, OnPulleysAreMinusTheGradientPlusInputs) {
-    model::Parameters p = conservative(3);
+TEST_P(ElasticForces, OnPulleysAreMinusTheGradientPlusInputs) {
+    const model::Parameters p = conservative(GetParam());
     Gradient gradient(p);
     const model::ChainLayout& at = gradient.variator().layout();
     const model::PulleyModel& pulleys = gradient.variator().pulleys();
@@ -135,6 +139,8 @@ TEST(ElasticForces, OnPulleysAreMinusTheGradientPlusInputs) {
         EXPECT_NEAR(force, expected, 5e-3 + 1e-6 * std::abs(expected)) << "coordinate " << k;
     }
 }
+
+INSTANTIATE_TEST_SUITE_P(EveryLevel, ElasticForces, testing::ValuesIn(levels()), [](const auto& level) { return level.param; });
 
 }  // namespace
 }  // namespace cvtflow::claims

@@ -34,12 +34,22 @@ tasks::Scene ready_scene(const std::string& name, const std::vector<std::string>
     return scene;
 }
 
+tasks::Scene scene_at_level(const std::string& name, const std::string& level, std::vector<std::string> settings) {
+    tasks::Scene scene = ready_scene(name);
+    tasks::apply_detail(scene, level);
+    settings.insert(settings.begin(),
+                    {"start.state=", "run.method=" + tasks::RunSettings{}.method, "run.step=auto", "run.schedule=serial"});
+    tasks::set_values(scene, settings);
+    return scene;
+}
+
 Operation::Operation(const tasks::Scene& scene) : simulation_(scene), observer_(simulation_.variator()) {
     if (simulation_.needs_settling()) fault = simulation_.advance({.until = 0.0}, *this, no_cancellation);
     if (fault) return;
     recording_ = true;
     fault = simulation_.advance({.until = scene.run.until}, *this, no_cancellation);
     counters = simulation_.counters();
+    suspicion = simulation_.suspicion();
 }
 
 void Operation::output(double now, const tasks::Workspace& workspace, const tasks::Counters&) {

@@ -13,6 +13,9 @@ namespace cvtflow::claims {
 /// One ready scene, changed by settings "key=value".
 [[nodiscard]] tasks::Scene ready_scene(const std::string& name, const std::vector<std::string>& settings = {});
 
+/// One ready scene at a level of detail with the default method and automatic steps, settled anew, changed by settings.
+[[nodiscard]] tasks::Scene scene_at_level(const std::string& name, const std::string& level, std::vector<std::string> settings = {});
+
 /// Observations at the output times with t ≥ 0.
 class Operation final : public tasks::RunObserver {
 public:
@@ -29,6 +32,7 @@ public:
     tasks::Fault fault;
     tasks::Counters counters;
     long transitions = 0;
+    double suspicion = 0.0;  ///< of the energy watch, settling included; above 1 the figures are wrong
     std::vector<double> time, ratio, slip, tight, slack, driven_speed, driven_torque, radius, chain_speed, clamping_driven, thrust_ratio,
         strand_height;
     std::array<std::vector<double>, 4> axial_force;

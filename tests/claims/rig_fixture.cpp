@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tasks/scene/scene.hpp"
+
 namespace cvtflow::claims {
 
 namespace {
@@ -49,6 +51,19 @@ tasks::Fault Rig::run(const tasks::StepSettings& settings, const Output& output)
 }
 
 std::vector<double> Rig::state_copy() const { return {state(), state() + variator().layout().size()}; }
+
+std::vector<std::string> levels() {
+    std::vector<std::string> names;
+    for (const tasks::DetailPreset& preset : tasks::detail_presets()) names.emplace_back(preset.name);
+    return names;
+}
+
+model::Parameters at_level(model::Parameters parameters, const std::string& level) {
+    tasks::Scene scene;
+    scene.parameters = std::move(parameters);
+    tasks::apply_detail(scene, level);
+    return scene.parameters;
+}
 
 void make_conservative(model::Parameters& p) {
     p.chain.damping_ratio = 0.0;

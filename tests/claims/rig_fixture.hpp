@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -40,6 +41,11 @@ private:
     tasks::Counters counters_;
     std::vector<tasks::TransitionRecord> transitions_;
 };
+
+/// Names of all levels of detail: what is claimed holds at every one of them.
+[[nodiscard]] std::vector<std::string> levels();
+/// The machine at a level of detail; pulleys that are absent stay so.
+[[nodiscard]] model::Parameters at_level(model::Parameters parameters, const std::string& level);
 
 /// No friction, no damping.
 void make_conservative(model::Parameters& parameters);

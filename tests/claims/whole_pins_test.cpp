@@ -1,47 +1,14 @@
-/// Claims about whole pins (EQUATIONS section 10): their results do not depend on segments, their energy balance closes, and they tell what
-/// the model with halves tells.
+/// Claim: whole pins (EQUATIONS section 10) tell what the model with halves tells. What holds at every level of detail stands elsewhere.
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {
 namespace {
-
-const engine::Cancellation never;
-
-struct Nobody final : tasks::RunObserver {
-    void output(double, const tasks::Workspace&, const tasks::Counters&) override {}
-    void transition(const tasks::TransitionRecord&) override {}
-};
-
-/// The state after a short geometric start, with transitions in it.
-std::vector<double> end_of(const tasks::Scene& scene) {
-    tasks::Simulation simulation(scene);
-    Nobody nobody;
-    EXPECT_FALSE(simulation.advance({.until = 0.0}, nobody, never));
-    EXPECT_FALSE(simulation.advance({.until = scene.run.until}, nobody, never));
-    EXPECT_GT(simulation.counters().detected, 0);
-    return {simulation.state(), simulation.state() + simulation.variator().layout().size()};
-}
-
-TEST(WholePins, GiveTheSameBitsWhateverTheSegmentsAndExecutor) {
-    for (const std::string method : {"rk4", "leapfrog-chebyshev"}) {
-        const auto run = [&](const std::string& segments, const std::string& schedule, const std::string& threads) {
-            return end_of(
-                ready_scene("tiny", {"detail.pins=whole", "run.method=" + method, "run.step=100ns", "run.until=200us",
-                                     "start.state=", "start.settling_time=300us", "start.ramp_time=300us", "detail.stick_slip=true",
-                                     "run.segments=" + segments, "run.schedule=" + schedule, "run.threads=" + threads}));
-        };
-        const std::vector<double> one = run("1", "serial", "1");
-        for (const std::string segments : {"2", "5", "9"}) EXPECT_EQ(run(segments, "serial", "1"), one) << method << ", " << segments;
-        EXPECT_EQ(run("4", "flow", "2"), one) << method;
-    }
-}
 
 /// Means over the last half of a run of 10 ms after 20 ms of settling.
 struct Means {

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "tasks/run/simulation.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
+#include "tests/claims/rig_fixture.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
 
@@ -41,11 +43,8 @@ public:
     long passed_over_, between_ = 0, before_ = 0, outputs_ = 0, transitions_ = 0, first_steps_ = 0, last_steps_ = 0;
 };
 
-class EveryScene : public testing::TestWithParam<std::string> {};
-
-TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
-    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
-    Scene scene = read_scene(GetParam());
+/// Some steps of a scene from its start.
+void expect_no_allocation(Scene scene) {
     scene.run.output_interval = 20.0 * scene.run.step.value_or(Simulation(scene).automatic_step());
     scene.run.segments = std::min(5, scene.parameters.chain.pins);
     scene.run.max_steps = 150;  // ends a settling run early
@@ -60,6 +59,22 @@ TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
         EXPECT_GT(counter.transitions_, 0) << "tips just touch at the start, so some come and go";
     }
     EXPECT_EQ(counter.between_, 0);
+}
+
+class EveryScene : public testing::TestWithParam<std::string> {};
+
+TEST_P(EveryScene, TheStepLoopAllocatesNothingBetweenOutputs) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    expect_no_allocation(read_scene(GetParam()));
+}
+
+/// With the default method, settling from the geometric start.
+TEST(NoAllocation, InTheStepLoopAtEveryLevelOfDetail) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    for (const std::string& level : claims::levels()) {
+        SCOPED_TRACE(level);
+        expect_no_allocation(claims::scene_at_level("tiny", level));
+    }
 }
 
 TEST(NoAllocation, InTheStepLoopOfParallelExecutorsWithEitherAssembly) {

@@ -198,7 +198,7 @@ TEST_F(Commands, WriteAsJsonWhatTheyMeasure) {
     EXPECT_EQ(trade["choices"][0]["wall_seconds_per_second"].size(), 2u);
     const auto detail =
         json_of({"detail", "baseline", "--settle", "20us", "--average", "20us", "--control", "0 s"}, "detail_baseline.json");
-    EXPECT_EQ(detail["variants"].size(), 11u);
+    EXPECT_EQ(detail["variants"].size(), 13u);
     EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not looked for";
 }
 
@@ -211,6 +211,25 @@ TEST_F(Commands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {
     const Outcome held = run({"detail", "baseline", "--set", "detail.order=1"});
     EXPECT_EQ(held.status, 2);
     EXPECT_EQ(held.err, "cvtflow: --set detail.order=1: detail.order is one of the dials that are compared\n");
+}
+
+TEST_F(Commands, DetailComparesTheLevelsOfTheCatalogueWithTheFinestAtAQuarterOfItsStep) {
+    const Outcome outcome = run(
+        {"detail", "baseline", "--rungs", "--settle", "20us", "--average", "20us", "--control", "0 s", "--json", "--csv", "-o", "ladder"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const auto ladder = nlohmann::json::parse(read("ladder/ladder.json"));
+    const auto presets = tasks::detail_presets();
+    ASSERT_EQ(ladder["points"].size(), 1u);
+    const auto& point = ladder["points"][0];
+    EXPECT_EQ(point["reference"]["detail"], presets.back().name);
+    EXPECT_EQ(point["reference"]["share"], 0.25);
+    ASSERT_EQ(point["rungs"].size(), presets.size());
+    for (std::size_t k = 0; k < presets.size(); ++k) EXPECT_EQ(point["rungs"][k]["detail"], presets[presets.size() - 1 - k].name);
+    EXPECT_NEAR(double(point["reference"]["step"]) / double(point["rungs"][0]["step"]), 0.25, 0.02);
+    for (const auto& rung : point["rungs"]) EXPECT_GT(double(rung["seconds"]), 0.0);
+    EXPECT_THAT(read("ladder/ladder.csv"), StartsWith("point,detail,share,"));
+    const Outcome both = run({"detail", "--rungs", "--all"});
+    EXPECT_EQ(both.status, 2);
 }
 
 TEST_F(Commands, DetailKeepsFaultsOutOfItsTable) {

@@ -185,7 +185,7 @@ TEST_F(Run, OfAnotherDetailDropsTheStateFileAndSaysSo) {
     write_settled_scene();
     const Outcome outcome = run({"run", "settled.toml", "--detail", "coarse"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.err, StartsWith("cvtflow: detail.order = 0 (was 1), detail.pulleys = \"rigid\" (was \"elastic\"): "
+    EXPECT_THAT(outcome.err, StartsWith("cvtflow: detail.pins = \"whole\" (was \"halves\"): "
                                         "the state in " +
                                         folder_.string() + "/state.h5 does not fit any more, the run settles anew\nsettling: "));
 }

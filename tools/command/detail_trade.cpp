@@ -1,10 +1,11 @@
-/// cvtflow detail: what each dial of detail costs and what it changes.
+/// cvtflow detail: what each dial of detail, or each level, costs and what it changes.
 
 #include <CLI/CLI.hpp>
 #include <memory>
 
 #include "tools/command.hpp"
 #include "tools/report/detail_report.hpp"
+#include "tools/report/ladder_report.hpp"
 
 namespace cvtflow::tools {
 
@@ -26,13 +27,21 @@ Action declare_detail(CLI::App& app) {
     app.add_option("--control", arguments->control, "How long ratio control looks for the thrust ratio (\"0 s\": not)")
         ->type_name("TIME")
         ->capture_default_str();
-    app.add_flag("--all", arguments->all, "Every combination of the dials (48) instead of one dial at a time");
+    CLI::Option* all = app.add_flag("--all", arguments->all, "Every combination of the dials of halves (48) instead of one dial at a time");
+    app.add_flag("--rungs", arguments->rungs,
+                 "The levels of cvtflow list detail, each with its own step, against the finest one at a quarter of its step;\n"
+                 "without SCENE at seven operating points: three ratios, three loads, a shift, a ramp of the load")
+        ->excludes(all);
     declare_output(app, arguments->output);
     app.footer(
         "Each variant starts from the scene's settled state at full detail, brought over to its own coordinates.\n"
         "What the energy balance calls unreliable has a status and no figures.\n"
         "Exit status 1: full detail breaks down or is unreliable; 5: other variants are (stderr says why).");
-    return [arguments] { return report_details(*arguments, arguments->output); };
+    return [arguments] {
+        if (arguments->rungs) return report_ladder(*arguments, arguments->output);
+        if (arguments->scenes.empty()) arguments->scenes = {"baseline", "low", "overdrive"};
+        return report_details(*arguments, arguments->output);
+    };
 }
 
 }  // namespace cvtflow::tools

@@ -48,13 +48,28 @@ std::string methods() {
 }
 
 std::string detail() {
-    Table table({{"detail"}, {"pins"}, {"order", Align::right}, {"plates"}, {"joint points", Align::right}, {"meaning"}});
+    Table table({{"detail"},
+                 {"pins"},
+                 {"order", Align::right},
+                 {"plates"},
+                 {"joint points", Align::right},
+                 {"cost", Align::right},
+                 {"tensions", Align::right},
+                 {"slip", Align::right},
+                 {"meaning"}});
     for (const tasks::DetailPreset& preset : tasks::detail_presets()) {
         table.add({std::string(preset.name), preset.pins == model::PinDetail::whole ? "whole" : "halves", fmt::format("{}", preset.order),
                    preset.plates == model::PlateDetail::each ? "each" : "lumped", fmt::format("{}", preset.joint_points),
-                   std::string(preset.meaning)});
+                   fmt::format("{:.2g}", preset.cost), fmt::format("{:.2g} %", 100.0 * preset.tension_error),
+                   fmt::format("{:.2g} %", 100.0 * preset.slip_error), std::string(preset.meaning)});
     }
-    return table.text();
+    return table.text() +
+           "\ncost: processor time of a simulated second over that of \"fine\", each with the default method and its own step.\n"
+           "tensions, slip: typical errors against the finest level at a quarter of its step; half of seven operating points lie below. "
+           "The\n"
+           "slip of \"coarse\" and \"medium\" is off by 10 to 28 % at low ratio and at a quarter of the load. What it is at a scene of "
+           "yours:\n"
+           "cvtflow detail SCENE --rungs; cvtflow tune SCENE chooses by it.\n";
 }
 
 std::string channels() {

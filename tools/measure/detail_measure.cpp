@@ -97,6 +97,7 @@ tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name,
                       v.plates == model::PlateDetail::each ? "detail.plates=each" : "detail.plates=lumped",
                       fmt::format("detail.joint_points={}", v.joint_points),
                       v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
+                      v.pins == model::PinDetail::whole ? "detail.pins=whole" : "detail.pins=halves",
                       "run.method=" + arguments.method,
                       "run.step=" + arguments.step,
                       "run.until=" + until,
@@ -124,17 +125,30 @@ void average(tasks::Simulation& simulation, double settle, double length, Detail
 }  // namespace
 
 std::string DetailVariant::name() const {
-    return fmt::format("p={} {:6} {} pt {}", order, plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
+    if (!preset.empty()) return fmt::format("{}{}", preset, share == 1.0 ? "" : fmt::format(", 1/{:g} of its step", 1.0 / share));
+    return fmt::format("{}p={} {:6} {} pt {}", pins == model::PinDetail::whole ? "whole pins, " : "", order,
+                       plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
                        pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid");
 }
 
 std::vector<DetailVariant> detail_variants(bool all) {
+    using enum model::PinDetail;
     using enum model::PlateDetail;
     using enum model::PulleyDetail;
     if (!all) {
-        return {full_detail,           {2, each, 8, elastic}, {1, each, 8, elastic}, {0, each, 8, elastic},   {3, lumped, 8, elastic},
-                {3, each, 3, elastic}, {3, each, 1, elastic}, {3, each, 8, rigid},   {1, lumped, 3, elastic}, {1, lumped, 1, rigid},
-                {0, lumped, 1, rigid}};
+        return {full_detail,
+                {2, each, 8, elastic},
+                {1, each, 8, elastic},
+                {0, each, 8, elastic},
+                {3, lumped, 8, elastic},
+                {3, each, 3, elastic},
+                {3, each, 1, elastic},
+                {3, each, 8, rigid},
+                {1, lumped, 3, elastic},
+                {1, lumped, 1, rigid},
+                {0, lumped, 1, rigid},
+                {3, each, 8, elastic, whole},
+                {1, lumped, 1, elastic, whole}};
     }
     std::vector<DetailVariant> list{full_detail};
     for (int order = 3; order >= 0; --order) {
@@ -156,10 +170,18 @@ namespace {
 void require_free_dials(const std::vector<std::string>& settings) {
     for (const std::string& setting : settings) {
         const std::string key = setting.substr(0, setting.find('='));
-        for (const char* dial : {"detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"}) {
+        for (const char* dial : {"detail.pins", "detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"}) {
             if (key == dial) throw UsageError(fmt::format("--set {}: {} is one of the dials that are compared", setting, key));
         }
     }
+}
+
+/// At its start; with a share of the automatic step as a fixed one.
+std::unique_ptr<tasks::Simulation> begin(tasks::Scene scene, double share) {
+    auto simulation = std::make_unique<tasks::Simulation>(scene);
+    if (share == 1.0) return simulation;
+    scene.run.step = tasks::AutoNumber(share * simulation->automatic_step());
+    return std::make_unique<tasks::Simulation>(scene);
 }
 
 }  // namespace
@@ -187,9 +209,11 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted
     const double settle = scene.run.until, length = scene_of(arguments_, scene_, variant, arguments_.average).run.until;
     const tasks::StateFile start(tasks::brought_over(settled_, reference_, scene.parameters));
     scene.state_file = start.path();
-    tasks::Simulation simulation(scene);
-    outcome.coordinates = simulation.variator().layout().coordinates();
-    average(simulation, settle, length, outcome);
+    auto simulation = begin(scene, variant.share);
+    outcome.coordinates = simulation->variator().layout().coordinates();
+    average(*simulation, settle, length, outcome);
+    outcome.step = simulation->step();
+    outcome.simulation = std::move(simulation);
     if (outcome.fault.empty()) find_thrust(variant, wanted > 0.0 ? wanted : outcome.ratio, outcome);
     return outcome;
 }
@@ -204,7 +228,8 @@ void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, Det
     settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));  // the controller's integral begins at zero
     const tasks::StateFile start(settled);
     scene.state_file = start.path();
-    tasks::Simulation simulation(scene);
+    const auto begun = begin(scene, variant.share);
+    tasks::Simulation& simulation = *begun;
     const double found = simulation.time() + 0.8 * scene.run.until, until = simulation.time() + scene.run.until;
     Averager seen(simulation, found, until);
     DetailOutcome controlled;

@@ -23,7 +23,7 @@ Table empty_table() {
                   right("cost us"),
                   right("tight %"),
                   right("slack %"),
-                  right("tip force %"),
+                  right("pin end %"),
                   right("slip %"),
                   right("efficiency %-pt"),
                   right("thrust ratio %"),
@@ -47,20 +47,23 @@ void add_row(Table& table, const DetailOutcome& o, const DetailOutcome& referenc
                residual_cell({}, o.watch), o.status});
 }
 
+const char* pins_of(const DetailOutcome& o) { return o.variant.pins == model::PinDetail::whole ? "whole" : "halves"; }
+
 std::string csv_of(const std::vector<DetailOutcome>& outcomes) {
     std::string text =
-        "order,plates,joint_points,pulleys,coordinates,cost_s,tight_N,slack_N,tip_axial_N,slip,efficiency,ratio,shift_per_s,thrust_ratio,"
+        "pins,order,plates,joint_points,pulleys,coordinates,cost_s,tight_N,slack_N,pin_axial_N,slip,efficiency,ratio,shift_per_s,thrust_"
+        "ratio,"
         "drift,";
     text += watch_heading + std::string("\n");
     for (const DetailOutcome& o : outcomes) {
         if (!o.fault.empty()) {
-            text += fmt::format("{},{},{},{},{},,,,,,,,,,,{},,,,,,\n", o.variant.order,
+            text += fmt::format("{},{},{},{},{},{},,,,,,,,,,,{},,,,,,\n", pins_of(o), o.variant.order,
                                 o.variant.plates == model::PlateDetail::each ? "each" : "lumped", o.variant.joint_points,
                                 o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", o.coordinates, o.status);
             continue;
         }
-        text += fmt::format("{},{},{},{},{},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g},{}\n", o.variant.order,
-                            o.variant.plates == model::PlateDetail::each ? "each" : "lumped", o.variant.joint_points,
+        text += fmt::format("{},{},{},{},{},{},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g},{}\n", pins_of(o),
+                            o.variant.order, o.variant.plates == model::PlateDetail::each ? "each" : "lumped", o.variant.joint_points,
                             o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", o.coordinates, o.cost, o.tight,
                             o.slack, o.tip, o.slip, o.efficiency, o.ratio, o.shift, o.thrust == 0.0 ? "" : fmt::format("{:.6g}", o.thrust),
                             o.drift, watch_csv({}, o.watch));
@@ -69,7 +72,8 @@ std::string csv_of(const std::vector<DetailOutcome>& outcomes) {
 }
 
 nlohmann::ordered_json row_json(const DetailOutcome& o) {
-    nlohmann::ordered_json row{{"order", o.variant.order},
+    nlohmann::ordered_json row{{"pins", pins_of(o)},
+                               {"order", o.variant.order},
                                {"plates", o.variant.plates == model::PlateDetail::each ? "each" : "lumped"},
                                {"joint_points", o.variant.joint_points},
                                {"pulleys", o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid"},
@@ -81,7 +85,7 @@ nlohmann::ordered_json row_json(const DetailOutcome& o) {
     }
     const nlohmann::ordered_json figures{
         {"cost", o.cost},     {"tight", o.tight}, {"slack", o.slack},
-        {"tip_axial", o.tip}, {"slip", o.slip},   {"efficiency", o.efficiency},
+        {"pin_axial", o.tip}, {"slip", o.slip},   {"efficiency", o.efficiency},
         {"ratio", o.ratio},   {"shift", o.shift}, {"thrust_ratio", o.thrust == 0.0 ? std::nan("") : o.thrust},
         {"drift", o.drift}};
     row.update(figures);
@@ -106,7 +110,7 @@ std::string picture(const std::vector<DetailOutcome>& outcomes, const std::strin
     Plot plot;
     plot.title = "Cost and difference of levels of detail: " + scene;
     plot.x = {"one right-hand side [us]", Scale::linear, 1.0, 0.0, {}};
-    plot.y = {"largest difference of tensions and tip force from full detail [%]", Scale::linear, 1.0, 0.0, {}};
+    plot.y = {"largest difference of tensions and force of a pin end from full detail [%]", Scale::linear, 1.0, 0.0, {}};
     const DetailOutcome& exact = outcomes.front();
     for (const DetailOutcome& o : outcomes) {
         if (!o.fault.empty()) continue;
@@ -134,7 +138,8 @@ std::vector<DetailOutcome> measure_all(const DetailArguments& arguments, const s
 void print(const std::string& scene, const std::vector<DetailOutcome>& outcomes) {
     const DetailOutcome& exact = outcomes.front();
     fmt::print(
-        "{}: full detail has tight {:.1f} N, slack {:.1f} N, largest tip force {:.1f} N, slip {:.4f} %, efficiency {:.3f} %, ratio "
+        "{}: full detail has tight {:.1f} N, slack {:.1f} N, largest force of an end of a pin {:.1f} N, slip {:.4f} %, efficiency {:.3f} "
+        "%, ratio "
         "{:.4f}{}\n",
         scene, exact.tight, exact.slack, exact.tip, 100.0 * exact.slip, 100.0 * exact.efficiency, exact.ratio,
         exact.thrust == 0.0 ? "" : fmt::format(", thrust ratio {:.4f}", exact.thrust));

@@ -17,12 +17,16 @@ namespace {
 
 const char* const methods[] = {"rk4", "dopri54", "dumka3-p3", "leapfrog-chebyshev"};
 
-/// Levels of detail: rigid halves and sheaves; the scene itself; everything.
-const std::pair<const char*, std::vector<std::string>> details[] = {
-    {"rigid", {"detail.order=0", "detail.pulleys=rigid"}},
-    {"tiny", {}},
-    {"full", {"detail.order=3", "detail.plates=each", "detail.joint_points=3"}},
-};
+/// The levels of the catalogue, and one with straight halves and rigid sheaves that it does not have.
+std::vector<std::pair<std::string, Scene>> details(const Scene& scene) {
+    std::vector<std::pair<std::string, Scene>> all{{"rigid", scene}};
+    set_values(all.front().second, std::vector<std::string>{"detail.order=0", "detail.pulleys=rigid"});
+    for (const DetailPreset& preset : detail_presets()) {
+        all.emplace_back(preset.name, scene);
+        apply_detail(all.back().second, preset.name);
+    }
+    return all;
+}
 
 constexpr double usual_step = 5e-8;
 constexpr double wall_limit = 120.0;
@@ -84,12 +88,10 @@ struct ExtremeJudge::Level {
 ExtremeJudge::ExtremeJudge(const Scene& tiny) {
     SilentObserver silent;
     const engine::Cancellation never;
-    for (const auto& [name, settings] : details) {
-        Level level{name, tiny, {}};
-        std::vector<std::string> all = settings;
-        for (const char* setting : {"start.settling_time=1 ms", "start.ramp_time=0.8 ms", "record.ledger=true", "run.schedule=serial"})
-            all.emplace_back(setting);
-        set_values(level.scene, all);
+    for (const auto& [name, scene] : details(tiny)) {
+        Level level{name, scene, {}};
+        set_values(level.scene, std::vector<std::string>{"start.settling_time=1 ms", "start.ramp_time=0.8 ms", "record.ledger=true",
+                                                         "run.schedule=serial"});
         Simulation simulation(level.scene);
         if (const Fault fault = simulation.advance({.until = 0.0}, silent, never))
             throw SimulationError(fmt::format("detail {} does not settle: {}", name, fault.message()));

@@ -166,9 +166,10 @@ LotteryTicket play(std::uint64_t seed, long number, const LotteryRules& rules) {
     ticket.number = number;
     try {
         const Scene scene = lottery_scene(seed, number, rules);
-        ticket.detail = fmt::format("{}{}{}", scene.parameters.detail.order,
-                                    scene.parameters.detail.plates == model::PlateDetail::each ? " each" : " lumped",
-                                    scene.parameters.detail.pulleys == model::PulleyDetail::elastic ? " elastic" : " rigid");
+        ticket.detail =
+            fmt::format("{}{}{}{}", scene.parameters.detail.pins == model::PinDetail::whole ? "whole " : "", scene.parameters.detail.order,
+                        scene.parameters.detail.plates == model::PlateDetail::each ? " each" : " lumped",
+                        scene.parameters.detail.pulleys == model::PulleyDetail::elastic ? " elastic" : " rigid");
         settle_and_run(scene, ticket, rules);
     } catch (const std::exception& error) {
         ticket.status = "refused";

@@ -1,13 +1,22 @@
-#include <string>
-
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "model/parameters/chain_layout.hpp"
+#include "tasks/scene/csv_text.hpp"
+#include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
-TEST(DetailPresets, SetFourDialsAndKeepTheOthers) {
+TEST(DetailPresets, SetFiveDialsAndKeepTheOthers) {
     for (const DetailPreset& preset : detail_presets()) {
         Scene scene;
         scene.parameters.detail.friction = model::FrictionLaw::smoothed;
@@ -37,6 +46,94 @@ TEST(DetailPresets, FineIsTheDefault) {
     EXPECT_NE(scene.parameters.detail, model::Detail{});
     apply_detail(scene, "fine");
     EXPECT_EQ(scene.parameters.detail, model::Detail{});
+}
+
+TEST(DetailPresets, WithStatesThatDoNotFitDifferInAKeyThatSaysSo) {
+    const auto described = [](const Scene& scene) {
+        std::string text;
+        for (const std::string_view key : state_keys()) text += value_text(*find_parameter(key), scene) + " ";
+        return text;
+    };
+    for (const DetailPreset& one : detail_presets()) {
+        for (const DetailPreset& other : detail_presets()) {
+            Scene first, second;
+            apply_detail(first, one.name);
+            apply_detail(second, other.name);
+            const bool fits = model::layout_of(first.parameters) == model::layout_of(second.parameters);
+            EXPECT_TRUE(fits || described(first) != described(second)) << one.name << ", " << other.name;
+        }
+    }
+}
+
+/// A committed measurement: cells of its columns, by the columns' names.
+std::vector<std::map<std::string, std::string>> measured(const std::string& name) {
+    std::ifstream file(std::string(CVTFLOW_SOURCE_DIR) + "/bench/results/" + name);
+    const std::string text((std::istreambuf_iterator<char>(file)), {});
+    const auto lines = csv_lines(text);
+    std::vector<std::map<std::string, std::string>> rows;
+    for (std::size_t k = 1; k < lines.size(); ++k) {
+        if (lines[k].size() != lines[0].size()) continue;
+        rows.emplace_back();
+        for (std::size_t column = 0; column < lines[0].size(); ++column) rows.back()[lines[0][column]] = lines[k][column];
+    }
+    return rows;
+}
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values.at(values.size() / 2);
+}
+
+/// Errors of a level at every operating point, against the reference there; of several columns the largest [1].
+std::vector<double> errors_of(std::string_view level, const std::vector<std::string>& columns) {
+    const auto rows = measured("detail_ladder.csv");
+    std::vector<double> errors;
+    for (const auto& row : rows) {
+        if (row.at("detail") != level || row.at("share") != "1") continue;
+        const auto reference = std::find_if(
+            rows.begin(), rows.end(), [&](const auto& other) { return other.at("point") == row.at("point") && other.at("share") != "1"; });
+        EXPECT_EQ(row.at("status"), "finished") << level << " at " << row.at("point");
+        double most = 0.0;
+        for (const std::string& column : columns)
+            most = std::max(most, std::abs(std::stod(row.at(column)) / std::stod(reference->at(column)) - 1.0));
+        errors.push_back(most);
+    }
+    return errors;
+}
+
+/// Stated to two digits, from bench/results/detail_ladder.csv: seven operating points.
+TEST(DetailPresets, SayTheErrorsThatWereMeasured) {
+    for (const DetailPreset& preset : detail_presets()) {
+        const auto tensions = errors_of(preset.name, {"tight_N", "slack_N"}), slip = errors_of(preset.name, {"slip"});
+        ASSERT_EQ(tensions.size(), 7u) << preset.name;
+        EXPECT_NEAR(preset.tension_error / median(tensions), 1.0, 0.1) << preset.name << " " << median(tensions);
+        EXPECT_NEAR(preset.slip_error / median(slip), 1.0, 0.1) << preset.name << " " << median(slip);
+    }
+}
+
+/// Processor time per simulated second over that of "fine", at every operating point: all levels took turns there.
+std::vector<double> costs_of(std::string_view level) {
+    std::map<std::string, double> fine, own;
+    for (const auto& row : measured("detail_ladder.csv")) {
+        if (row.at("share") != "1") continue;
+        if (row.at("detail") == "fine") fine[row.at("point")] = std::stod(row.at("seconds"));
+        if (row.at("detail") == level) own[row.at("point")] = std::stod(row.at("seconds"));
+    }
+    std::vector<double> costs;
+    for (const auto& [point, seconds] : own) costs.push_back(seconds / fine.at(point));
+    return costs;
+}
+
+/// The machine was busy: to a tenth.
+TEST(DetailPresets, SayTheCostsThatWereMeasuredAndBecomeDearerUpTheLadder) {
+    double below = 0.0;
+    for (const DetailPreset& preset : detail_presets()) {
+        const std::vector<double> costs = costs_of(preset.name);
+        ASSERT_EQ(costs.size(), 7u) << preset.name;
+        EXPECT_NEAR(preset.cost / median(costs), 1.0, 0.1) << preset.name;
+        EXPECT_GT(preset.cost, below);
+        below = preset.cost;
+    }
 }
 
 TEST(DetailPresets, UnknownNameIsAnErrorWithASuggestion) {

@@ -95,7 +95,7 @@ TEST_F(VerifiedSweeps, FindOutWhereATableIsNotAsAccurateAsItSays) {
     static_cast<void>(verify_sweep(strict, coarse, out(), go_on_, {}));
     const SweepVerdict verdict = sweep_verdict(table());
     EXPECT_EQ(verdict.verified, 3);
-    EXPECT_GE(verdict.missed, 2) << verdict.text() << ": rigid sheaves are wrong by per cents";
+    EXPECT_GE(verdict.missed, 2) << verdict.text() << ": with 24 pins whole ones are wrong by per cents";
     EXPECT_FALSE(verdict.held());
 }
 
