@@ -2,6 +2,10 @@
 /// Sixteen floats side by side, for factors of matrices that only have to be good enough to converge with. As with Lanes, every lane is
 /// rounded by itself: results do not depend on the instruction set.
 
+#if defined(__x86_64__)
+#include <immintrin.h>
+#endif
+
 #include "model/basis/lanes.hpp"
 
 namespace cvtflow::model {
@@ -10,6 +14,77 @@ namespace {
 inline constexpr int float_lanes = 16;
 /// In a vector of the processor there are twice as many floats as doubles.
 inline constexpr int native_floats = 2 * native_lanes;
+
+/// One vector of W floats. (Kernels that are compiled for comparison without vectors have fewer than any processor.)
+template <int W>
+struct FloatVector {
+    typedef float Type __attribute__((vector_size(W * sizeof(float))));
+};
+
+/// Correctly rounded, as IEEE 754 asks of every processor.
+template <int W>
+[[nodiscard]] inline typename FloatVector<W>::Type float_sqrt(typename FloatVector<W>::Type v) noexcept {
+#if defined(__AVX512F__)
+    if constexpr (W == 16) return _mm512_maskz_sqrt_ps(0xffff, v);
+#endif
+#if defined(__AVX2__)
+    if constexpr (W == 8) return _mm256_sqrt_ps(v);
+#endif
+#if defined(__x86_64__)
+    if constexpr (W == 4) return _mm_sqrt_ps(v);
+#endif
+    typename FloatVector<W>::Type root;
+    for (int lane = 0; lane < W; ++lane) root[lane] = __builtin_sqrtf(v[lane]);
+    return root;
+}
+
+/// a > b ? a : b, as one instruction where the processor has it.
+template <int W>
+[[nodiscard]] inline typename FloatVector<W>::Type float_larger(typename FloatVector<W>::Type a, typename FloatVector<W>::Type b) noexcept {
+#if defined(__AVX512F__)
+    if constexpr (W == 16) return _mm512_maskz_max_ps(0xffff, a, b);
+#endif
+#if defined(__AVX2__)
+    if constexpr (W == 8) return _mm256_max_ps(a, b);
+#endif
+#if defined(__x86_64__)
+    if constexpr (W == 4) return _mm_max_ps(a, b);
+#endif
+    return a > b ? a : b;
+}
+
+/// a < b ? a : b.
+template <int W>
+[[nodiscard]] inline typename FloatVector<W>::Type float_smaller(typename FloatVector<W>::Type a,
+                                                                 typename FloatVector<W>::Type b) noexcept {
+#if defined(__AVX512F__)
+    if constexpr (W == 16) return _mm512_maskz_min_ps(0xffff, a, b);
+#endif
+#if defined(__AVX2__)
+    if constexpr (W == 8) return _mm256_min_ps(a, b);
+#endif
+#if defined(__x86_64__)
+    if constexpr (W == 4) return _mm_min_ps(a, b);
+#endif
+    return a < b ? a : b;
+}
+
+/// Whether no lane exceeds a limit; false for NaN. limit [unit of the floats]
+template <int W>
+[[nodiscard]] inline bool float_all_at_most(typename FloatVector<W>::Type v, float limit) noexcept {
+#if defined(__AVX512F__)
+    if constexpr (W == 16) return _mm512_cmp_ps_mask(v, _mm512_set1_ps(limit), _CMP_LE_OQ) == 0xffff;
+#endif
+#if defined(__AVX2__)
+    if constexpr (W == 8) return _mm256_movemask_ps(_mm256_cmp_ps(v, _mm256_set1_ps(limit), _CMP_LE_OQ)) == 0xff;
+#endif
+#if defined(__x86_64__)
+    if constexpr (W == 4) return _mm_movemask_ps(_mm_cmple_ps(v, _mm_set1_ps(limit))) == 0xf;
+#endif
+    bool all = true;
+    for (int lane = 0; lane < W; ++lane) all = all && v[lane] <= limit;
+    return all;
+}
 
 /// W floats, W a power of two. Wider than the processor's vectors: two halves.
 template <int W>
@@ -32,7 +107,7 @@ struct Floats {
 /// One vector of the processor.
 template <>
 struct Floats<native_floats> {
-    typedef float Vector __attribute__((vector_size(native_floats * sizeof(float))));
+    using Vector = FloatVector<native_floats>::Type;
     Vector v;
 
     Floats() = default;
@@ -45,20 +120,7 @@ struct Floats<native_floats> {
     friend Floats operator*(const Floats& a, const Floats& b) noexcept { return a.v * b.v; }
     friend Floats operator/(const Floats& a, const Floats& b) noexcept { return a.v / b.v; }
     friend Floats operator-(const Floats& a) noexcept { return -a.v; }
-    /// Correctly rounded, as IEEE 754 asks of every processor.
-    friend Floats sqrt(const Floats& a) noexcept {
-#if defined(__AVX512F__)
-        return _mm512_maskz_sqrt_ps(0xffff, a.v);
-#elif defined(__AVX2__)
-        return _mm256_sqrt_ps(a.v);
-#elif defined(__x86_64__)
-        return _mm_sqrt_ps(a.v);
-#else
-        Vector root;
-        for (int lane = 0; lane < native_floats; ++lane) root[lane] = __builtin_sqrtf(a.v[lane]);
-        return root;
-#endif
-    }
+    friend Floats sqrt(const Floats& a) noexcept { return float_sqrt<native_floats>(a.v); }
 };
 
 using FloatLanes = Floats<float_lanes>;
@@ -91,19 +153,11 @@ template <int W>
     return chosen_where_greater<float_lanes>(a, b, chosen, otherwise);
 }
 
-/// a > b ? a : b, as one instruction where the processor has it.
+/// a > b ? a : b.
 template <int W>
 [[nodiscard]] inline Floats<W> larger_floats(const Floats<W>& a, const Floats<W>& b) noexcept {
     if constexpr (W == native_floats) {
-#if defined(__AVX512F__)
-        return _mm512_maskz_max_ps(0xffff, a.v, b.v);
-#elif defined(__AVX2__)
-        return _mm256_max_ps(a.v, b.v);
-#elif defined(__x86_64__)
-        return _mm_max_ps(a.v, b.v);
-#else
-        return a.v > b.v ? a.v : b.v;
-#endif
+        return float_larger<W>(a.v, b.v);
     } else {
         return {larger_floats<W / 2>(a.low, b.low), larger_floats<W / 2>(a.high, b.high)};
     }
@@ -112,15 +166,7 @@ template <int W>
 template <int W>
 [[nodiscard]] inline Floats<W> smaller_floats(const Floats<W>& a, const Floats<W>& b) noexcept {
     if constexpr (W == native_floats) {
-#if defined(__AVX512F__)
-        return _mm512_maskz_min_ps(0xffff, a.v, b.v);
-#elif defined(__AVX2__)
-        return _mm256_min_ps(a.v, b.v);
-#elif defined(__x86_64__)
-        return _mm_min_ps(a.v, b.v);
-#else
-        return a.v < b.v ? a.v : b.v;
-#endif
+        return float_smaller<W>(a.v, b.v);
     } else {
         return {smaller_floats<W / 2>(a.low, b.low), smaller_floats<W / 2>(a.high, b.high)};
     }
@@ -129,17 +175,7 @@ template <int W>
 template <int W>
 [[nodiscard]] inline bool floats_at_most(const Floats<W>& a, float limit) noexcept {
     if constexpr (W == native_floats) {
-#if defined(__AVX512F__)
-        return _mm512_cmp_ps_mask(a.v, _mm512_set1_ps(limit), _CMP_LE_OQ) == 0xffff;
-#elif defined(__AVX2__)
-        return _mm256_movemask_ps(_mm256_cmp_ps(a.v, _mm256_set1_ps(limit), _CMP_LE_OQ)) == 0xff;
-#elif defined(__x86_64__)
-        return _mm_movemask_ps(_mm_cmple_ps(a.v, _mm_set1_ps(limit))) == 0xf;
-#else
-        bool all = true;
-        for (int lane = 0; lane < W; ++lane) all = all && a.v[lane] <= limit;
-        return all;
-#endif
+        return float_all_at_most<W>(a.v, limit);
     } else {
         return floats_at_most<W / 2>(a.low, limit) && floats_at_most<W / 2>(a.high, limit);
     }

@@ -122,6 +122,7 @@ struct FrictionRangeOf {
     Number* scratch;         ///< FrictionOperator::scratch_size<Number>(last - first) [m/s, N]
     const Phase* phases;     ///< [links * 4], of the whole chain
     double time;             ///< of the velocities, from the middle of the step, in steps [1]
+    int shift = 1;           ///< column of a link in all fields but velocity: its number + shift
 };
 using FrictionRange = FrictionRangeOf<double>;
 

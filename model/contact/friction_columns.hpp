@@ -19,7 +19,7 @@ protected:
     FrictionColumns(const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range) noexcept
         : field_(field), range_(range), joint_stride_(FrictionOperator::joint_stride<Number>(range.last - range.first)) {}
 
-    [[nodiscard]] int column(int own) const noexcept { return range_.first + own + 1; }
+    [[nodiscard]] int column(int own) const noexcept { return range_.first + own + range_.shift; }
     [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
     [[nodiscard]] V contact(int row, int own) const noexcept { return load<W>(field_.columns.at(row, column(own))); }
     /// A row of the joints of the rear pins.

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <random>
@@ -98,14 +99,14 @@ protected:
                 "CVTFLOW_FAULT_COUNTS=counts"};
     }
 
-    /// Calls of each family in an undisturbed run.
+    /// Calls of each family in an undisturbed run: the most of all its processes, since one that is forked counts on.
     [[nodiscard]] std::map<std::string, long> calls_of(const Order& order) {
         clean();
         (void)run(order.arguments, {"LD_PRELOAD=" CVTFLOW_FAULTS, "CVTFLOW_FAULT_COUNTS=counts"});
         std::map<std::string, long> calls;
         std::istringstream lines(read("counts"));
         std::string name;
-        for (long made = 0, failed = 0; lines >> name >> made >> failed;) calls[name] += made;
+        for (long made = 0, failed = 0; lines >> name >> made >> failed;) calls[name] = std::max(calls[name], made);
         return calls;
     }
 

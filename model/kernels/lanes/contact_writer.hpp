@@ -91,6 +91,7 @@ public:
 
     /// Ghost columns, `halo` on each side of the chain's, where the range holds the link that they repeat.
     void repeat(int links, int halo = 1) const noexcept {
+        if (!range_.ghosts) return;
         const auto copy = [&](int from, int to) {
             for (int row = 0; row < field_.components.count(); ++row) *field_.columns.at(row, to) = *field_.columns.at(row, from);
         };
@@ -107,7 +108,7 @@ protected:
 
     void put_to(ColumnsOf<Number>& columns, int row, int own, int count, const V& lanes) const noexcept {
         const int first = first_lane(own), last = last_lane(own, count);
-        Number* to = columns.at(row, range_.first + own + 1);
+        Number* to = columns.at(row, range_.first + own + range_.shift);
         if (last - first == W) return store_as(lanes, to);
         alignas(64) Number buffer[W];
         store_as(lanes, buffer);
@@ -163,8 +164,8 @@ protected:
             const int link = range_.first + own + lane;
             const Phase phase = range_.phases[tips_per_link * link + corner];
             constexpr double least = relative ? slowest_single : std::numeric_limits<double>::min();
-            *field_.columns.at(row + Tip::least, link + 1) = static_cast<Number>(phase == Phase::slip ? least : v0);
-            *field_.columns.at(row + Tip::most, link + 1) =
+            *field_.columns.at(row + Tip::least, link + range_.shift) = static_cast<Number>(phase == Phase::slip ? least : v0);
+            *field_.columns.at(row + Tip::most, link + range_.shift) =
                 phase == Phase::stick ? static_cast<Number>(v0) : std::numeric_limits<Number>::max();
         }
     }

@@ -58,7 +58,7 @@ private:
         [[nodiscard]] V square() const noexcept { return x * x + y * y + z * z; }
     };
 
-    [[nodiscard]] int column(int own) const noexcept { return range_.first + own + 1; }
+    [[nodiscard]] int column(int own) const noexcept { return range_.first + own + range_.shift; }
     [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
     [[nodiscard]] V contact(int row, int own) const noexcept { return load<W>(field_.columns.at(row, column(own))); }
     [[nodiscard]] V scratch(int row, int own) const noexcept { return load<W>(range_.scratch + row * stride_ + own + 1); }

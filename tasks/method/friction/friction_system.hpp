@@ -13,6 +13,7 @@
 
 #include "model/contact/contact_field.hpp"
 #include "tasks/method/friction/kick_tables.hpp"
+#include "tasks/method/friction/segment_columns.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
@@ -31,7 +32,7 @@ public:
     /// The forces at hand become those of the step before.
     void turn_over() noexcept { std::swap(base_, base_before_); }
 
-    // Bodies of tasks: each touches the columns of one segment only, and reads those of its two neighbours.
+    // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
 
     /// Notes the contacts of a segment's links at the stage state of workspace.step.row, and all other forces there. Takes their velocities
     /// at the step's start into slot 0, forgets their impulses.
@@ -58,12 +59,25 @@ private:
     /// time [s]
     [[nodiscard]] model::FrictionRangeOf<Number> range_of(const Workspace& workspace, double time, const Columns& velocity,
                                                           int segment) noexcept;
-    void repeat(const Workspace& workspace, Columns& field, int segment) noexcept;
     void take(const Workspace& workspace, const double* state, int segment) noexcept;
+    void make_columns();
+    void move(Columns& field, bool grows);
+    /// Calls visit(link, column) for all links, in order.
+    template <class Visit>
+    void for_links(const SegmentColumns& columns, const Visit& visit) const {
+        for (int s = 0; s < columns.segments(); ++s) {
+            for (int link = columns.segment(s).first; link < columns.segment(s).last; ++link) visit(link, link + columns.shift(s));
+        }
+    }
 
     model::FrictionOperator friction_;
     model::ContactFieldOf<Number> field_;
+    SegmentColumns columns_, columns_before_;  ///< now, and before the borders moved
+    int width_ = 0;                            ///< columns of all fields
     std::array<Columns, kick_state_slots> states_;
+    std::array<SegmentEdges<Number>, kick_state_slots> edges_;  ///< of states_
+    SegmentEdges<Number> contact_edges_, mode_edges_;
+    std::vector<Number> row_;  ///< [links] room
     Columns result_, first_slope_, base_, base_before_, impulses_, mode_, image_;
     std::vector<model::LinkLoad> normal_loads_;       ///< [links]
     std::vector<model::LineVector<Number>> scratch_;  ///< of segments

@@ -159,7 +159,7 @@ Reading SceneMutant::read(const std::string& text) {
 }
 
 void SceneMutant::work(std::uint64_t seed, long count) const {
-    const rlimit gigabyte{rlim_t{1} << 30U, RLIM_INFINITY}, none{0, 0};
+    [[maybe_unused]] const rlimit gigabyte{rlim_t{1} << 30U, RLIM_INFINITY}, none{0, 0};
 #if !defined(__SANITIZE_ADDRESS__)  // its shadow takes terabytes of addresses
     setrlimit(RLIMIT_AS, &gigabyte);
 #endif

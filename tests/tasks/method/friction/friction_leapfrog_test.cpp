@@ -57,7 +57,7 @@ TEST(FrictionLeapfrog, StagesInSinglePrecisionDifferFromDoubleByRoundingAlone) {
     const auto state_after = [](const std::string& method) {
         Simulation simulation(claims::ready_scene("baseline", {"run.method=" + method, "run.step=2us", "run.schedule=serial"}));
         SilentObserver nobody;
-        EXPECT_FALSE(simulation.run(60e-6, nobody, uncancelled)) << method;
+        EXPECT_FALSE(simulation.advance({.until = 60e-6}, nobody, uncancelled)) << method;
         return std::vector<double>(simulation.state(), simulation.state() + simulation.variator().layout().size());
     };
     for (const std::string method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {
