@@ -45,7 +45,7 @@ private:
 
 /// As local_errors(), for any method. A table of stages takes its step with phases held. A program takes it as it does in a run, and so
 /// does the reference then; across a transition no method has its order, so a step within which one happens is left out: its errors are
-/// NaN, as are those of a step that failed.
+/// NaN, as are those of a step that failed. steps [s]
 [[nodiscard]] std::vector<LocalError> local_errors(const model::Parameters& parameters, const std::string& method, const FrozenStart& start,
                                                    std::span<const double> steps);
 

@@ -53,6 +53,7 @@ public:
     /// from [s]. Both must outlive it.
     OutputReader(const model::Variator& variator, std::span<const TunedOutput> outputs, int followed_pin, double from);
 
+    /// time [s]
     void output(double time, const Workspace& workspace, const Counters& counters) override;
     void transition(const TransitionRecord&) override {}
 
@@ -61,6 +62,7 @@ public:
     [[nodiscard]] const RunWatch& watch() const noexcept { return watch_; }
 
 private:
+    /// time [s]
     void reduce(std::size_t output, double time, const Instant& instant);
 
     model::Observer observer_;

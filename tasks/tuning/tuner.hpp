@@ -82,8 +82,10 @@ private:
     void prepare();
     void find_methods();
     void find_costs();
+    /// accuracy [1]
     void find_references(double accuracy, TuneResult& result);
     [[nodiscard]] bool worth_trying(const TunedChoice& candidate, const TuneResult& result) const;
+    /// allowed [1]
     void try_at_points(TunedChoice& candidate, double allowed);
     void say(const std::string& what) const;
     void require_going_on() const;

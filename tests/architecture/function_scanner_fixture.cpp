@@ -58,8 +58,8 @@ enum class Block { scope, initialiser, function };
 
 /// What a brace opens, from the text between the last ; { or } and itself.
 Block kind_of(const std::string& head) {
-    static const std::regex scope(
-        R"(^(?:template\s*<.*>\s*)?(?:requires\s*\([^()]*\)\s*)?(?:(?:inline|export|typedef|extern)\s*)*(?:namespace|class|struct|union|enum)\b[^()=]*$)");
+    static const std::regex scope(R"(^(?:template\s*<.*>\s*)?(?:requires\s*\([^()]*\)\s*)?(?:(?:inline|export|typedef|extern)\s*)*)"
+                                  R"((?:namespace|class|struct|union|enum)\b[^()=]*$)");
     static const std::regex linkage(R"(^extern\s*$)");
     if (std::regex_match(head, scope) || std::regex_match(head, linkage)) return Block::scope;
     if (!head.empty() && (head.back() == '=' || head.find('(') == std::string::npos)) return Block::initialiser;

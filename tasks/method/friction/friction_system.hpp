@@ -59,6 +59,7 @@ private:
     /// time [s]
     [[nodiscard]] model::FrictionRangeOf<Number> range_of(const Workspace& workspace, double time, const Columns& velocity,
                                                           int segment) noexcept;
+    /// state [unknowns]
     void take(const Workspace& workspace, const double* state, int segment) noexcept;
     void make_columns();
     void move(Columns& field, bool grows);

@@ -53,7 +53,7 @@ struct LocalError {
 [[nodiscard]] int reference_steps(double h, int refinement) noexcept;
 
 /// The error of one step of `plan` from `start`, for each step length. The reference takes reference_steps() of the classical
-/// Runge-Kutta method over the same time, so methods up to order 4 are resolved down to an error (1/refinement)^4 of their own.
+/// Runge-Kutta method over the same time, so methods up to order 4 are resolved down to an error (1/refinement)^4 of their own. steps [s]
 [[nodiscard]] std::vector<LocalError> local_errors(const model::Variator& variator, const engine::StagePlan& plan, const FrozenStart& start,
                                                    std::span<const double> steps, int refinement = 32);
 
