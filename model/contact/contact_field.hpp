@@ -126,12 +126,12 @@ struct FrictionRangeOf {
 };
 using FrictionRange = FrictionRangeOf<double>;
 
-/// Accelerations by everything but friction, linear in time: now + lean (now - before). Columns over links (column = link + 1).
+/// Accelerations by everything but friction, linear in time: now + extrapolation (now - before). Columns over links (column = link + 1).
 template <class Number>
 struct FrictionBaseOf {
     const ColumnsOf<Number>* now;
     const ColumnsOf<Number>* before;
-    double lean;  ///< share of the change since the last step [1]
+    double extrapolation;  ///< share of the change since the last step [1]
 };
 using FrictionBase = FrictionBaseOf<double>;
 
@@ -175,26 +175,24 @@ struct ContactDrift {
 struct KickStart {
     const double* states;  ///< [unknowns] at the step's beginning, of the range's first link on
     ContactFieldOf<float>& field;
-    ColumnsOf<float>& push;      ///< accelerations by everything but friction [m/s², rad/s²]
-    ColumnsOf<float>& velocity;  ///< at the step's beginning, counted from those at which contacts are recorded [m/s, rad/s]
+    ColumnsOf<float>& frictionless;  ///< accelerations by everything but friction [m/s², rad/s²]
+    ColumnsOf<float>& velocity;      ///< at the step's beginning, counted from those at which contacts are recorded [m/s, rad/s]
 };
 
 /// Functions of one order and one instruction set.
 struct FrictionKernels {
-    using Record = void (*)(const ChainModel&, const ChainRange&, const ContactDrift&, ContactField&, LinkLoad*) noexcept;
-    using Push = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, ContactField&, Columns&, LinkLoad*) noexcept;
+    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, ContactField&, Columns&, LinkLoad*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
     Record record;
-    Push push;
     Evaluate slopes, steepest;
 };
 
 /// The same in single precision. There are none for whole pins.
 struct SingleFrictionKernels {
-    using Push = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const KickStart&, LinkLoad*) noexcept;
+    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const KickStart&, LinkLoad*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactFieldOf<float>&, const FrictionRangeOf<float>&,
                               const FrictionStageOf<float>&) noexcept;
-    Push push = nullptr;
+    Record record = nullptr;
     Evaluate slopes = nullptr, steepest = nullptr;
 };
 
@@ -217,21 +215,17 @@ public:
         return (links + line) / line * line + line;
     }
 
-    /// Notes the contacts of the links of a range, and replaces their reactions on the sheaves by those of the normal forces alone.
-    /// Ghost columns are written with the links that they repeat.
+    /// Notes the contacts of the links of a range, replaces their reactions on the sheaves by those of the normal forces alone, and gives
+    /// the accelerations of the links by everything but friction, in one pass over them: to rows of `frictionless`, column = link +
+    /// range.shift. Ghost columns are written with the links that they repeat, if the range says so.
     /// @param loads of the range's first link on
-    void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, LinkLoad* loads) const noexcept {
-        kernels_.record(chain_, range, drift, field, loads);
-    }
-    /// record(), and the accelerations of the range's links by everything but friction, in one pass over them: to rows of push, column =
-    /// link + 1.
-    void record_and_push(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push,
-                         LinkLoad* loads) const noexcept {
-        kernels_.push(*this, range, drift, field, push, loads);
+    void record(const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& frictionless,
+                LinkLoad* loads) const noexcept {
+        kernels_.record(*this, range, drift, field, frictionless, loads);
     }
     /// The same for friction in single precision. Not with whole pins.
-    void record_and_push(const ChainRange& range, const ContactDrift& drift, const KickStart& start, LinkLoad* loads) const noexcept {
-        single_.push(*this, range, drift, start, loads);
+    void record(const ChainRange& range, const ContactDrift& drift, const KickStart& start, LinkLoad* loads) const noexcept {
+        single_.record(*this, range, drift, start, loads);
     }
     /// slope = base + A⁻¹ friction(velocity) of links first … last - 1, and what the stage makes of it.
     void slopes(const ContactField& field, const FrictionRange& range, const FrictionStage& stage) const noexcept {

@@ -31,7 +31,7 @@ public:
     RowSink(const FrictionStageOf<Number>& stage, const VelocityRowOf<Number>& next, int column, int lanes) noexcept
         : now_(stage.base->now->at(0, column)),
           before_(stage.base->before->at(0, column)),
-          lean_(static_cast<Number>(stage.base->lean)),
+          extrapolation_(static_cast<Number>(stage.base->extrapolation)),
           slope_weight_(static_cast<Number>(next.slope_weight)),
           slope_(stage.slope != nullptr ? stage.slope->at(0, column) : nullptr),
           to_(next.to->at(0, column)),
@@ -46,7 +46,7 @@ public:
     void put(int row, Lanes<W> value) const noexcept {
         const std::ptrdiff_t at_row = row * stride_;
         const Lanes<W> base = load<W>(now_ + at_row);
-        value += base + lean_ * (base - load<W>(before_ + at_row));
+        value += base + extrapolation_ * (base - load<W>(before_ + at_row));
         if (slope_ != nullptr) store_first<W>(value, slope_ + at_row, lanes_);
         Lanes<W> sum = weight_[0] * load<W>(from_[0] + at_row);
         for (std::size_t k = 1; k < Terms; ++k) sum += weight_[k] * load<W>(from_[k] + at_row);
@@ -54,9 +54,9 @@ public:
     }
 
 private:
-    const Number *now_, *before_;  ///< forces of the base [m/s², rad/s²]
-    Number lean_, slope_weight_;   ///< [1], [s]
-    Number *slope_, *to_;          ///< accelerations and velocities [m/s², m/s]
+    const Number *now_, *before_;          ///< forces of the base [m/s², rad/s²]
+    Number extrapolation_, slope_weight_;  ///< [1], [s]
+    Number *slope_, *to_;                  ///< accelerations and velocities [m/s², m/s]
     std::ptrdiff_t stride_;
     int lanes_;
     std::array<const Number*, Terms> from_;

@@ -94,11 +94,11 @@ void probe_pins(const ChainModel& model, const double* states, int links, const 
 }
 
 template <int P>
-void push(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, ContactField& field, Columns& push,
-          LinkLoad* loads) noexcept {
+void record(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, ContactField& field,
+            Columns& frictionless, LinkLoad* loads) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = ContactWriter<P, native_lanes>;
-    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), field, push);
+    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), field, frictionless);
     const PinResults results{nullptr, loads, nullptr, nullptr};
     PinPass<P, native_lanes, false, Contacts>(chain, friction.frictionless(), range, results, contacts).run();
     contacts.repeat(chain.layout().links, chain.layout().halo());
@@ -119,7 +119,7 @@ void evaluate(const FrictionOperator& friction, const ContactField& field, const
 
 template <int P>
 [[nodiscard]] PinKernels kernels_of_order() noexcept {
-    return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>}, {nullptr, push<P>, evaluate<P, false>, evaluate<P, true>}};
+    return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>}, {record<P>, evaluate<P, false>, evaluate<P, true>}};
 }
 
 }  // namespace

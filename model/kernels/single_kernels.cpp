@@ -11,8 +11,8 @@ namespace cvtflow::model {
 namespace {
 
 template <int P>
-void push_single(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const KickStart& start,
-                 LinkLoad* loads) noexcept {
+void record_single(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const KickStart& start,
+                   LinkLoad* loads) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = KickWriter<P, native_lanes>;
     const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), start);
@@ -37,7 +37,7 @@ void evaluate_single(const FrictionOperator& friction, const ContactFieldOf<floa
 
 template <int P>
 [[nodiscard]] SingleFrictionKernels single_of_order() noexcept {
-    return {push_single<P>, evaluate_single<P, false>, evaluate_single<P, true>};
+    return {record_single<P>, evaluate_single<P, false>, evaluate_single<P, true>};
 }
 
 }  // namespace

@@ -179,7 +179,7 @@ TEST_F(Errors, InSettingsNameTheOptionThatWasGiven) {
         {{"dot", "tiny", "--cycle", "x"}, 2, "--cycle x: a step of rk4 has evaluate, detect, locate, truncate"},
         {{"dot", "tiny", "--method", "leapfrog-rkc", "--cycle", "x"},
          2,
-         "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, push, friction, finish"},
+         "--cycle x: a step of leapfrog-rkc has evaluate, detect, locate, truncate, record, friction, finish"},
         {{"stability", "dumka3"}, 2, "dumka3 chooses among tables of stages: ask for one of them (cvtflow list methods)"},
         {{"stability", "rk5"}, 2, "no method 'rk5' (did you mean 'rk4'?)"},
         {{"local-error", "tiny", "--settle", "--methods", "rk4,heum"}, 2, "no method 'heum' (did you mean 'heun'?)"},

@@ -56,7 +56,7 @@ TEST_F(ProfileCommand, NamesTheStagesOfAMethodWithCyclesOfItsOwn) {
                                  "s.csv",        "--json",
                                  "p.json",       "-q"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, AllOf(HasSubstr(" push, F friction, I finish,"), HasSubstr("\n  own cycles ")));
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr(" record, F friction, I finish,"), HasSubstr("\n  own cycles ")));
     EXPECT_THAT(read("s.csv"), HasSubstr("flow:fused,2,2,0,\"friction\""));
     EXPECT_GT(nlohmann::json::parse(read("p.json"))["model"]["own_tasks_per_step"], 0.0);
 }

@@ -32,8 +32,8 @@ public:
 
     /// @param real coefficients with friction in them
     ContactWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase,
-                  ContactFieldOf<Number>& field, ColumnsOf<Number>& push) noexcept
-        : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), push_(push) {}
+                  ContactFieldOf<Number>& field, ColumnsOf<Number>& frictionless) noexcept
+        : c_(real), range_(range), drift_(drift), by_phase_(by_phase), field_(field), frictionless_(frictionless) {}
 
     void frame(int own, int count, const LinkFrameOf<V>& frame) const noexcept {
         put(ContactComponents::frame_x, own, count, frame.tx);
@@ -86,7 +86,7 @@ public:
 
     /// Accelerations of a group, rows of the coordinates.
     void accelerations(int own, int count, const V* rows, int coordinates = at<P>.link_size()) const noexcept {
-        for (int row = 0; row < coordinates; ++row) put_to(push_, row, own, count, rows[row]);
+        for (int row = 0; row < coordinates; ++row) put_to(frictionless_, row, own, count, rows[row]);
     }
 
     /// Ghost columns, `halo` on each side of the chain's, where the range holds the link that they repeat.
@@ -175,7 +175,7 @@ protected:
     const ContactDrift& drift_;
     bool by_phase_;
     ContactFieldOf<Number>& field_;
-    ColumnsOf<Number>& push_;
+    ColumnsOf<Number>& frictionless_;
 };
 
 /// For friction in single precision: also velocities at the step's beginning, counted from those of the links that are passed over.
@@ -185,7 +185,7 @@ class KickWriter : public ContactWriter<P, W, float> {
 
 public:
     KickWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, const KickStart& start) noexcept
-        : Base(real, range, drift, by_phase, start.field, start.push), start_(start) {}
+        : Base(real, range, drift, by_phase, start.field, start.frictionless), start_(start) {}
 
     /// @param v velocities passed over, rows of the coordinates
     void velocities(int own, int count, const Lanes<W>* v) const noexcept {

@@ -62,6 +62,7 @@ FrictionImplicit::FrictionImplicit(Workspace& workspace)
     : w_(workspace),
       solve_(workspace),
       field_(workspace.variator.chain()),
+      frictionless_(workspace.layout().link_size(), workspace.layout().links + 2),
       normal_loads_(static_cast<std::size_t>(workspace.layout().links)) {}
 
 void FrictionImplicit::add_recording(engine::TaskGraph& graph) {
@@ -136,7 +137,7 @@ void FrictionImplicit::add_neighbours(engine::TaskGraph& graph, const std::vecto
 
 void FrictionImplicit::record_window(int segment, const double* window, const model::ContactDrift& drift) noexcept {
     const Segment& own = w_.partition[segment];
-    solve_.space().friction().record({own.first, own.last, window, w_.pulleys.sheaves, w_.tips.phases.data()}, drift, field_,
+    solve_.space().friction().record({own.first, own.last, window, w_.pulleys.sheaves, w_.tips.phases.data()}, drift, field_, frictionless_,
                                      normal_loads_.data() + own.first);
 }
 

@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-enum FrictionCycle : int { push_cycle = method_cycles, kick_cycle, finish_kick_cycle };
+enum FrictionCycle : int { contact_cycle = method_cycles, kick_cycle, finish_kick_cycle };
 
 /// The spectrum moves with the tension: it is looked at every so many steps.
 constexpr long steps_between_estimates = 64;
@@ -41,7 +41,7 @@ void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
     for (int s = 0; s < w_.partition.size(); ++s) {
         const std::string number = "[" + std::to_string(s) + "]";
         const auto own = [&] { return LinkAccesses(w_, s); };
-        graph.add({"push" + number, push_cycle, engine::code_of<&FrictionLeapfrog::push>(*this), s,
+        graph.add({"record" + number, contact_cycle, engine::code_of<&FrictionLeapfrog::record>(*this), s,
                    own()
                        .with_halo(Field::states_read)
                        .with_halo(Field::slopes_read)
@@ -92,8 +92,8 @@ NextCycle FrictionLeapfrog<Number>::begin() {
     frame_.begin();
     w_.step.links_ended = w_.layout().probe_halo() == 0;  // else tips depend on neighbours, whose results are combined with them
     if (!w_.layout().ledger) {
-        state_ = State::pushing;
-        return push_cycle;
+        state_ = State::recording;
+        return contact_cycle;
     }
     state_ = State::evaluating;  // accounts need the forces with friction
     return evaluate_cycle;
@@ -102,8 +102,8 @@ NextCycle FrictionLeapfrog<Number>::begin() {
 template <class Number>
 NextCycle FrictionLeapfrog<Number>::next() {
     switch (state_) {
-        case State::evaluating: state_ = State::pushing; return push_cycle;
-        case State::pushing: return start_kick();
+        case State::evaluating: state_ = State::recording; return contact_cycle;
+        case State::recording: return start_kick();
         case State::finishing: frame_.end(); return NextCycle::done();
         case State::stages: break;
     }
@@ -131,7 +131,7 @@ template <class Number>
 NextCycle FrictionLeapfrog<Number>::start_stage(int stage) {
     stage_ = stage;
     row_ = table_->row(stage);
-    lean_ = table_->lean(row_.here.time, frame_.rise());
+    extrapolation_ = table_->extrapolation(row_.here.time, frame_.rise());
     return kick_cycle;
 }
 
@@ -151,13 +151,13 @@ void FrictionLeapfrog<Number>::load(std::span<const double> memory) {
 }
 
 template <class Number>
-void FrictionLeapfrog<Number>::push(int segment) noexcept {
-    system_.push(w_, frame_.drift(), segment);
+void FrictionLeapfrog<Number>::record(int segment) noexcept {
+    system_.record(w_, frame_.drift(), segment);
 }
 
 template <class Number>
 void FrictionLeapfrog<Number>::stage(int segment) noexcept {
-    system_.stage(w_, row_, w_.step.h, lean_, segment);
+    system_.stage(w_, row_, w_.step.h, extrapolation_, segment);
 }
 
 template <class Number>

@@ -40,12 +40,12 @@ public:
     [[nodiscard]] Fault fault() const noexcept override { return fault_; }
 
     // Bodies of tasks.
-    void push(int segment) noexcept;
+    void record(int segment) noexcept;
     void stage(int segment) noexcept;
     void finish(int segment) noexcept;
 
 private:
-    enum class State { evaluating, pushing, stages, finishing };
+    enum class State { evaluating, recording, stages, finishing };
 
     NextCycle start_kick();
     NextCycle start_stage(int stage);
@@ -58,7 +58,7 @@ private:
     State state_ = State::evaluating;
     int stage_ = 0;
     KickRow row_{};
-    double lean_ = 0.0;  ///< G at the stage at hand, in units of the difference between the last two [1]
+    double extrapolation_ = 0.0;  ///< G at the stage at hand, in units of the difference between the last two [1]
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
     Fault fault_;

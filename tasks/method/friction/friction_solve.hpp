@@ -128,6 +128,7 @@ protected:
     Workspace& w_;
     FrictionSolve solve_;
     model::ContactField field_;
+    model::Columns frictionless_;                ///< accelerations by all but friction; column = link + 1
     std::vector<model::LinkLoad> normal_loads_;  ///< [links]
 
 private:

@@ -15,9 +15,9 @@ namespace {
 
 constexpr int undisturbed = -1;
 
-/// One kick, h = 1: v' = push + lean(t) change - friction v.
+/// One kick, h = 1: v' = frictionless + extrapolation(t) change - friction v.
 struct Kicked {
-    double velocity, push, change, friction;
+    double velocity, frictionless, change, friction;
     int disturbed = undisturbed;  ///< the stage whose velocity is off by 1
     double largest = 0.0;         ///< velocity of a stage, afterwards
     int stages = 0;               ///< afterwards
@@ -41,7 +41,7 @@ double explicit_kick(const KickTable& table, Kicked& kicked) {
         const double v = combined(row) + (stage == kicked.disturbed ? 1.0 : 0.0);
         kicked.largest = std::max(kicked.largest, std::abs(v));
         if (row.keep >= 0) states[at(row.keep)] = v;
-        slopes[at(row.slope)] = kicked.push + table.lean(row.time, 1.0) * kicked.change - kicked.friction * v;
+        slopes[at(row.slope)] = kicked.frictionless + table.extrapolation(row.time, 1.0) * kicked.change - kicked.friction * v;
     }
     return combined(table.plan.result());
 }
@@ -52,12 +52,12 @@ double implicit_kick(const DirkTable& table, Kicked& kicked) {
     std::vector<double> slopes;
     double v = 0.0;
     for (int stage = 0; stage < kicked.stages; ++stage) {
-        const double push = kicked.push + table.lean(stage, 1.0) * kicked.change;
-        v = kicked.velocity + table.gamma * push + (stage == kicked.disturbed ? 1.0 : 0.0);
+        const double frictionless = kicked.frictionless + table.extrapolation(stage, 1.0) * kicked.change;
+        v = kicked.velocity + table.gamma * frictionless + (stage == kicked.disturbed ? 1.0 : 0.0);
         for (int other = 0; other < stage; ++other) v += table.weights[at(stage)][at(other)] * slopes[at(other)];
         v /= 1.0 + table.gamma * kicked.friction;
         kicked.largest = std::max(kicked.largest, std::abs(v));
-        slopes.push_back(push - kicked.friction * v);
+        slopes.push_back(frictionless - kicked.friction * v);
     }
     return v;
 }
@@ -66,12 +66,12 @@ double implicit_kick(const DirkTable& table, Kicked& kicked) {
     return step.allFinite() ? step.eigenvalues().cwiseAbs().maxCoeff() : std::numeric_limits<double>::infinity();
 }
 
-/// (q, v, push of the step before) after one step.
+/// (q, v, frictionless of the step before) after one step.
 [[nodiscard]] Eigen::Vector3d leapfrog(const KickFunction& kick, double oscillation, double friction, const Eigen::Vector3d& from) {
-    const double push = -oscillation * oscillation * (from(0) + 0.5 * from(1));
-    Kicked kicked{from(1), push, push - from(2), friction};
+    const double frictionless = -oscillation * oscillation * (from(0) + 0.5 * from(1));
+    Kicked kicked{from(1), frictionless, frictionless - from(2), friction};
     const double v = kick(kicked);
-    return {from(0) + 0.5 * (from(1) + v), v, push};
+    return {from(0) + 0.5 * (from(1) + v), v, frictionless};
 }
 
 [[nodiscard]] StageFigures stage_figures(const KickFunction& kick, double friction) {
@@ -87,10 +87,10 @@ double implicit_kick(const DirkTable& table, Kicked& kicked) {
 }
 
 /// Largest h ω with that friction, 0 < h c: where the step has the eigenvalue -1, h²ω² = 2 (1 + R)/(B + 2 C), with R, B, C what a kick
-/// makes of the velocity, of the push and of its change.
+/// makes of the velocity, of the frictionless and of its change.
 [[nodiscard]] double oscillation_limit(const KickFunction& kick, double friction) {
-    Kicked velocity{1.0, 0.0, 0.0, friction}, push{0.0, 1.0, 0.0, friction}, change{0.0, 0.0, 1.0, friction};
-    return std::sqrt(2.0 * (1.0 + kick(velocity)) / (kick(push) + 2.0 * kick(change)));
+    Kicked velocity{1.0, 0.0, 0.0, friction}, frictionless{0.0, 1.0, 0.0, friction}, change{0.0, 0.0, 1.0, friction};
+    return std::sqrt(2.0 * (1.0 + kick(velocity)) / (kick(frictionless) + 2.0 * kick(change)));
 }
 
 /// @param kick that of a step which has stages for `stiffest`

@@ -96,7 +96,7 @@ model::FrictionRangeOf<Number> FrictionSystem<Number>::range_of(const Workspace&
 }
 
 template <class Number>
-void FrictionSystem<Number>::push(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
+void FrictionSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
     const Segment& own = w.partition[segment];
     double* window = w.windows[at(segment)].data();
     fill_window(w, own, window);
@@ -104,9 +104,9 @@ void FrictionSystem<Number>::push(Workspace& w, const model::ContactDrift& drift
     model::LinkLoad* loads = normal_loads_.data() + own.first;
     if constexpr (relative) {
         const double* start = w.states[0] + w.layout().link_begin(own.first);
-        friction_.record_and_push(range, drift, {start, field_, base_, states_[0]}, loads);
+        friction_.record(range, drift, {start, field_, base_, states_[0]}, loads);
     } else {
-        friction_.record_and_push(range, drift, field_, base_, loads);
+        friction_.record(range, drift, field_, base_, loads);
         take(w, w.states[0], segment);
     }
     edges_[0].give(columns_, states_[0], segment);
@@ -126,8 +126,8 @@ void FrictionSystem<Number>::take(const Workspace& w, const double* state, int s
 }
 
 template <class Number>
-void FrictionSystem<Number>::stage(const Workspace& w, const KickRow& row, double h, double lean, int segment) noexcept {
-    const model::FrictionBaseOf<Number> base{&base_, &base_before_, lean};
+void FrictionSystem<Number>::stage(const Workspace& w, const KickRow& row, double h, double extrapolation, int segment) noexcept {
+    const model::FrictionBaseOf<Number> base{&base_, &base_before_, extrapolation};
     model::VelocityRowOf<Number> next;
     for (const engine::Term& term : row.next.states) next.add(states_[at(term.slot)], term.factor);
     for (const engine::Term& term : row.next.slopes) {
@@ -169,7 +169,7 @@ void FrictionSystem<Number>::give(const Workspace& w, double* state, int segment
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
     const int size = layout.link_size();
-    // Velocities that those of stages count from: still in the window that push() has filled.
+    // Velocities that those of stages count from: still in the window that record() has filled.
     const double* counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block() + size;
     for (int link = own.first; link < own.last; ++link, counted_from += layout.link_block()) {
         double* v = state + layout.link_begin(link) + size;

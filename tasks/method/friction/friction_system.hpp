@@ -36,11 +36,11 @@ public:
 
     /// Notes the contacts of a segment's links at the stage state of workspace.step.row, and all other forces there. Takes their velocities
     /// at the step's start into slot 0, forgets their impulses.
-    void push(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
-    /// One row of a chained table: evaluates at the velocities of its slot, with lean times the difference between base and that of the
-    /// step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
-    void stage(const Workspace& workspace, const KickRow& row, double h, double lean, int segment) noexcept;
-    /// Loads of a segment's links: of the normal forces, and the mean reaction of the tips' friction since push().
+    void record(Workspace& workspace, const model::ContactDrift& drift, int segment) noexcept;
+    /// One row of a chained table: evaluates at the velocities of its slot, with extrapolation times the difference between base and that
+    /// of the step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
+    void stage(const Workspace& workspace, const KickRow& row, double h, double extrapolation, int segment) noexcept;
+    /// Loads of a segment's links: of the normal forces, and the mean reaction of the tips' friction since record().
     void react(Workspace& workspace, int segment) const noexcept;
     /// Velocities of a segment's links after the last row, into a state. state [unknowns]
     void give(const Workspace& workspace, double* state, int segment) const noexcept;

@@ -20,7 +20,7 @@ double DirkTable::centre() const noexcept {
     return sum;
 }
 
-double DirkTable::lean(int stage, double rise) const noexcept {
+double DirkTable::extrapolation(int stage, double rise) const noexcept {
     const double mean = centre();
     return mean < 1.0 ? 0.5 * rise * (times[at(stage)] - mean) / (1.0 - mean) : 0.0;
 }
@@ -33,7 +33,7 @@ DirkTable sdirk2() {
 }
 
 ImplicitLeapfrog::ImplicitLeapfrog(Workspace& workspace, DirkTable table)
-    : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)), push_(w_.layout().link_size(), w_.layout().links + 2) {
+    : FrictionImplicit(workspace), frame_(workspace), table_(std::move(table)) {
     const int size = w_.layout().link_size(), slips = solve_.space().contacts().slips();
     for (int k = 0; k < solve_.groups(); ++k) {
         kicks_.push_back({model::LaneRows(size),
@@ -83,11 +83,9 @@ NextCycle ImplicitLeapfrog::after_solve(NextCycle cycle) {
 
 /// Contacts and all other forces in the middle of the step.
 void ImplicitLeapfrog::record(int segment) noexcept {
-    const Segment& own = w_.partition[segment];
     double* window = w_.windows[at(segment)].data();
-    fill_window(w_, own, window);
-    solve_.space().friction().record_and_push({own.first, own.last, window, w_.pulleys.sheaves, w_.tips.phases.data()}, frame_.drift(),
-                                              field_, push_, normal_loads_.data() + own.first);
+    fill_window(w_, w_.partition[segment], window);
+    record_window(segment, window, frame_.drift());
 }
 
 /// Contacts, and the slips of the velocities with which the other forces were evaluated and of those with which the step begins.
@@ -115,7 +113,7 @@ void ImplicitLeapfrog::base(int number) noexcept {
     guess(number,
           std::min(2.0 * table_.times[0], 1.0));  // slips at hand belong to the middle; beyond it they are no better when extrapolated
     for (int row = 0; row < w_.layout().link_size(); ++row) {
-        for (const auto& [link, lane] : g.links) kick.base.at(row)[lane] = *push_.at(row, link + 1);
+        for (const auto& [link, lane] : g.links) kick.base.at(row)[lane] = *frictionless_.at(row, link + 1);
     }
     std::fill_n(kick.impulses.at(0), 2 * model::tips_per_link * model::slip_lanes, 0.0);
     predict(number);
@@ -132,7 +130,7 @@ void ImplicitLeapfrog::guess(int number, double share) noexcept {
 void ImplicitLeapfrog::predict(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
-    const double share = table_.lean(stage_, frame_.rise()), h = w_.step.h, step = h * table_.gamma;
+    const double share = table_.extrapolation(stage_, frame_.rise()), h = w_.step.h, step = h * table_.gamma;
     const int numbers = w_.layout().link_size() * model::slip_lanes;
     const double *now = kick.base.at(0), *before = kick.before.at(0), *start = kick.start.at(0);
     double *slope = kick.slopes[at(stage_)].at(0), *velocity = g.velocity.at(0);

@@ -23,8 +23,8 @@ struct DirkTable {
     [[nodiscard]] double centre() const noexcept;
     /// b.
     [[nodiscard]] double weight(int stage) const noexcept;
-    /// As KickTable::lean(). rise [1]
-    [[nodiscard]] double lean(int stage, double rise) const noexcept;
+    /// As KickTable::extrapolation(). rise [1]
+    [[nodiscard]] double extrapolation(int stage, double rise) const noexcept;
 };
 /// Backward Euler: order 1, what friction holds is at rest after one step.
 [[nodiscard]] DirkTable backward_euler();
@@ -69,7 +69,6 @@ private:
 
     LeapfrogFrame frame_;
     const DirkTable table_;
-    model::Columns push_;      ///< accelerations by all but friction; column = link + 1
     std::vector<Kick> kicks_;  ///< [group]
     At at_ = At::evaluate;
     int stage_ = 0;

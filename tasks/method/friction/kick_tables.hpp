@@ -30,7 +30,7 @@ struct KickTable {
 
     /// A slope at a stage's time, in units of the difference between its last two values: without an impulse, and half a rise at the end of
     /// the step. @param rise how much it changes over the step, in the same units
-    [[nodiscard]] double lean(double time, double rise) const noexcept { return 0.5 * rise * (time - centre) / (1.0 - centre); }
+    [[nodiscard]] double extrapolation(double time, double rise) const noexcept { return 0.5 * rise * (time - centre) / (1.0 - centre); }
     [[nodiscard]] KickRow row(int stage) const noexcept {
         return {plan.stage(stage), stage + 1 < plan.stages() ? plan.stage(stage + 1) : plan.result(),
                 weights[static_cast<std::size_t>(stage)], stage == 0 && keeps_first_slope};

@@ -18,14 +18,14 @@ void add(double factor, const double* from, int count, double* to) {
 
 /// One step of friction on the links' velocities: what is given, and what comes out.
 struct LinkKick {
-    const double* velocity;  ///< h v at the start
-    const double* push;      ///< h² a by everything but friction
-    const double* change;    ///< of it since the step before
-    const double* grip;      ///< h² a by friction, of what does not change within the step
-    const double* drift;     ///< what is added to it over the step by the sheaves' motion
-    double* result;          ///< h v at the end
-    double* mean;            ///< mean velocity in the sense of friction's impulse
-    double mean_time = 0.0;  ///< mean time of it, from the middle
+    const double* velocity;      ///< h v at the start
+    const double* frictionless;  ///< h² a by everything but friction
+    const double* change;        ///< of it since the step before
+    const double* grip;          ///< h² a by friction, of what does not change within the step
+    const double* drift;         ///< what is added to it over the step by the sheaves' motion
+    double* result;              ///< h v at the end
+    double* mean;                ///< mean velocity in the sense of friction's impulse
+    double mean_time = 0.0;      ///< mean time of it, from the middle
 };
 
 /// Friction of the step at hand.
@@ -63,8 +63,8 @@ public:
             combine(row, v.data());
             if (row.keep >= 0) states_[at(row.keep)] = v;
             Numbers& slope = slopes_[at(row.slope)];
-            std::copy_n(k.push, count, slope.begin());
-            add(table_->lean(row.time, 1.0), k.change, count, slope.data());
+            std::copy_n(k.frictionless, count, slope.begin());
+            add(table_->extrapolation(row.time, 1.0), k.change, count, slope.data());
             add(1.0, k.grip, count, slope.data());
             add(row.time - 0.5, k.drift, count, slope.data());
             chain_->add_link_friction(h_, v.data(), slope.data());
@@ -108,8 +108,8 @@ public:
         for (int stage = 0; stage < static_cast<int>(table_.times.size()); ++stage) {
             const double time = table_.times[at(stage)] - 0.5;
             Numbers& slope = slopes_[at(stage)];
-            std::copy_n(k.push, count, slope.begin());
-            add(table_.lean(stage, 1.0), k.change, count, slope.data());
+            std::copy_n(k.frictionless, count, slope.begin());
+            add(table_.extrapolation(stage, 1.0), k.change, count, slope.data());
             add(1.0, k.grip, count, slope.data());
             add(time, k.drift, count, slope.data());
             Numbers right(k.velocity, k.velocity + count);
@@ -131,12 +131,12 @@ private:
     std::vector<Numbers> slopes_;
 };
 
-/// (q, h v, h² a of the step before, push of the step before, h v of the sheaves in its middle).
+/// (q, h v, h² a of the step before, frictionless of the step before, h v of the sheaves in its middle).
 class Leapfrog final : public StepMap {
 public:
     Leapfrog(const LinearChain& chain, std::unique_ptr<Kicker> kicker)
         : chain_(chain), kicker_(std::move(kicker)), n_(chain.coordinates()), m_(chain.velocities()), links_(chain.link_velocities()) {
-        for (Numbers* field : {&middle_, &velocity_, &push_, &change_, &grip_, &drift_, &surface_, &mean_, &pulleys_})
+        for (Numbers* field : {&middle_, &velocity_, &frictionless_, &change_, &grip_, &drift_, &surface_, &mean_, &pulleys_})
             field->assign(at(m_), 0.0);
     }
     bool prepare(double h) override {
@@ -145,27 +145,29 @@ public:
     }
     int size() const noexcept override { return n_ + 2 * m_ + links_ + (m_ - links_); }
     void step(const double* from, double* to) override {
-        const double *q = from, *v = from + n_, *rate = v + m_, *push_before = rate + m_, *sheaves_before = push_before + links_;
-        double *q_end = to, *v_end = to + n_, *rate_end = v_end + m_, *push_end = rate_end + m_, *sheaves_end = push_end + links_;
+        const double *q = from, *v = from + n_, *rate = v + m_, *frictionless_before = rate + m_,
+                     *sheaves_before = frictionless_before + links_;
+        double *q_end = to, *v_end = to + n_, *rate_end = v_end + m_, *frictionless_end = rate_end + m_,
+               *sheaves_end = frictionless_end + links_;
         for (int k = 0; k < n_; ++k) middle_[at(k)] = q[k] + 0.5 * v[k];
         for (int k = 0; k < m_; ++k) velocity_[at(k)] = v[k] + 0.5 * rate[k];
-        forces_in_the_middle(push_before, sheaves_before);
-        LinkKick kick{v, push_.data(), change_.data(), grip_.data(), drift_.data(), v_end, mean_.data()};
+        forces_in_the_middle(frictionless_before, sheaves_before);
+        LinkKick kick{v, frictionless_.data(), change_.data(), grip_.data(), drift_.data(), v_end, mean_.data()};
         kicker_->kick(kick);
         close(kick, v, v_end);
         for (int k = 0; k < n_; ++k) q_end[k] = q[k] + 0.5 * (v[k] + v_end[k]);
         for (int k = 0; k < m_; ++k) rate_end[k] = v_end[k] - v[k];
-        std::copy_n(push_.begin(), links_, push_end);
+        std::copy_n(frictionless_.begin(), links_, frictionless_end);
         std::copy(velocity_.begin() + links_, velocity_.end(), sheaves_end);
     }
 
 private:
-    void forces_in_the_middle(const double* push_before, const double* sheaves_before) {
-        for (Numbers* field : {&push_, &grip_, &drift_, &surface_}) std::fill(field->begin(), field->end(), 0.0);
-        chain_.add_elastic(h_ * h_, middle_.data(), push_.data());
-        chain_.add_sliding(-h_ * h_, middle_.data(), push_.data());
-        chain_.add_damping(h_, velocity_.data(), push_.data());
-        for (int k = 0; k < links_; ++k) change_[at(k)] = push_[at(k)] - push_before[k];
+    void forces_in_the_middle(const double* frictionless_before, const double* sheaves_before) {
+        for (Numbers* field : {&frictionless_, &grip_, &drift_, &surface_}) std::fill(field->begin(), field->end(), 0.0);
+        chain_.add_elastic(h_ * h_, middle_.data(), frictionless_.data());
+        chain_.add_sliding(-h_ * h_, middle_.data(), frictionless_.data());
+        chain_.add_damping(h_, velocity_.data(), frictionless_.data());
+        for (int k = 0; k < links_; ++k) change_[at(k)] = frictionless_[at(k)] - frictionless_before[k];
         chain_.add_sliding(h_ * h_, middle_.data(), grip_.data());
         std::copy(velocity_.begin() + links_, velocity_.end(), surface_.begin() + links_);
         chain_.add_friction(h_, surface_.data(), grip_.data());
@@ -177,14 +179,15 @@ private:
         std::fill(pulleys_.begin(), pulleys_.end(), 0.0);
         std::fill(mean_.begin() + links_, mean_.end(), 0.0);
         chain_.add_friction(h_, mean_.data(), pulleys_.data());
-        for (int k = links_; k < m_; ++k) v_end[k] = v[k] + push_[at(k)] + grip_[at(k)] + kick.mean_time * drift_[at(k)] + pulleys_[at(k)];
+        for (int k = links_; k < m_; ++k)
+            v_end[k] = v[k] + frictionless_[at(k)] + grip_[at(k)] + kick.mean_time * drift_[at(k)] + pulleys_[at(k)];
     }
 
     const LinearChain& chain_;
     const std::unique_ptr<Kicker> kicker_;
     const int n_, m_, links_;
     double h_ = 0.0;
-    Numbers middle_, velocity_, push_, change_, grip_, drift_, surface_, mean_, pulleys_;
+    Numbers middle_, velocity_, frictionless_, change_, grip_, drift_, surface_, mean_, pulleys_;
 };
 
 /// Friction of links by links' velocities is solved for, everything else is explicit.

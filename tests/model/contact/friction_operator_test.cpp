@@ -35,8 +35,9 @@ std::vector<double> friction_of(const Parameters& p, const oracle::RandomState& 
     if (at.pulley_size != 0) variator.pulleys().motions(random.state.data() + at.pulley_begin(), scratch.sheaves);
     const FrictionOperator friction(variator.chain(), p.detail.stick_slip);
     ContactField field(variator.chain());
-    friction.record({0, at.links, scratch.window.data(), scratch.sheaves, random.phases.data()}, {}, field, scratch.loads.data());
-    Columns slope(size, at.links + 2);
+    Columns frictionless(size, at.links + 2), slope(size, at.links + 2);
+    friction.record({0, at.links, scratch.window.data(), scratch.sheaves, random.phases.data()}, {}, field, frictionless,
+                    scratch.loads.data());
     for (int first = 0; first < at.links; first += length) {
         const int last = std::min(first + length, at.links);
         const int stride = last - first + 16;

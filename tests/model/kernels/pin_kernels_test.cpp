@@ -102,10 +102,10 @@ Parts parts_of(const Rig& rig, int length) {
     const int size = at.link_size(), ghosts = at.halo(), columns = at.links + 2 * ghosts;
     const FrictionOperator friction(rig.variator.chain(), rig.parameters.detail.stick_slip);
     ContactField field(rig.variator.chain());
-    Columns push(size, columns), velocity(size, columns), slope(size, columns);
+    Columns frictionless(size, columns), velocity(size, columns), slope(size, columns);
     std::vector<LinkLoad> loads(static_cast<std::size_t>(at.links));
     for (int first = 0; first < at.links; first += length)
-        friction.record_and_push(rig.range(first, std::min(first + length, at.links)), {}, field, push, loads.data() + first);
+        friction.record(rig.range(first, std::min(first + length, at.links)), {}, field, frictionless, loads.data() + first);
     for (int pin = -ghosts; pin < at.links + ghosts; ++pin) {
         const double* v = rig.random.state.data() + at.link_begin(at.wrapped(pin)) + size;
         for (int row = 0; row < size; ++row) *velocity.at(row, pin + 1) = v[row];
@@ -120,7 +120,7 @@ Parts parts_of(const Rig& rig, int length) {
     for (int pin = 0; pin < at.links; ++pin) {
         for (int row = 0; row < size; ++row) {
             parts.friction.push_back(*slope.at(row, pin + 1));
-            parts.rest.push_back(*push.at(row, pin + 1));
+            parts.rest.push_back(*frictionless.at(row, pin + 1));
         }
     }
     return parts;

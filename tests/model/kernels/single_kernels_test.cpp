@@ -28,7 +28,7 @@ public:
           single_field_(variator_.chain()) {
         fill_window(variator_, random_.state.data(), scratch_);
         if (at().pulley_size != 0) variator_.pulleys().motions(random_.state.data() + at().pulley_begin(), scratch_.sheaves);
-        for (Columns* columns : {&push_, &velocity_, &slope_}) *columns = Columns(size(), at().links + 2);
+        for (Columns* columns : {&frictionless_, &velocity_, &slope_}) *columns = Columns(size(), at().links + 2);
         for (auto* columns : {&single_push_, &single_velocity_, &single_slope_}) *columns = ColumnsOf<float>(size(), at().links + 2);
         for (int link = 0; link < at().links; ++link) {
             for (int row = 0; row < size(); ++row) {
@@ -39,7 +39,7 @@ public:
     }
 
     void in_double() {
-        friction_.record_and_push(range(0, at().links), {}, field_, push_, scratch_.loads.data());
+        friction_.record(range(0, at().links), {}, field_, frictionless_, scratch_.loads.data());
         for (int link = -1; link <= at().links; ++link) {
             const double* v = start_.data() + at().link_begin(at().wrapped(link)) + size();
             for (int row = 0; row < size(); ++row) *velocity_.at(row, link + 1) = v[row];
@@ -52,7 +52,7 @@ public:
     void in_single(int length) {
         for (int first = 0; first < at().links; first += length) {
             const KickStart start{start_.data() + at().link_begin(first), single_field_, single_push_, single_velocity_};
-            friction_.record_and_push(range(first, std::min(first + length, at().links)), {}, start, scratch_.loads.data() + first);
+            friction_.record(range(first, std::min(first + length, at().links)), {}, start, scratch_.loads.data() + first);
         }
         for (int row = 0; row < size(); ++row) {
             *single_velocity_.at(row, 0) = *single_velocity_.at(row, at().links);
@@ -70,7 +70,7 @@ public:
 
     [[nodiscard]] std::vector<double> slopes() const { return listed(slope_); }
     [[nodiscard]] std::vector<double> single_slopes() const { return listed(single_slope_); }
-    [[nodiscard]] std::vector<double> forces() const { return listed(push_); }
+    [[nodiscard]] std::vector<double> forces() const { return listed(frictionless_); }
     [[nodiscard]] std::vector<double> single_forces() const { return listed(single_push_); }
     [[nodiscard]] const ColumnsOf<float>& single_slope() const { return single_slope_; }
     [[nodiscard]] const ChainLayout& at() const { return variator_.layout(); }
@@ -97,7 +97,7 @@ private:
     FrictionOperator friction_;
     ContactField field_;
     ContactFieldOf<float> single_field_;
-    Columns push_, velocity_, slope_;
+    Columns frictionless_, velocity_, slope_;
     ColumnsOf<float> single_push_, single_velocity_, single_slope_;
 };
 

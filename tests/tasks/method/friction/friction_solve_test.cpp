@@ -37,9 +37,10 @@ public:
         std::copy_n(simulation_.state(), layout().size(), workspace_.states[0]);
         if (layout().pulley_size != 0)
             workspace_.variator.pulleys().motions(workspace_.states[0] + layout().pulley_begin(), workspace_.pulleys.sheaves);
+        model::Columns frictionless(layout().link_size(), links + 2);
         friction().record(
             {0, links, window_of(workspace_, workspace_.states[0], 0), workspace_.pulleys.sheaves, simulation_.phases().data()}, {}, field_,
-            loads_.data());
+            frictionless, loads_.data());
         for (int k = 0; k < solve.groups(); ++k) solve.space().gather(field_, simulation_.phases().data(), g, solve.group(k));
     }
 
