@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tasks/method/method_choice.hpp"
 #include "tools/guard.hpp"
 #include "tools/output/interrupt.hpp"
 #include "tools/plot/plot.hpp"
@@ -51,22 +52,20 @@ const char* pins_of(const DetailOutcome& o) { return o.variant.pins == model::Pi
 
 std::string csv_of(const std::vector<DetailOutcome>& outcomes) {
     std::string text =
-        "pins,order,plates,joint_points,pulleys,coordinates,cost_s,tight_N,slack_N,pin_axial_N,slip,efficiency,ratio,shift_per_s,thrust_"
-        "ratio,"
-        "drift,";
+        "pins,order,plates,joint_points,pulleys,coordinates,cost_s,tight_N,slack_N,pin_axial_N,slip,ratio,shift_per_s,thrust_ratio,drift,";
     text += watch_heading + std::string("\n");
     for (const DetailOutcome& o : outcomes) {
         if (!o.fault.empty()) {
-            text += fmt::format("{},{},{},{},{},{},,,,,,,,,,,{},,,,,,\n", pins_of(o), o.variant.order,
+            text += fmt::format("{},{},{},{},{},{},,,,,,,,,,{},,,,,,\n", pins_of(o), o.variant.order,
                                 o.variant.plates == model::PlateDetail::each ? "each" : "lumped", o.variant.joint_points,
                                 o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", o.coordinates, o.status);
             continue;
         }
-        text += fmt::format("{},{},{},{},{},{},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g},{}\n", pins_of(o),
+        text += fmt::format("{},{},{},{},{},{},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g},{}\n", pins_of(o),
                             o.variant.order, o.variant.plates == model::PlateDetail::each ? "each" : "lumped", o.variant.joint_points,
                             o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", o.coordinates, o.cost, o.tight,
-                            o.slack, o.tip, o.slip, o.efficiency, o.ratio, o.shift, o.thrust == 0.0 ? "" : fmt::format("{:.6g}", o.thrust),
-                            o.drift, watch_csv({}, o.watch));
+                            o.slack, o.tip, o.slip, o.ratio, o.shift, o.thrust == 0.0 ? "" : fmt::format("{:.6g}", o.thrust), o.drift,
+                            watch_csv({}, o.watch));
     }
     return text;
 }
@@ -126,6 +125,10 @@ std::vector<DetailOutcome> measure_all(const DetailArguments& arguments, const s
     const DetailMeasure measure(arguments, scene);
     std::vector<DetailOutcome> outcomes;
     for (const DetailVariant& variant : detail_variants(arguments.all)) {
+        if (!tasks::takes_pins(arguments.method, variant.pins)) {
+            print_error(fmt::format("{}: {}: left out: {}", scene, variant.name(), tasks::needs_halves(arguments.method)));
+            continue;
+        }
         outcomes.push_back(measure.measure(variant, outcomes.empty() ? 0.0 : outcomes.front().ratio));
         if (!outcomes.front().fault.empty())
             throw tasks::SimulationError(fmt::format("{}: full detail, with which all is compared, {} {}", scene,
