@@ -12,8 +12,13 @@ template <class Number>
 ContactFieldOf<Number>::ContactFieldOf(const ChainModel& chain)
     : components{chain.layout().whole ? 0 : chain.coefficients().joint_points.count, chain.coefficients().plates.count,
                  std::is_same_v<Number, float>},
-      columns(components.count(), chain.layout().links + 2 * chain.layout().halo()),
       arms(static_cast<std::size_t>(chain.layout().links)) {
+    make_columns(chain.layout().links + 2 * chain.layout().halo());
+}
+
+template <class Number>
+void ContactFieldOf<Number>::make_columns(int count) {
+    columns = ColumnsOf<Number>(components.count(), count);
     for (int corner = 0; corner < tips_per_link; ++corner) {  // a tip that has never touched must not divide by zero
         for (int column = 0; column < columns.stride(); ++column)
             *columns.at(components.tip(corner) + ContactComponents::Tip::least, column) = Number(1);

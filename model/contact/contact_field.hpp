@@ -82,6 +82,8 @@ struct TipArms {
 template <class Number>
 struct ContactFieldOf {
     explicit ContactFieldOf(const ChainModel& chain);
+    /// As many columns, of contacts that have never touched.
+    void make_columns(int count);
 
     ContactComponents components;
     ColumnsOf<Number> columns;

@@ -40,7 +40,7 @@ void FrictionSystem<Number>::make_columns() {
     for (Columns& slot : states_) slot = Columns(rows, width_);
     for (Columns* field : {&result_, &first_slope_, &image_}) *field = Columns(rows, width_);
     impulses_ = Columns(3 * model::tips_per_link, width_);
-    field_.columns = Columns(field_.components.count(), width_);
+    field_.make_columns(width_);
 }
 
 /// A field that outlasts a step to where its links lie now.

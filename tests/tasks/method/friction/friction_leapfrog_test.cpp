@@ -39,6 +39,20 @@ TEST(FrictionLeapfrog, GivesTheSameBitsForEverySchedule) {
     }
 }
 
+/// Tips that have never touched lie in every lane beside those that stick or slip.
+TEST(FrictionLeapfrog, TakesTipsThatStickOrSlip) {
+    for (const std::string method : {"run.method=leapfrog-chebyshev", "run.method=leapfrog-chebyshev-double"}) {
+        const std::vector<std::string> common{method, "run.step=1.5us", "detail.stick_slip=true"};
+        const auto with = [&](std::vector<std::string> more) {
+            more.insert(more.begin(), common.begin(), common.end());
+            return leapfrog_hash(more);
+        };
+        const std::uint64_t serial = with({"run.schedule=serial"});
+        EXPECT_EQ(with({"run.schedule=serial", "run.segments=5"}), serial);
+        EXPECT_EQ(with({"run.schedule=barrier", "run.threads=2", "run.segments=84"}), serial);
+    }
+}
+
 TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
     for (const char* name : {"leapfrog-rkc", "leapfrog-rkc-double"}) {
         const Scene scene = claims::ready_scene("baseline", {std::string("run.method=") + name});
