@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <thread>
 
 #include "engine/executor/tbb/contention_backoff.hpp"
@@ -15,6 +16,8 @@ struct BoardMachine {
     template <class Value>
     using Atomic = std::atomic<Value>;
     using Waiter = Backoff;
+    static constexpr std::size_t numbers_together = apart / sizeof(std::uint64_t);  // on a line of their own
+    static constexpr int patience = 50;  // polls for a worker's own tasks before it looks for others', about 1 us
 
     /// Whether a worker is at work, or leaves its processor to others for a while.
     class Presence {

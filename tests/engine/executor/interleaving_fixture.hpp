@@ -191,7 +191,7 @@ struct ModelMachine {
     template <class Value>
     class Atomic {
     public:
-        Atomic(Value value) : id_(Interleavings::now().add_atomic(static_cast<std::uint64_t>(value))) {}
+        Atomic(Value value = {}) : id_(Interleavings::now().add_atomic(static_cast<std::uint64_t>(value))) {}
         Value load(std::memory_order order, Where where = Where::current()) const noexcept {
             return static_cast<Value>(Interleavings::now().load(id_, order, where));
         }
@@ -215,11 +215,17 @@ struct ModelMachine {
     private:
         int id_;
     };
+    static constexpr std::size_t numbers_together = 1;
+    static constexpr int patience = 0;
     struct Waiter {
         explicit Waiter(const ExecutorOptions& /*options*/) {}
         template <class Value>
         Value change(const Atomic<Value>& word, Value old, Where where = Where::current()) noexcept {
             return static_cast<Value>(Interleavings::now().change(word.id(), static_cast<std::uint64_t>(old), where));
+        }
+        template <class Ready>
+        void until(const Ready& ready) noexcept {
+            while (!ready()) Interleavings::now().rest();
         }
     };
     /// Goes away whenever it may, and comes back at any moment or not before the run is over.

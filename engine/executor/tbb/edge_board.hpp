@@ -1,0 +1,96 @@
+#pragma once
+/// The protocol of resident workers by edges: a cycle is opened for all, and within it a task runs when its predecessors have finished.
+/// Private to this folder; knows nothing of who provides the threads.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engine/executor/run.hpp"
+#include "engine/executor/tbb/board_machine.hpp"
+
+namespace cvtflow::engine {
+
+/// Workers come and go as they like: one that never comes, or is away for a while, costs speed and nothing else. Any one of them
+/// finishes everything. Allocates in the constructor only.
+/// @tparam Machine what it stands on: BoardMachine, or in tests one that goes through every interleaving
+template <class Machine>
+class EdgeBoardOn {
+public:
+    /// `first` is the first cycle, already decided.
+    /// @throws std::length_error for more than a million cycles or tasks per cycle and worker
+    EdgeBoardOn(Run& run, const ExecutorOptions& options, int first);
+
+    /// Takes part until the controller says stop. Worker numbers are 0 … threads - 1, at most one thread works under each.
+    void work(int worker) noexcept;
+
+private:
+    template <class Value>
+    using Atomic = typename Machine::template Atomic<Value>;
+
+    /// A sequence number that grows by one per opened cycle (44 bits: half a year of microseconds), and a count (20 bits).
+    struct Word {
+        static constexpr int count_bits = 20;
+        static constexpr std::uint64_t most = (std::uint64_t{1} << count_bits) - 1;
+        static std::uint64_t make(std::uint64_t sequence, std::uint64_t count) noexcept { return sequence << count_bits | count; }
+        static std::uint64_t sequence(std::uint64_t word) noexcept { return word >> count_bits; }
+        static std::uint64_t count(std::uint64_t word) noexcept { return word & most; }
+    };
+    struct alignas(apart) Padded {
+        Atomic<std::uint64_t> value{0};
+    };
+    struct alignas(apart) Stamps {
+        std::array<Atomic<std::uint64_t>, Machine::numbers_together> values{};
+    };
+    struct alignas(apart) Count {
+        Atomic<int> value{0};
+    };
+    /// A task in its owner's list.
+    struct Place {
+        int task;
+        int stamp;              ///< its own, or none
+        int first_wait, waits;  ///< stamps of its predecessors, in waits_
+    };
+    struct Share {
+        std::size_t first, size;  ///< in places_
+    };
+    enum class Head { none, blocked, ready };
+    static constexpr int none = -1;
+
+    void add_shares(const TaskGraph& graph, int cycle, std::vector<int>& stamp_of);
+    [[nodiscard]] const Share& share_of(std::uint64_t cycle, int owner) const noexcept {
+        return shares_[cycle * static_cast<std::size_t>(workers_) + static_cast<std::size_t>(owner)];
+    }
+    [[nodiscard]] Atomic<std::uint64_t>& stamp(int number) const noexcept {
+        const auto n = static_cast<std::size_t>(number);
+        return stamps_[n / Machine::numbers_together].values[n % Machine::numbers_together];
+    }
+    [[nodiscard]] bool ready(const Place& place, std::uint64_t sequence) const noexcept;
+    [[nodiscard]] Head head(int owner, std::uint64_t open) const noexcept;
+    [[nodiscard]] bool run_ready(int worker, int owner, std::uint64_t open, std::uint64_t& ran) noexcept;
+    [[nodiscard]] bool may_go_on(int worker, std::uint64_t open, int& patience) const noexcept;
+    [[nodiscard]] std::uint64_t run_cycle(int worker, std::uint64_t open, typename Machine::Waiter& waiter) noexcept;
+    [[nodiscard]] std::uint64_t open_next(int worker, std::uint64_t finished) noexcept;
+    std::uint64_t open_cycle(std::uint64_t sequence, int cycle) noexcept;
+    void leave(typename Machine::Presence& presence) noexcept;
+
+    Run& run_;
+    const ExecutorOptions options_;
+    const typename Machine::Waiter untried_;
+    int workers_;
+    std::vector<Place> places_;
+    std::vector<int> waits_;            ///< stamps
+    std::vector<Share> shares_;         ///< [cycle][worker]
+    std::unique_ptr<Stamps[]> stamps_;  ///< sequence in which a task has finished last
+    std::unique_ptr<Padded[]> taken_;   ///< [worker] sequence and number of tasks taken of the worker's share
+    Padded open_;                       ///< sequence and number of the open cycle
+    Padded unfinished_;                 ///< tasks of the open cycle
+    Count at_work_;                     ///< workers that have come and are not away
+};
+
+using EdgeBoard = EdgeBoardOn<BoardMachine>;
+extern template class EdgeBoardOn<BoardMachine>;
+
+}  // namespace cvtflow::engine
