@@ -17,13 +17,4 @@ private:
     void execute(Run& run, int first) override;
 };
 
-class FlowEdges final : public RunningExecutor {
-public:
-    explicit FlowEdges(const ExecutorOptions& options) : RunningExecutor(options) {}
-    [[nodiscard]] std::string_view name() const noexcept override { return "flow_edges"; }
-
-private:
-    void execute(Run& run, int first) override;
-};
-
 }  // namespace cvtflow::engine
