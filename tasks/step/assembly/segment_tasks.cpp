@@ -25,6 +25,9 @@ using model::TipIndicator;
     return sheaves;
 }
 
+/// Tips of a link that there are: whole pins have none at the front.
+[[nodiscard]] int tips_of(const Workspace& w) noexcept { return w.layout().whole ? model::tips_per_link / 2 : model::tips_per_link; }
+
 void show(const model::TipProbe& probe, TipIndicator* tips) noexcept {
     for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};
 }
@@ -41,7 +44,7 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, V
     const auto& pulley = w.parameters.pulley;
     const double now = w.step.time + w.step.h;
     bool touching = false;
-    for (int tip = 0; tip < model::tips_per_link; ++tip) {
+    for (int tip = 0; tip < tips_of(w); ++tip) {
         if (w.tips.phases[at(model::tips_per_link * link + tip)] == Phase::free) continue;
         touching = true;
         if (probe.depth[tip] > w.parameters.tip.deepest)
@@ -65,7 +68,8 @@ void check_contact(const Workspace& w, int link, const model::TipProbe& probe, V
 /// Tips so close to contact that they can cross and return within a step.
 [[nodiscard]] bool near_contact(const Workspace& w, int link) noexcept {
     constexpr double near = 2e-7;  // m: an elastic oscillation of 1e6 1/s covers less in the longest useful step
-    for (int tip = model::tips_per_link * link; tip < model::tips_per_link * (link + 1); ++tip) {
+    const int first = model::tips_per_link * link;
+    for (int tip = first; tip < first + tips_of(w); ++tip) {
         if (std::abs(w.tips.before[at(tip)].depth) < near && std::abs(w.tips.after[at(tip)].depth) < near) return true;
     }
     return false;
@@ -102,7 +106,8 @@ void check_middle(Workspace& w, int link, const double* end, Verdict& verdict) n
 
 /// Transitions due at the step's end, among the tips of one link.
 void find_due(Workspace& w, int link, Verdict& verdict) noexcept {
-    for (int tip = model::tips_per_link * link; tip < model::tips_per_link * (link + 1); ++tip) {
+    const int first = model::tips_per_link * link;
+    for (int tip = first; tip < first + tips_of(w); ++tip) {
         if (w.rule.next(w.tips.phases[at(tip)], w.tips.after[at(tip)]) == w.tips.phases[at(tip)]) continue;
         if (may_change(w, tip)) {
             verdict.pending = true;
@@ -133,20 +138,28 @@ private:
     TipIndicator tips_[model::tips_per_link];
 };
 
-/// Earliest transition of one tip that may change, if any.
+/// Tips of a segment's links at a share of the step, side by side: to workspace.tips.probes.
+void probe_segment(Workspace& w, int segment, double theta, const model::SheaveMotion* sheaves) noexcept {
+    const Segment& own = w.partition[segment];
+    w.variator.chain().probe_links(blocks_at(w, segment, theta), own.size(), sheaves, w.parameters.detail.stick_slip,
+                                   w.tips.probes.data() + own.first);
+}
+
+/// Earliest transition of one tip that may change, if any; probes of the links in the middle of the step must be there.
 [[nodiscard]] Transition locate_tip(Workspace& w, int link, int corner) noexcept {
     const int tip = model::tips_per_link * link + corner;
     const Phase phase = w.tips.phases[at(tip)];
-    LinkAt state(w, link);
     double end = 1.0;
     Phase to = w.rule.next(phase, w.tips.after[at(tip)]);
     if (to == phase) {  // perhaps there and back within the step
         end = 0.5;
-        to = w.rule.next(phase, state.tips(end)[corner]);
+        const model::TipProbe& middle = w.tips.probes[at(link)];
+        to = w.rule.next(phase, {middle.depth[corner], middle.slip[corner]});
         if (to == phase) return {};
     }
     const double from = w.rule.due(phase, to, w.tips.before[at(tip)]);
     if (from > 0.0) return {0.0, tip, to};  // was due already, but had been put off
+    LinkAt state(w, link);
     const auto gap = [&](double theta) noexcept { return w.rule.due(phase, to, state.tips(theta)[corner]); };
     return {engine::locate(gap, 0.0, end, from, gap(end), 1e-9).theta, tip, to};
 }
@@ -255,8 +268,12 @@ void locate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const Segment& own = w.partition[segment];
     Verdict& verdict = w.verdicts[at(segment)];
+    constexpr double middle = 0.5;
+    model::SheaveMotion sheaves[4];
+    double tail[2 * 36];
+    probe_segment(w, segment, middle, sheaves_at(w, middle, tail, sheaves));
     for (int link = own.first; link < own.last; ++link) {
-        for (int corner = 0; corner < model::tips_per_link; ++corner) {
+        for (int corner = 0; corner < tips_of(w); ++corner) {
             if (!may_change(w, model::tips_per_link * link + corner)) continue;
             const Transition found = locate_tip(w, link, corner);
             if (found.theta < verdict.first.theta) verdict.first = found;
@@ -271,11 +288,10 @@ void truncate_segment(void* workspace, int segment) noexcept {
     Verdict& verdict = w.verdicts[at(segment)];
     w.interpolant().evaluate(w.step.theta, layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
                              w.cut_state + layout.link_begin(own.first));
+    probe_segment(w, segment, w.step.theta, w.pulleys.sheaves);
     for (int link = own.first; link < own.last; ++link) {
         TipIndicator* tips = w.tips.after.data() + model::tips_per_link * link;
-        model::TipProbe probe;
-        NearBlocks blocks;
-        indicate(w, near_at(w, link, w.step.theta, blocks), w.pulleys.sheaves, tips, probe);
+        show(w.tips.probes[at(link)], tips);
         change_phases(w, link, tips, verdict);
     }
 }
