@@ -76,6 +76,7 @@ private:
         .own(Field::phase, false)
         .own(Field::before, false)
         .own(Field::after, false)
+        .segment(Field::window, true)
         .segment(Field::verdict, true)
         .list();
 }
@@ -87,6 +88,7 @@ private:
         .own(Field::after, true)
         .own(Field::cut_state, true)
         .own(Field::phase, true)
+        .segment(Field::window, true)
         .segment(Field::verdict, true)
         .list();
 }

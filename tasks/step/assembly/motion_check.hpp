@@ -37,4 +37,9 @@ inline void check_motion(const Workspace& w, int link, const double* block, Verd
     report(verdict, FaultKind::blow_up, w.step.time + w.step.h, link, largest, fastest_pin);
 }
 
+/// Whether no link of a segment can have anything that check_motion() finds: a look at all numbers of the step's end at once.
+[[nodiscard]] inline bool all_sound(const Workspace& w, const Segment& own) noexcept {
+    return within(w.end_state + w.layout().link_begin(own.first), own.size() * w.layout().link_block(), fastest_pin);
+}
+
 }  // namespace cvtflow::tasks

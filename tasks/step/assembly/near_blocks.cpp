@@ -55,6 +55,16 @@ const double* near_at(const Workspace& w, int link, double theta, NearBlocks& bl
     return blocks.place(layout, 0);
 }
 
+const double* blocks_at(Workspace& w, int segment, double theta) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    double* window = w.windows[static_cast<std::size_t>(segment)].data();
+    for_each_run(layout, w.partition[segment], layout.probe_halo(), [&](int link, int links, int place) {
+        const int begin = layout.link_begin(link);
+        w.interpolant().evaluate(theta, begin, begin + links * layout.link_block(), window + place * layout.link_block());
+    });
+    return window + layout.probe_halo() * layout.link_block();
+}
+
 const double* end_blocks(Workspace& w, int segment) noexcept {
     const Segment& own = w.partition[segment];
     if (w.layout().probe_halo() == 0) return w.end_state + w.layout().link_begin(own.first);

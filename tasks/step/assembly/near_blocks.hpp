@@ -18,6 +18,9 @@ struct NearBlocks {
 /// State of one link at a share of the step, its neighbours beside it.
 [[nodiscard]] const double* near_at(const Workspace& w, int link, double theta, NearBlocks& blocks) noexcept;
 
+/// States of a segment's links at a share of the step, with as many beside them: in the segment's window.
+[[nodiscard]] const double* blocks_at(Workspace& w, int segment, double theta) noexcept;
+
 /// States of a segment's links at the step's end, with as many beside them as contact depends on: those of other segments may not be
 /// written yet, so they are combined once more.
 [[nodiscard]] const double* end_blocks(Workspace& w, int segment) noexcept;

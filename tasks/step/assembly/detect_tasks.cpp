@@ -1,0 +1,161 @@
+/// Detection after every step: soundness of the state, depth of every tip, transitions that are due.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "tasks/step/assembly/motion_check.hpp"
+#include "tasks/step/assembly/near_blocks.hpp"
+#include "tasks/step/assembly/segment_tasks.hpp"
+#include "tasks/step/assembly/tip_states.hpp"
+#include "tasks/step/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+using model::Phase;
+using model::TipIndicator;
+
+/// Whether a link's tips are where contact can be described.
+void check_contact(const Workspace& w, int link, const model::TipProbe& probe, Verdict& verdict) noexcept {
+    const auto& pulley = w.parameters.pulley;
+    const double now = w.step.time + w.step.h;
+    bool touching = false;
+    for (int tip = 0; tip < tips_of(w); ++tip) {
+        if (w.tips.phases[at(model::tips_per_link * link + tip)] == Phase::free) continue;
+        touching = true;
+        if (probe.depth[tip] > w.parameters.tip.deepest)
+            report(verdict, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
+    }
+    if (probe.radius < pulley.innermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
+    if (touching && probe.radius > pulley.outermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
+}
+
+/// Where inside the step a tip could have changed and changed back, judged on the parabola through both ends and the first slope.
+[[nodiscard]] bool grazes(const Workspace& w, int tip, const TipIndicator& middle) noexcept {
+    const Phase phase = w.tips.phases[at(tip)];
+    return w.rule.next(phase, w.tips.before[at(tip)]) == phase && w.rule.next(phase, middle) != phase;
+}
+
+constexpr double near = 2e-7;  // m: an elastic oscillation of 1e6 1/s covers less in the longest useful step
+
+/// Whether all tips of a link are free and far from contact, so that nothing can be due.
+[[nodiscard]] bool is_far(const Workspace& w, int link, const model::TipProbe& probe) noexcept {
+    bool far = true;
+    for (int tip = 0; tip < tips_of(w); ++tip)
+        far = far && w.tips.phases[at(model::tips_per_link * link + tip)] == Phase::free && probe.depth[tip] < -near;
+    return far;
+}
+
+/// Tips so close to contact that they can cross and return within a step.
+[[nodiscard]] bool near_contact(const Workspace& w, int link) noexcept {
+    const int first = model::tips_per_link * link;
+    for (int tip = first; tip < first + tips_of(w); ++tip) {
+        if (std::abs(w.tips.before[at(tip)].depth) < near && std::abs(w.tips.after[at(tip)].depth) < near) return true;
+    }
+    return false;
+}
+
+/// @param end states at the step's end, of the link and of its neighbours beside it
+void check_middle(Workspace& w, int link, const double* end, Verdict& verdict) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    NearBlocks middle;
+    const int size = layout.link_size();
+    for (int from = -layout.probe_halo(); from <= layout.probe_halo(); ++from) {
+        const double* before = w.states[0] + layout.link_begin(layout.wrapped(link + from));
+        const double* after = end + from * layout.link_block();
+        double* to = middle.place(layout, from);
+        for (int k = 0; k < size; ++k) to[k] = 0.75 * before[k] + 0.25 * after[k] + 0.25 * w.step.h * before[size + k];
+        for (int k = size; k < 2 * size; ++k) to[k] = 0.5 * (before[k] + after[k]);
+    }
+    const int begin = layout.link_begin(link);
+    const double *start = w.states[0] + begin, *slope = w.slopes[0] + begin;
+    const auto slope_at = [&](int k) noexcept {
+        if (!w.step.secant) return slope[k];
+        return k < size ? start[size + k] : (end[k] - start[k]) / w.step.h;
+    };
+    for (int k = 0; k < layout.link_block(); ++k)
+        middle.place(layout, 0)[k] = 0.75 * start[k] + 0.25 * end[k] + 0.25 * w.step.h * slope_at(k);
+    TipIndicator tips[model::tips_per_link];
+    model::TipProbe probe;
+    indicate(w, middle.place(layout, 0), w.pulleys.end_sheaves, tips, probe);
+    for (int tip = 0; tip < model::tips_per_link; ++tip) {
+        const int number = model::tips_per_link * link + tip;
+        if (may_change(w, number) && grazes(w, number, tips[tip])) verdict.pending = true;
+    }
+}
+
+/// Transitions due at the step's end, among the tips of one link.
+void find_due(Workspace& w, int link, Verdict& verdict) noexcept {
+    const int first = model::tips_per_link * link;
+    for (int tip = first; tip < first + tips_of(w); ++tip) {
+        if (w.rule.next(w.tips.phases[at(tip)], w.tips.after[at(tip)]) == w.tips.phases[at(tip)]) continue;
+        if (may_change(w, tip)) {
+            verdict.pending = true;
+        } else {
+            ++verdict.suppressed;
+        }
+    }
+}
+
+/// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
+/// start are wanted only where a transition is due: StepController::make_start_secants.)
+void make_secants(Workspace& w, const Segment& own) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    const int half = layout.link_size();
+    const double h = w.step.h;
+    for (int link = own.first; link < own.last; ++link) {
+        const int begin = layout.link_begin(link);
+        const double* __restrict from = w.states[0] + begin + half;
+        const double* __restrict to = w.end_state + begin + half;
+        std::memcpy(w.end_slope + begin, to, at(half) * sizeof(double));
+        double* __restrict mean = w.end_slope + begin + half;
+        for (int k = 0; k < half; ++k) mean[k] = (to[k] - from[k]) / h;
+    }
+}
+
+/// Local errors of a segment's links, each by itself: whoever asks for the largest gets the same however the chain is cut.
+/// @param errors room for one link
+void estimate_errors(Workspace& w, const Segment& own, double* errors) noexcept {
+    const model::ChainLayout& layout = w.layout();
+    for (int link = own.first; link < own.last; ++link) {
+        const int begin = layout.link_begin(link);
+        engine::combine(w.step.error_row, w.step.h, w.slots(), begin, begin + layout.link_block(), errors);
+        w.links.errors[at(link)] = w.step.error_scale.norm(errors, layout.link_size());
+    }
+}
+
+}  // namespace
+
+void detect_segment(void* workspace, int segment) noexcept {
+    auto& w = *static_cast<Workspace*>(workspace);
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    Verdict& verdict = w.verdicts[at(segment)];
+    verdict = {};
+    if (!w.step.links_ended) {
+        engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(own.first),
+                        layout.link_begin(own.last - 1) + layout.link_block(), w.end_state + layout.link_begin(own.first));
+    }
+    if (w.step.secant) make_secants(w, own);
+    if (w.step.estimate_error) estimate_errors(w, own, w.windows[at(segment)].data());
+    const double* end = end_blocks(w, segment);
+    if (layout.pulley_size != 0) {
+        w.variator.chain().probe_links(end, own.size(), w.pulleys.end_sheaves, w.parameters.detail.stick_slip,
+                                       w.tips.probes.data() + own.first);
+    }
+    const bool sound = all_sound(w, own);
+    for (int link = own.first; link < own.last; ++link) {
+        if (!sound) check_motion(w, link, w.end_state + layout.link_begin(link), verdict);
+        if (layout.pulley_size == 0 || verdict.fault) continue;
+        const model::TipProbe& probe = w.tips.probes[at(link)];
+        show(probe, w.tips.after.data() + model::tips_per_link * link);
+        check_contact(w, link, probe, verdict);
+        if (is_far(w, link, probe)) continue;
+        find_due(w, link, verdict);
+        if (near_contact(w, link)) check_middle(w, link, end + (link - own.first) * layout.link_block(), verdict);
+    }
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,29 @@
+#pragma once
+/// What detection, location and cutting of transitions read of the tips.
+
+#include "tasks/step/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+[[nodiscard]] inline std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
+
+/// Tips of a link that there are: whole pins have none at the front.
+[[nodiscard]] inline int tips_of(const Workspace& w) noexcept { return w.layout().whole ? model::tips_per_link / 2 : model::tips_per_link; }
+
+inline void show(const model::TipProbe& probe, model::TipIndicator* tips) noexcept {
+    for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};
+}
+
+/// The four tips of a link whose state is given.
+inline void indicate(const Workspace& w, const double* state, const model::SheaveMotion* sheaves, model::TipIndicator* tips,
+                     model::TipProbe& probe) noexcept {
+    w.variator.chain().probe(state, sheaves, w.parameters.detail.stick_slip, probe);
+    show(probe, tips);
+}
+
+/// Whether a tip may change now: it has kept its phase for the dwell time.
+[[nodiscard]] inline bool may_change(const Workspace& w, int tip) noexcept {
+    return w.step.time + w.step.h - w.tips.changed[at(tip)] >= w.step.dwell;
+}
+
+}  // namespace cvtflow::tasks
