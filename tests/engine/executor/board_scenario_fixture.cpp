@@ -1,7 +1,5 @@
 #include "board_scenario_fixture.hpp"
 
-#include <algorithm>
-
 namespace cvtflow::engine::test {
 
 int BoardCase::add(int cycle, const std::vector<int>& predecessors) {
@@ -21,20 +19,6 @@ BoardCase layers(const std::vector<int>& widths, std::size_t times) {
         before = level;
     }
     result.name += ", " + std::to_string(times) + " times";
-    result.graph.freeze();
-    return result;
-}
-
-BoardCase rows(int width, int rows, std::size_t times) {
-    BoardCase result{std::to_string(rows) + " rows of " + std::to_string(width) + ", " + std::to_string(times) + " times",
-                     std::vector<int>(times, 0)};
-    for (int row = 0; row < rows; ++row) {
-        for (int i = 0; i < width; ++i) {
-            std::vector<int> before;
-            for (int j = std::max(0, i - 1); row > 0 && j <= std::min(width - 1, i + 1); ++j) before.push_back((row - 1) * width + j);
-            result.add(0, before);
-        }
-    }
     result.graph.freeze();
     return result;
 }

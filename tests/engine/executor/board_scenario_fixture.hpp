@@ -22,8 +22,6 @@ struct BoardCase {
 };
 /// Widths of the levels of one cycle, every task waiting for all of the level before; run so many times.
 [[nodiscard]] BoardCase layers(const std::vector<int>& widths, std::size_t times);
-/// Rows of so many tasks, each waiting for itself and its neighbours of the row before in a chain.
-[[nodiscard]] BoardCase rows(int width, int rows, std::size_t times);
 /// Two cycles in turns: of a task, and of two tasks and one behind them.
 [[nodiscard]] BoardCase turns();
 

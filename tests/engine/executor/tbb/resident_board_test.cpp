@@ -100,7 +100,7 @@ TEST_F(ResidentBoardInEveryInterleaving, WorkersMayGoAwayOrNeverCome) {
 TEST_F(ResidentBoardInEveryInterleaving, ThreeWorkersAreRight) { is_right(layers({1}, 1), {.workers = 3}); }
 
 TEST_F(NightlyResidentBoardInEveryInterleaving, LongerRunsAreRight) {
-    for (const test::BoardCase& each : {test::turns(), test::rows(2, 3, 1), layers({1, 1}, 2)}) is_right(each, {});
+    for (const test::BoardCase& each : {layers({2, 1}, 1), test::turns()}) is_right(each, {});
     is_right(layers({2}, 2), {.absences = 1});
     is_right(layers({2}, 1), {.workers = 3});
 }
