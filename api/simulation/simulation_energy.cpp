@@ -1,6 +1,5 @@
 /// The part of Simulation::Impl that says whether results can be believed.
 
-
 #include "api/simulation/simulation_impl.hpp"
 #include "engine/thread/worker_threads.hpp"
 #include "tasks/run/run.hpp"

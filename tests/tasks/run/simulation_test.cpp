@@ -56,32 +56,6 @@ TEST(Simulation, HasTheSameHashForEveryNumberOfSegments) {
     }
 }
 
-/// Checkpoints pause a run every so often; what it had used of its budget is used.
-TEST(Simulation, PausesDoNotGiveTheBudgetOfWallTimeBack) {
-    struct Pausing final : RunObserver {
-        bool due = false;
-        void output(double, const Workspace&, const Counters&) override { due = true; }
-        void transition(const TransitionRecord&) override {}
-    } observer;
-    constexpr double budget = 0.05;  // [s]
-    Scene scene = tiny_scene();
-    scene.parameters.start.settling_time = 0.0;
-    scene.run.until = 1.0;  // minutes
-    scene.run.max_wall = budget;
-    Simulation simulation(scene);
-    simulation.pause_on(&observer.due);
-    Fault fault;
-    int pauses = 0;
-    do {
-        observer.due = false;
-        fault = simulation.advance({.until = scene.run.until}, observer, uncancelled);
-    } while (fault.kind == FaultKind::cancelled && ++pauses < 10'000);
-    EXPECT_EQ(fault.kind, FaultKind::max_wall);
-    EXPECT_EQ(fault.limit, budget);
-    EXPECT_GT(fault.value, budget);
-    EXPECT_GT(pauses, 3);
-}
-
 TEST(Simulation, GoesThroughTransitionsInTheseRuns) {
     Simulation simulation(tiny_scene());
     ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
