@@ -116,9 +116,13 @@ TEST_F(ResidentBoardInEveryInterleaving, WithoutAnyOneOfItsOrdersTheBoardIsWrong
     };
     int sabotaged = 0;
     for (const test::Site& site : test::explore<ModelBoard>(layers({1, 1}, 1), {.absences = 1}).sites) {
-        if (site.orders) EXPECT_TRUE(wrong(Sabotage::relaxed, site.place)) << site.place << " is not needed as it is";
+        if (site.orders) {
+            EXPECT_TRUE(wrong(Sabotage::relaxed, site.place)) << site.place << " is not needed as it is";
+        }
         const bool whole = site.kind == test::Site::Kind::swap || (site.kind == test::Site::Kind::add && site.orders);
-        if (whole) EXPECT_TRUE(wrong(Sabotage::torn, site.place)) << site.place << " need not be one operation";
+        if (whole) {
+            EXPECT_TRUE(wrong(Sabotage::torn, site.place)) << site.place << " need not be one operation";
+        }
         sabotaged += site.orders + whole;
     }
     EXPECT_GE(sabotaged, 9);
