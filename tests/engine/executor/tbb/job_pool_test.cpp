@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstring>
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 namespace cvtflow::engine {
 namespace {
@@ -32,6 +34,8 @@ TEST(JobPool, EndsWithWhatAJobThrows) {
             .run([&](int) { return next < 1000 ? std::optional(next++) : std::nullopt; },
                  [](int, long job) {
                      if (job == 3) throw std::runtime_error("job 3");
+                     // Of all the others: a second, longer than throwing takes.
+                     if (job > 3) std::this_thread::sleep_for(std::chrono::milliseconds(1));
                  });
     };
     EXPECT_THROW(run(), std::runtime_error);
