@@ -15,10 +15,15 @@ namespace cvtflow::tasks {
 
 namespace {
 
-enum FrictionCycle : int { contact_cycle = method_cycles, finish_kick_cycle, first_kick_cycle };
-
 /// Stages of the kicks' cycles; a kick of eleven stages is cycles of eight, two and one.
 constexpr std::array stages_of_kicks{1, 2, 4, 8};
+
+/// In the order in which a step runs them, which is the one in which they are told.
+enum FrictionCycle : int {
+    contact_cycle = method_cycles,
+    first_kick_cycle,
+    finish_kick_cycle = first_kick_cycle + static_cast<int>(stages_of_kicks.size())
+};
 
 /// The spectrum moves with the tension: it is looked at every so many steps.
 constexpr long steps_between_estimates = 64;
@@ -57,11 +62,10 @@ FrictionLeapfrog<Number>::FrictionLeapfrog(Workspace& workspace, Kick kick)
 
 template <class Number>
 void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
-    for (int s = 0; s < w_.partition.size(); ++s) {
-        const std::string number = "[" + std::to_string(s) + "]";
-        const auto own = [&] { return LinkAccesses(w_, s); };
-        graph.add({"record" + number, contact_cycle, engine::code_of<&FrictionLeapfrog::record>(*this), s,
-                   own()
+    const auto name = [](const char* stage, int segment) { return stage + ("[" + std::to_string(segment) + "]"); };
+    for (int s = 0; s < w_.partition.size(); ++s)
+        graph.add({name("record", s), contact_cycle, engine::code_of<&FrictionLeapfrog::record>(*this), s,
+                   LinkAccesses(w_, s)
                        .with_halo(Field::states_read)
                        .with_halo(Field::slopes_read)
                        .own(Field::phase, false)
@@ -70,8 +74,11 @@ void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
                        .own(Field::velocity_read, true)
                        .own(Field::force, true)
                        .list()});
-        graph.add({"finish" + number, finish_kick_cycle, engine::code_of<&FrictionLeapfrog::finish>(*this), s,
-                   own()
+    for (std::size_t kick = 0; kick < stages_of_kicks.size(); ++kick)
+        add_kick(graph, first_kick_cycle + static_cast<int>(kick), stages_of_kicks[kick]);
+    for (int s = 0; s < w_.partition.size(); ++s)
+        graph.add({name("finish", s), finish_kick_cycle, engine::code_of<&FrictionLeapfrog::finish>(*this), s,
+                   LinkAccesses(w_, s)
                        .own(Field::velocity_read, false)
                        .own(Field::impulse, false)
                        .own(Field::contact, false)
@@ -82,9 +89,6 @@ void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
                        .own(Field::end_state, true)
                        .own(Field::load, true)
                        .list()});
-    }
-    for (std::size_t kick = 0; kick < stages_of_kicks.size(); ++kick)
-        add_kick(graph, first_kick_cycle + static_cast<int>(kick), stages_of_kicks[kick]);
 }
 
 /// Stages one after the other: a segment's waits for the stage before of itself and of those whose velocities it reads. No two rows in
