@@ -78,10 +78,13 @@ void go(Simulation& simulation, double seconds, long most, Pace& pace) {
         before > 0 ? simulation.advance({.steps = before, .anew = true, .max_wall = 0.0}, silent, go_on) : Fault{FaultKind::max_steps};
     for (long batch = 20; pace.wall < seconds && before < most && fault.kind == FaultKind::max_steps; batch *= 2) {
         const long wanted = std::min(batch, most - before);
+        // A run looks for its automatic step once, which takes as long as a hundred steps.
+        const bool anew = before == 0 || simulation.needs_settling();
+        const long counted = anew ? 0 : simulation.counters().steps;
         const auto begin = Clock::now();
-        fault = simulation.advance({.steps = wanted, .anew = true, .max_wall = 0.0}, silent, go_on);
+        fault = simulation.advance({.steps = wanted, .anew = anew, .max_wall = 0.0}, silent, go_on);
         pace.wall += std::chrono::duration<double>(Clock::now() - begin).count();
-        pace.steps += fault.kind == FaultKind::max_steps ? wanted : simulation.counters().steps;
+        pace.steps += fault.kind == FaultKind::max_steps ? wanted : simulation.counters().steps - counted;
         before += wanted;
     }
 }

@@ -31,7 +31,7 @@ void time_in_turns(std::vector<Rung>& rungs) {
         for (std::size_t k = 0; k < rungs.size(); ++k) {
             tasks::Simulation& simulation = *rungs[k].outcome.simulation;
             const double from = simulation.time(), began = processor_time();
-            static_cast<void>(simulation.advance({.until = from + round_length, .anew = true}, silent, catch_interrupts()));
+            static_cast<void>(simulation.advance({.until = from + round_length}, silent, catch_interrupts()));
             times[k][round] = (processor_time() - began) / std::max(simulation.time() - from, 1e-9);
         }
     }

@@ -45,12 +45,16 @@ Trial::Trial(const Scene& scene, const Schedule& schedule, engine::StampRecorder
 TrialSample Trial::run(long steps, double patience) {
     const double cpu = processor_seconds();
     Impatient observer(patience);
-    const Fault fault = simulation_.advance({.steps = steps, .anew = true, .max_wall = 0.0}, observer, observer.cancellation());
+    const bool anew = !begun_ || simulation_.needs_settling();
+    const Counters before = anew ? Counters{} : simulation_.counters();
+    const Fault fault = simulation_.advance({.steps = steps, .anew = anew, .max_wall = 0.0}, observer, observer.cancellation());
+    begun_ = true;
     const double wall = observer.waited();
     const double used = processor_seconds() - cpu;
     simulation_.runner().release_threads();  // the next schedule's turn is its own
     if (fault && fault.kind != FaultKind::max_steps && fault.kind != FaultKind::cancelled) throw SimulationError(fault.message());
-    return {wall, used, simulation_.counters().steps, simulation_.counters().evaluations};
+    const Counters& after = simulation_.counters();
+    return {wall, used, after.steps - before.steps, after.evaluations - before.evaluations};
 }
 
 long steps_within(double seconds, double per_step) noexcept { return static_cast<long>(std::clamp(seconds / per_step, 1.0, 1e5)); }

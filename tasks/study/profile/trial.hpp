@@ -22,7 +22,8 @@ public:
     /// @throws as Simulation
     Trial(const Scene& scene, const Schedule& schedule, engine::StampRecorder* recorder = nullptr);
 
-    /// Goes on for so many steps, or fewer if they take longer than `patience` [s]; that is looked at once per output interval.
+    /// Goes on for so many steps, or fewer if they take longer than `patience` [s]; that is looked at once per output interval. What a run
+    /// does once, the search for its automatic step, is in the first call alone (before a start has settled: in every call).
     /// @throws SimulationError if the simulation ends by itself: there is nothing to measure then
     TrialSample run(long steps, double patience = 3600.0);
 
@@ -30,6 +31,7 @@ public:
 
 private:
     Simulation simulation_;
+    bool begun_ = false;
 };
 
 /// Steps that fit into `seconds` at `per_step`; 1 to 100 000. seconds [s], per_step [s]
