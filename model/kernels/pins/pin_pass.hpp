@@ -177,7 +177,12 @@ private:
         const Plane<V> couple = forces_.template plane<W>(couple_row, at - 1) - forces_.template plane<W>(couple_row, at);
         f[0] += couple.x;
         f[y] += couple.y;
-        accelerate_pins<P, W>(model_.inertia(), f.data());
+        accelerate_pins<P, W>(model_.inertia().lateral, model_.inertia().axial, f.data());
+        if constexpr (Contacts::relative) {
+            std::array<V, size> v;
+            motion_.velocities(at, v.data());
+            contacts_.template velocities<size>(own(at), std::min(W, count_ - (at - pin_halo)), v.data());
+        }
         if constexpr (Contacts::wanted) {
             contacts_.accelerations(own(at), W, f.data(), size);
         } else {
