@@ -35,12 +35,16 @@ void add(const SheaveLoad& load, SheaveLoad& total) noexcept {
 
 }  // namespace
 
-void Variator::adopt(const Parameters& before, const Parameters& p) {
+bool Variator::same_machine(const Parameters& a, const Parameters& b) {
     const auto machine = [](const Parameters& of) {
         return std::tie(of.detail, of.chain, of.half, of.plate, of.joint, of.tip, of.pulley, of.control.enabled, of.control.driven,
                         of.ledger);
     };
-    if (machine(before) != machine(p)) chain_ = ChainModel(p, chain_.isa());
+    return machine(a) == machine(b);
+}
+
+void Variator::adopt(const Parameters& before, const Parameters& p) {
+    if (!same_machine(before, p)) chain_ = ChainModel(p, chain_.isa());
     pulleys_.adopt(p);
 }
 

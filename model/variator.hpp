@@ -22,6 +22,8 @@ public:
     /// @param isa which kernels run; results do not depend on it
     explicit Variator(const Parameters& parameters, Isa isa = chosen_isa()) : chain_(parameters, isa), pulleys_(parameters) {}
 
+    /// Whether they differ in nothing but inputs, control's gains and what else can change without another machine.
+    [[nodiscard]] static bool same_machine(const Parameters& a, const Parameters& b);
     /// Becomes the variator of other parameters, inputs released. Allocates nothing if the machine stays the same: chain, detail, pulleys'
     /// geometry.
     /// @param before its parameters so far

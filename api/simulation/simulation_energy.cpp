@@ -1,23 +1,15 @@
 /// The part of Simulation::Impl that says whether results can be believed.
 
-#include <cstdio>
-
 #include "api/simulation/simulation_impl.hpp"
 #include "engine/thread/worker_threads.hpp"
+#include "tasks/run/run.hpp"
 
 namespace cvtflow {
 inline namespace v0 {
 
 std::vector<std::string> Simulation::Impl::notices() const {
     std::vector<std::string> lines = simulation_.start_differences();
-    if (!energy().reliable) {
-        char text[200];
-        std::snprintf(text, sizeof text,
-                      "unreliable: the energy balance is off by %.2g times what an honest integration leaves; a shorter step is needed "
-                      "(run.step = \"auto\", or less)",
-                      energy().suspicion);
-        lines.emplace_back(text);
-    }
+    if (!energy().reliable) lines.push_back(tasks::unreliable_text(energy().suspicion, data().run.step, simulation_.step()));
     const engine::ThreadShortage threads = engine::thread_shortage();
     if (threads.wanted > 0)
         lines.push_back("threads: the system gave " + std::to_string(threads.had) + " of " + std::to_string(threads.wanted));

@@ -23,17 +23,22 @@ public:
     /// Returns the word's value once it differs from `old`; acquires what was written before it was stored.
     template <class Word>
     [[nodiscard]] Word change(const std::atomic<Word>& word, Word old) noexcept {
+        Word now = old;
+        until([&]() noexcept { return (now = word.load(std::memory_order_acquire)) != old; });
+        return now;
+    }
+
+    /// Returns once ready() does not say false.
+    template <class Ready>
+    void until(const Ready& ready) noexcept {
         for (int poll = 0; poll < first_polls; ++poll) {
-            if (const Word now = word.load(std::memory_order_acquire); now != old) return now;
+            if (ready()) return;
             pause();
         }
         const auto begin = std::chrono::steady_clock::now();
         for (;;) {
             const auto waited = std::chrono::steady_clock::now() - begin;
-            if (const Word now = word.load(std::memory_order_acquire); now != old) {
-                learn(waited);
-                return now;
-            }
+            if (ready()) return learn(waited);
             rest(waited);
         }
     }

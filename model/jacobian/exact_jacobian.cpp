@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "model/basis/order.hpp"
 #include "model/jacobian/link_contacts.hpp"
 #include "model/jacobian/tip_rows.hpp"
 
@@ -94,12 +95,7 @@ ExactJacobian::ExactJacobian(const Variator& variator)
       tail_(static_cast<std::size_t>(variator.layout().size() - variator.layout().pulley_begin())),
       above_(tail_),
       below_(tail_) {
-    switch (variator.layout().order) {
-        case 0: link_ = link_jacobian<0>; break;
-        case 1: link_ = link_jacobian<1>; break;
-        case 2: link_ = link_jacobian<2>; break;
-        default: link_ = link_jacobian<3>; break;
-    }
+    link_ = of_order(variator.layout().order, []<int P>() { return &link_jacobian<P>; });
     if (variator.layout().pulley_size != 0) find_maps();
 }
 

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "model/basis/order.hpp"
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
 #include "model/kernels/lanes/lane_pass.hpp"
@@ -122,24 +123,16 @@ void slopes(const ChainModel& model, const ChainRange& range, double* slope, Lin
     }
 }
 
-template <int P>
-[[nodiscard]] ChainKernels kernels_of_order() noexcept {
-    if constexpr (slopes_alone)
-        return {slopes<P>, nullptr, nullptr, nullptr};
-    else
-        return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>};
-}
-
 }  // namespace
 
 template <>
 ChainKernels chain_kernels<compiled_isa>(int order) noexcept {
-    switch (order) {
-        case 0: return kernels_of_order<0>();
-        case 1: return kernels_of_order<1>();
-        case 2: return kernels_of_order<2>();
-        default: return kernels_of_order<3>();
-    }
+    return of_order(order, []<int P>() -> ChainKernels {
+        if constexpr (slopes_alone)
+            return {slopes<P>, nullptr, nullptr, nullptr};
+        else
+            return {slopes<P>, slopes_of<P, true>, probe_link<P>, probe_links<P>};
+    });
 }
 
 }  // namespace cvtflow::model

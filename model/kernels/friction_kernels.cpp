@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "model/basis/order.hpp"
 #include "model/contact/friction_lanes.hpp"
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
@@ -43,21 +44,11 @@ void evaluate(const FrictionOperator& friction, const ContactField& field, const
     in_groups(links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, stage); });
 }
 
-template <int P>
-[[nodiscard]] FrictionKernels kernels_of_order() noexcept {
-    return {record<P>, evaluate<P, false>, evaluate<P, true>};
-}
-
 }  // namespace
 
 template <>
 FrictionKernels friction_kernels<compiled_isa>(int order) noexcept {
-    switch (order) {
-        case 0: return kernels_of_order<0>();
-        case 1: return kernels_of_order<1>();
-        case 2: return kernels_of_order<2>();
-        default: return kernels_of_order<3>();
-    }
+    return of_order(order, []<int P>() -> FrictionKernels { return {record<P>, evaluate<P, false>, evaluate<P, true>}; });
 }
 
 }  // namespace cvtflow::model

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstring>
 
+#include "model/basis/order.hpp"
 #include "model/kernels/kernels.hpp"
 #include "model/kernels/pins/pin_friction.hpp"
 #include "model/kernels/pins/pin_pass.hpp"
@@ -123,23 +124,15 @@ void evaluate(const FrictionOperator& friction, const ContactFieldOf<Number>& fi
     over_groups<Number>(0, pins, [&]<int W>(int own) { PinFriction<P, W, Steepest>(friction, field, range).pins(own, stage); });
 }
 
-template <int P>
-[[nodiscard]] PinKernels kernels_of_order() noexcept {
-    return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>},
-            {record<P>, evaluate<double, P, false>, evaluate<double, P, true>},
-            {record_single<P>, evaluate<float, P, false>, evaluate<float, P, true>}};
-}
-
 }  // namespace
 
 template <>
 PinKernels pin_kernels<compiled_isa>(int order) noexcept {
-    switch (order) {
-        case 0: return kernels_of_order<0>();
-        case 1: return kernels_of_order<1>();
-        case 2: return kernels_of_order<2>();
-        default: return kernels_of_order<3>();
-    }
+    return of_order(order, []<int P>() -> PinKernels {
+        return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>},
+                {record<P>, evaluate<double, P, false>, evaluate<double, P, true>},
+                {record_single<P>, evaluate<float, P, false>, evaluate<float, P, true>}};
+    });
 }
 
 }  // namespace cvtflow::model

@@ -1,5 +1,6 @@
 /// Friction in single precision, compiled once per instruction set.
 
+#include "model/basis/order.hpp"
 #include "model/contact/friction_lanes.hpp"
 #include "model/kernels/kernels.hpp"
 #include "model/kernels/lanes/lane_pass.hpp"
@@ -26,21 +27,13 @@ void evaluate_single(const FrictionOperator& friction, const ContactFieldOf<floa
     over_groups<float>(0, links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, stage); });
 }
 
-template <int P>
-[[nodiscard]] SingleFrictionKernels single_of_order() noexcept {
-    return {record_single<P>, evaluate_single<P, false>, evaluate_single<P, true>};
-}
-
 }  // namespace
 
 template <>
 SingleFrictionKernels single_kernels<compiled_isa>(int order) noexcept {
-    switch (order) {
-        case 0: return single_of_order<0>();
-        case 1: return single_of_order<1>();
-        case 2: return single_of_order<2>();
-        default: return single_of_order<3>();
-    }
+    return of_order(order, []<int P>() -> SingleFrictionKernels {
+        return {record_single<P>, evaluate_single<P, false>, evaluate_single<P, true>};
+    });
 }
 
 }  // namespace cvtflow::model

@@ -1,3 +1,4 @@
+#include "model/basis/order.hpp"
 #include "model/contact/slip/slip_chain.hpp"
 #include "model/contact/slip/slip_coupling.hpp"
 #include "model/contact/slip/slip_geometry.hpp"
@@ -77,12 +78,7 @@ template <int P, int Points>
 
 template <int Points>
 [[nodiscard]] SlipKernels kernels_of_order(int order) noexcept {
-    switch (order) {
-        case 0: return kernels<0, Points>();
-        case 1: return kernels<1, Points>();
-        case 2: return kernels<2, Points>();
-        default: return kernels<3, Points>();
-    }
+    return of_order(order, []<int P>() { return kernels<P, Points>(); });
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include "model/basis/order.hpp"
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
 
@@ -97,12 +98,7 @@ template <int P>
 
 template <>
 StagedFunctions staged_kernels<compiled_isa>(int order, bool observe) noexcept {
-    switch (order) {
-        case 0: return functions_of<0>(observe);
-        case 1: return functions_of<1>(observe);
-        case 2: return functions_of<2>(observe);
-        default: return functions_of<3>(observe);
-    }
+    return of_order(order, [=]<int P>() { return functions_of<P>(observe); });
 }
 
 }  // namespace cvtflow::model

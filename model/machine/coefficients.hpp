@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "model/basis/order.hpp"
 #include "model/law/friction_curve.hpp"
 #include "model/parameters/chain_layout.hpp"
 #include "model/parameters/parameters.hpp"
@@ -12,7 +13,7 @@ namespace cvtflow::model {
 
 inline constexpr int most_plate_lanes = 64;
 inline constexpr int most_joint_lanes = 16;
-inline constexpr int most_lateral = 4;
+inline constexpr int most_lateral = most_order + 1;
 
 /// A spring with its viscous partner.
 struct Spring {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "model/basis/order.hpp"
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/pins/pin_among_others.hpp"
 #include "model/observe/pin_halves.hpp"
@@ -175,7 +176,6 @@ void read_forces(const ForceReading& from) {
 int plates_per_link(const ChainModel& chain) noexcept { return chain.coefficients().plates.count; }
 
 void observe_forces(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases, ChainForces& forces) {
-    constexpr void (*of_order[])(const ForceReading&) = {read_forces<0>, read_forces<1>, read_forces<2>, read_forces<3>};
     const std::size_t links = place(chain.layout().links);
     forces.plates_per_link = plates_per_link(chain);
     for (auto* list : {&forces.tip_normal, &forces.tip_tangential, &forces.tip_radial}) list->assign(tips_per_link * links, 0.0);
@@ -184,7 +184,8 @@ void observe_forces(const ChainModel& chain, const double* state, const SheaveMo
     forces.plate_tension.assign(place(forces.plates_per_link) * links, 0.0);
     std::vector<double> halves;
     halves_of(chain, state, halves);
-    of_order[chain.layout().order]({chain, state, halves.data(), sheaves, phases, forces});
+    const ForceReading reading{chain, state, halves.data(), sheaves, phases, forces};
+    of_order(chain.layout().order, [&]<int P>() { read_forces<P>(reading); });
 }
 
 }  // namespace cvtflow::model

@@ -40,12 +40,18 @@ constexpr double most_damping = 1e-4;
     return reach;
 }
 
+[[nodiscard]] MethodReach of_oscillator(const ProgramStability& stability) {
+    const double oscillation = limit_with_any_friction(stability).oscillation;
+    // Where friction is needed for stability, least friction allows nothing; it is there then.
+    return {oscillation, stability.longest_decay, forever, std::max(oscillation, reach(stability, 0.0, 0.0, 1.0, 0.0)),
+            stability.longest_damping};
+}
+
 [[nodiscard]] MethodReach found_reach(std::string_view method) {
     if (const MethodProgram* program = find_program(method)) {
         if (program->stability == nullptr) return {forever, forever, forever};
         const ProgramStability stability = program->stability();
-        if (stability.equation == TestEquation::oscillator)
-            return {limit_with_any_friction(stability).oscillation, stability.longest_decay, forever};
+        if (stability.equation == TestEquation::oscillator) return of_oscillator(stability);
         return {reach(stability, 0.0, 0.0, -least_damping, std::sqrt(1.0 - least_damping * least_damping)),
                 reach(stability, 0.0, 0.0, -1.0, 0.0), forever};
     }
@@ -64,12 +70,33 @@ MethodReach reach_of(std::string_view method) {
     });
 }
 
-AutoStep::AutoStep(const model::Variator& variator, std::string_view method) : reach_(reach_of(method)), bound_(variator) {}
+AutoStep::AutoStep(const model::Variator& variator, const model::Parameters& parameters, std::string_view method)
+    : reach_(reach_of(method)), bound_(variator) {
+    if (reach_.damping == forever) return;
+    model::Parameters without_friction = parameters;
+    for (model::Friction* friction : {&without_friction.plate.friction, &without_friction.joint.friction, &without_friction.tip.friction})
+        friction->coefficient = 0.0;
+    frictionless_ = std::make_unique<model::Variator>(without_friction);
+    for (const MovedPart part : {MovedPart::links, MovedPart::pulleys}) damped_parts_.emplace_back(*frictionless_, part);
+}
+
+/// What damps most need not be what oscillates fastest, and is taken to be. Links and pulleys each by themselves: their fastest motions are
+/// far apart.
+double AutoStep::damped_step(double time, const double* state, const model::Phase* phases) noexcept {
+    double step = forever;
+    for (SpectralBound& part : damped_parts_) {
+        part.forget();
+        evaluations_ += part.estimate_at_rest(time, state, phases);
+        step = std::min(step, 1.0 / (part.imaginary() / reach_.frictionless + part.real() / reach_.damping));
+    }
+    return step;
+}
 
 void AutoStep::restart() noexcept {
     bound_.forget();
     looked_ = begun_ = -1e300;
     stable_ = 0.0;
+    damped_ = forever;
     evaluations_ = 0;
 }
 
@@ -77,26 +104,28 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
     if (begun_ == -1e300) begun_ = time;
     if (time - looked_ >= std::min(look_interval, looked_ - begun_) * (1.0 - 1e-9)) {
         evaluations_ += bound_.estimate_at_rest(time, state, phases);
+        if (time == begun_) damped_ = damped_step(time, state, phases);  // it depends on the machine, hardly on its state
         looked_ = time;
         const auto within = [](double reach, double extent) { return extent > 0.0 ? reach / extent : forever; };
-        stable_ = std::min(within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()));
+        stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
     }
     const double accurate = bound_.imaginary() > 0.0 ? reach_.accurate / bound_.imaginary() : forever;
     return std::min(margin * stable_, accurate);  // whoever asks knows the longest step of all
 }
 
 void AutoStep::save(std::vector<double>& memory) const {
-    memory.assign({looked_, begun_, stable_, static_cast<double>(evaluations_)});
+    memory.assign({looked_, begun_, stable_, damped_, static_cast<double>(evaluations_)});
     bound_.save(memory);
 }
 
 void AutoStep::load(std::span<const double> memory) {
     restart();
     if (memory.empty()) return;
-    const auto own = taken(memory, 3);
+    const auto own = taken(memory, 4);
     looked_ = own[0];
     begun_ = own[1];
     stable_ = own[2];
+    damped_ = own[3];
     evaluations_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
     (void)bound_.load(memory);
 }

@@ -2,6 +2,7 @@
 /// `run.step = "auto"`: the longest step within the method's stability at the present state, with a margin, and within the error that the
 /// default promises.
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -17,6 +18,9 @@ struct MethodReach {
     double oscillation;  ///< largest h ω of an elastic oscillation, whatever the friction beside it [1]
     double decay;        ///< largest h |λ| of friction and damping [1]
     double accurate;     ///< largest h ω that it does not damp much more than the chain does itself [1]
+    /// Of methods that take friction apart, without any: h ω without damping, and h δ of a damping δ without oscillation. Of both, shares
+    /// add up. [1]
+    double frictionless = std::numeric_limits<double>::infinity(), damping = std::numeric_limits<double>::infinity();
 };
 
 /// Of any method of the catalogue; computed once per name. Infinite where linear stability sets no limit, or where the method
@@ -32,8 +36,8 @@ public:
     /// whenever the time since the beginning has doubled.
     static constexpr double look_interval = 1e-3;
 
-    /// `variator` must outlive it. Takes all its memory here.
-    AutoStep(const model::Variator& variator, std::string_view method);
+    /// `variator`, that of `parameters` or of the same machine, must outlive it. Takes all its memory here.
+    AutoStep(const model::Variator& variator, const model::Parameters& parameters, std::string_view method);
 
     void restart() noexcept override;
     /// Looks at the spectrum if the last look is too old. time [s], state [unknowns]
@@ -49,10 +53,15 @@ public:
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
 
 private:
+    [[nodiscard]] double damped_step(double time, const double* state, const model::Phase* phases) noexcept;
+
     MethodReach reach_;
     SpectralBound bound_;
-    double looked_ = -1e300, begun_ = -1e300;  ///< when [s]
-    double stable_ = 0.0;                      ///< the longest stable step found [s]
+    std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
+    std::vector<SpectralBound> damped_parts_;                  ///< of it
+    double damped_ = std::numeric_limits<double>::infinity();  ///< longest stable step without friction [s]
+    double looked_ = -1e300, begun_ = -1e300;                  ///< when [s]
+    double stable_ = 0.0;                                      ///< the longest stable step found [s]
     long evaluations_ = 0;
 };
 

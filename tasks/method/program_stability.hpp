@@ -2,6 +2,7 @@
 /// Linear stability of methods that are programs and not tables of stages: what one step makes of the test equation that they are made for.
 
 #include <functional>
+#include <limits>
 
 namespace cvtflow::tasks {
 
@@ -29,6 +30,8 @@ struct ProgramStability {
     /// @param decay h c or -h λ, > 0, where the method steps; decay [1]
     std::function<StageFigures(double decay)> stages;
     double longest_decay;  ///< up to which the method steps; infinite if it always does [1]
+    /// Of methods for the oscillator: largest h δ of an explicit damping δ that is no friction, where nothing oscillates [1].
+    double longest_damping = std::numeric_limits<double>::infinity();
     /// Limit of an oscillator with any friction up to `stiffest` beside another with just that much, which decides how many stages a step
     /// takes. Empty where the friction of others makes no difference. stiffest [1]
     std::function<FrictionLimit(double stiffest)> beside = {};

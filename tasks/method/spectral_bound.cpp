@@ -19,7 +19,8 @@ double seed(int index) { return model::portable_sin(1.0 + 2.399963 * index) + 0.
 
 }  // namespace
 
-SpectralBound::SpectralBound(const model::Variator& variator) : variator_(variator), scratch_(variator.layout()) {
+SpectralBound::SpectralBound(const model::Variator& variator, MovedPart part)
+    : variator_(variator), part_(part), scratch_(variator.layout()) {
     const auto size = static_cast<std::size_t>(variator.layout().size());
     rest_phases_.resize(static_cast<std::size_t>(model::tips_per_link * variator.layout().links));
     for (auto* field : {&velocity_.direction, &coordinate_.direction, &base_, &moved_, &slope_, &rest_}) field->assign(size, 0.0);
@@ -29,14 +30,15 @@ SpectralBound::SpectralBound(const model::Variator& variator) : variator_(variat
 
 double SpectralBound::imaginary() const noexcept { return std::sqrt(coordinate_.value); }
 
-/// Calls action(coordinate's index, velocity's index) for links and pulleys.
+/// Calls action(coordinate's index, velocity's index) for what is moved.
 template <class Action>
 void SpectralBound::for_each_unknown(Action action) const noexcept {
     const model::ChainLayout& at = variator_.layout();
-    for (int link = 0; link < at.links; ++link) {
+    for (int link = 0; link < at.links && part_ != MovedPart::pulleys; ++link) {
         for (int k = 0; k < at.link_size(); ++k) action(at.link_begin(link) + k, at.link_begin(link) + at.link_size() + k);
     }
-    for (int k = 0; k < at.pulley_size; ++k) action(at.pulley_begin() + k, at.pulley_begin() + at.pulley_size + k);
+    for (int k = 0; k < at.pulley_size && part_ != MovedPart::links; ++k)
+        action(at.pulley_begin() + k, at.pulley_begin() + at.pulley_size + k);
 }
 
 int SpectralBound::iterate(Iteration& iteration, bool of_velocities, double t, const double* state, const model::Phase* phases) noexcept {
@@ -79,7 +81,9 @@ void SpectralBound::begin() noexcept {
 int SpectralBound::estimate_at_rest(double t, const double* state, const model::Phase* phases) noexcept {
     begin();
     std::copy_n(state, rest_.size(), rest_.begin());
-    for_each_unknown([&](int, int v) { rest_[static_cast<std::size_t>(v)] = 0.0; });
+    const model::ChainLayout& at = variator_.layout();
+    for (int link = 0; link < at.links; ++link) std::fill_n(rest_.begin() + at.link_begin(link) + at.link_size(), at.link_size(), 0.0);
+    std::fill_n(rest_.begin() + at.pulley_begin() + at.pulley_size, at.pulley_size, 0.0);
     std::transform(phases, phases + rest_phases_.size(), rest_phases_.begin(),
                    [](model::Phase phase) { return phase == model::Phase::slip ? model::Phase::stick : phase; });
     model::right_hand_side(variator_, t, rest_.data(), rest_phases_.data(), base_.data(), scratch_);

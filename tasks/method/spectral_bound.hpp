@@ -10,10 +10,13 @@
 
 namespace cvtflow::tasks {
 
+/// Whose unknowns are moved; those of the others stay where they are.
+enum class MovedPart { all, links, pulleys };
+
 class SpectralBound {
 public:
     /// `variator` must outlive it. Takes all its memory here.
-    explicit SpectralBound(const model::Variator& variator);
+    explicit SpectralBound(const model::Variator& variator, MovedPart part = MovedPart::all);
 
     /// Estimates at a state with its phases held: serial, deterministic, a warm start from the last call. [layout.size()]
     /// @return evaluations of the right-hand side that it took
@@ -52,6 +55,7 @@ private:
     void for_each_unknown(Action action) const noexcept;
 
     const model::Variator& variator_;
+    const MovedPart part_;
     Iteration velocity_, coordinate_;
     std::vector<double> base_, moved_, slope_, rest_;  ///< [unknowns]
     std::vector<model::Phase> rest_phases_;            ///< none of them slips

@@ -92,7 +92,7 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
 /// is not enough, the step is looked at as a whole.
 void foretell(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
     if (scene.run.step.automatic()) return;  // what chooses it knows the limit
-    AutoStep advice(simulation.variator(), scene.run.method);
+    AutoStep advice(simulation.variator(), scene.parameters, scene.run.method);
     const double automatic = std::min(longest_automatic_step(simulation.workspace().parameters.detail.pins),
                                       advice.longest(simulation.time(), simulation.state(), simulation.phases().data()));
     report.stable_step = advice.stable_step();
@@ -239,12 +239,13 @@ std::string error_lines(const RunReport& r) {
 
 }  // namespace
 
-std::string unreliable_text(const RunReport& r) {
+std::string unreliable_text(double suspicion, const AutoNumber& setting, double step) {
     return fmt::format(
-        "unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; a shorter step is needed (run.step = "
-        "\"auto\", or less)",
-        r.suspicion);
+        "unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; a shorter step is needed (run.step = {})",
+        suspicion, setting.automatic() ? fmt::format("{:.2g}, half of what \"auto\" took", 0.5 * step) : "\"auto\", or less");
 }
+
+std::string unreliable_text(const RunReport& r) { return unreliable_text(r.suspicion, r.step_setting, r.step); }
 
 std::string summary(const RunReport& r) {
     const double simulated = r.end - r.begin;

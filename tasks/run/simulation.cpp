@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <tuple>
 
 #include "engine/base/hash.hpp"
 #include "engine/method/catalogue.hpp"
@@ -60,6 +62,7 @@ bool Simulation::fits(const Scene& scene) const {
 }
 
 void Simulation::reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed) {
+    if (!model::Variator::same_machine(scene_.parameters, scene.parameters)) choice_.reset();
     scene_ = scene;
     integrator_->adopt(scene.parameters);
     counters_ = {};
@@ -87,6 +90,9 @@ void Simulation::begin_at(const model::StartState& start) {
 Simulation::~Simulation() = default;
 
 namespace {
+
+/// What is left of a budget that is used up: 0 would be none [s].
+constexpr double shortest_budget = 1e-9;
 
 constexpr std::size_t ledger_size = model::loss_kinds + model::work_kinds;
 
@@ -141,7 +147,7 @@ Fault Simulation::drive(StepController& controller) {
 
 double Simulation::automatic_step() const {
     return std::min(longest_automatic_step(scene_.parameters.detail.pins),
-                    AutoStep(workspace_->variator, scene_.run.method).longest(time_, state(), phases().data()));
+                    AutoStep(workspace_->variator, scene_.parameters, scene_.run.method).longest(time_, state(), phases().data()));
 }
 
 StepSettings Simulation::settings_of(const Goal& goal) const {
@@ -172,14 +178,20 @@ StepSettings Simulation::settings_of(const Goal& goal) const {
 }
 
 Fault Simulation::advance(const Goal& goal, RunObserver& observer, const engine::Cancellation& cancel) {
-    const StepSettings settings = settings_of(goal);
+    StepSettings settings = settings_of(goal);
+    const double budget = settings.max_wall;
+    if (budget > 0.0) settings.max_wall = std::max(shortest_budget, budget - paused_wall_);
+    const auto begun = std::chrono::steady_clock::now();
     std::optional<StepController> controller;
     if (rest_.started && !goal.anew)
         controller.emplace(*workspace_, integrator_->method(), settings, rest_, observer, cancel);
     else
         controller.emplace(*workspace_, integrator_->method(), settings, observer, cancel);
     if (goal.anew) rest_.settling = needs_settling_ && settings.begin < 0.0;
-    const Fault fault = drive(*controller);
+    Fault fault = drive(*controller);
+    paused_wall_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    if (fault.kind == FaultKind::max_wall) std::tie(fault.value, fault.limit) = std::pair(paused_wall_, budget);
+    if (fault.kind != FaultKind::cancelled || pause_ == nullptr || !*pause_) paused_wall_ = 0.0;
     const bool settled = rest_.settling && !goal.anew && time_ >= -1e-9 * settings.output_interval;
     if (settled && (!fault || goal.steps > 0)) end_settling();
     return fault;
@@ -198,7 +210,7 @@ void Simulation::rest_at_start() {
     if (!scene_.run.step.automatic())
         choice_.reset();
     else if (choice_ == nullptr)
-        choice_ = std::make_unique<AutoStep>(w.variator, scene_.run.method);
+        choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, scene_.run.method);
     workspace_->energy.restart(integrator_->method().observation_stride());
     rest_.started = false;
     rest_.settling = needs_settling_;

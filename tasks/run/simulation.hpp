@@ -137,6 +137,7 @@ private:
     std::vector<std::string> start_differences_;
     IntegrationState rest_;
     const bool* pause_ = nullptr;
+    double paused_wall_ = 0.0;  ///< of the advances since the last that did not end in a pause [s]
 };
 
 /// The simulation's present state, with the phases that a run would begin with.

@@ -43,7 +43,7 @@ std::vector<std::string> nearest_keys(std::string_view key) {
     for (const Parameter& parameter : rows)
         if (parameter.name() == name) of_that_name.emplace_back(parameter.key);
     // A dial of detail may have the name of what it is a detail of, which is meant more often.
-    std::ranges::stable_partition(of_that_name, [](const std::string& one) { return !one.starts_with("detail."); });
+    std::stable_partition(of_that_name.begin(), of_that_name.end(), [](const std::string& one) { return !one.starts_with("detail."); });
     if (of_that_name.size() > most_suggested) of_that_name.resize(most_suggested);
     if (of_that_name.empty() && !near.empty()) of_that_name.push_back(near);
     return of_that_name;

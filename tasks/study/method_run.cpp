@@ -19,7 +19,8 @@ Fault MethodRun::run(const FrozenStart& start, double duration, double step, dou
                      const engine::Cancellation& cancel) {
     Workspace& workspace = integrator_.workspace();
     integrator_.begin_at(start);
-    if (step == 0.0 && choice_ == nullptr) choice_ = std::make_unique<AutoStep>(workspace.variator, integrator_.method_name());
+    if (step == 0.0 && choice_ == nullptr)
+        choice_ = std::make_unique<AutoStep>(workspace.variator, workspace.parameters, integrator_.method_name());
     StepSettings settings{start.time, start.time + duration, step, output_interval, 0, 0.0};
     if (step == 0.0) settings.choice = choice_.get();
     StepController controller(workspace, integrator_.method(), settings, observer, cancel);

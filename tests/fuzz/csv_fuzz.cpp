@@ -8,7 +8,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     const cvtflow::fuzz::MemoryFile file(bytes, size);
     std::vector<cvtflow::tasks::Problem> problems;
-    const cvtflow::tasks::Axis axis = cvtflow::tasks::read_csv_axis(file.path(), {}, problems);
+    const cvtflow::tasks::Axis axis = cvtflow::tasks::read_csv_axis(file.path(), {}, {}, problems);
     if (problems.empty() == axis.keys.empty()) std::abort();  // either, or
     return 0;
 }

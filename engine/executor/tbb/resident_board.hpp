@@ -1,31 +1,36 @@
 #pragma once
-/// The protocol of resident workers: a board on which levels of tasks are opened and their tasks claimed. Private to this folder;
-/// knows nothing of who provides the threads.
+/// The protocol of resident workers: a board on which cycles are opened, and their tasks claimed as soon as their predecessors have
+/// finished. Private to this folder; knows nothing of who provides the threads.
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
 #include "engine/executor/run.hpp"
-#include "engine/executor/tbb/contention_backoff.hpp"
-#include "engine/thread/backoff.hpp"
+#include "engine/executor/tbb/board_machine.hpp"
 
 namespace cvtflow::engine {
 
 /// Workers come and go as they like: one that never comes, or is away for a while, costs speed and nothing else. Any one of them
 /// finishes everything. Allocates in the constructor only.
-class ResidentBoard {
+/// @tparam Machine what it stands on: BoardMachine, or in tests one that goes through every interleaving
+template <class Machine>
+class ResidentBoardOn {
 public:
     /// `first` is the first cycle, already decided.
-    /// @throws std::length_error for more than a million levels or tasks per level and worker
-    ResidentBoard(Run& run, const ExecutorOptions& options, int first);
+    /// @throws std::length_error for more than a million cycles or tasks per cycle and worker
+    ResidentBoardOn(Run& run, const ExecutorOptions& options, int first);
 
     /// Takes part until the controller says stop. Worker numbers are 0 … threads - 1, at most one thread works under each.
     void work(int worker) noexcept;
 
 private:
-    /// A sequence number that grows by one per opened level (44 bits: half a year of microseconds), and a count (20 bits).
+    template <class Value>
+    using Atomic = typename Machine::template Atomic<Value>;
+
+    /// A sequence number that grows by one per opened cycle (44 bits: half a year of microseconds), and a count (20 bits).
     struct Word {
         static constexpr int count_bits = 20;
         static constexpr std::uint64_t most = (std::uint64_t{1} << count_bits) - 1;
@@ -34,35 +39,61 @@ private:
         static std::uint64_t count(std::uint64_t word) noexcept { return word & most; }
     };
     struct alignas(apart) Padded {
-        std::atomic<std::uint64_t> value{0};
+        Atomic<std::uint64_t> value{0};
     };
     struct alignas(apart) Count {
-        std::atomic<int> value{0};
+        Atomic<int> value{0};
     };
-    struct Level {
-        std::span<const int> tasks;
-        int next;  ///< number of the level that follows, or last
+    /// Of tasks of one worker and level.
+    struct alignas(apart) Stamps {
+        std::array<Atomic<std::uint64_t>, Machine::numbers_together> values{};
     };
-    static constexpr int last = -1;
-    static constexpr int rounds_per_reading = 16;  // reading the clock costs 25 ns, a level takes at least 300
+    /// A task in its share.
+    struct Place {
+        int task;
+        int stamp;                      ///< its own, or none: nobody waits for it
+        std::size_t first_wait, waits;  ///< stamps of its predecessors, in waits_
+    };
+    struct Share {
+        std::size_t first, size;  ///< in places_
+    };
+    /// The first task of a share that nobody has taken.
+    enum class Head { none, blocked, ready };
+    static constexpr int none = -1;
 
-    [[nodiscard]] std::uint64_t finish(int worker, std::uint64_t open) noexcept;
-    [[nodiscard]] std::uint64_t run_share(int worker, int owner, std::uint64_t open) noexcept;
-    [[nodiscard]] bool settle(std::uint64_t ran) noexcept;
-    [[nodiscard]] std::uint64_t open_next(int worker, std::uint64_t finished) noexcept;
-    std::uint64_t open_level(std::uint64_t sequence, std::uint64_t level) noexcept;
-    void leave(ContentionBackoff& contention) noexcept;
+    void add_stamps(std::vector<int>& stamp_of);
+    void add_shares(const std::vector<int>& stamp_of);
+    [[nodiscard]] const Share& share_of(std::uint64_t open, int owner) const noexcept {
+        return shares_[Word::count(open) * static_cast<std::size_t>(workers_) + static_cast<std::size_t>(owner)];
+    }
+    [[nodiscard]] Atomic<std::uint64_t>& stamp(int number) const noexcept {
+        const auto n = static_cast<std::size_t>(number);
+        return stamps_[n / Machine::numbers_together].values[n % Machine::numbers_together];
+    }
+    [[nodiscard]] bool ready(const Place& place, std::uint64_t sequence) const noexcept;
+    [[nodiscard]] Head head(int owner, std::uint64_t open, std::uint64_t taken) const noexcept;
+    [[nodiscard]] bool run_share(int worker, int owner, std::uint64_t open, std::uint64_t& ran) noexcept;
+    [[nodiscard]] bool may_go_on(int worker, std::uint64_t open, int& patience) const noexcept;
+    [[nodiscard]] std::uint64_t run_all(int worker, std::uint64_t open, typename Machine::Waiter& waiter) noexcept;
+    [[nodiscard]] std::uint64_t finish(int worker, std::uint64_t open, typename Machine::Waiter& waiter) noexcept;
+    std::uint64_t open_cycle(std::uint64_t sequence, int cycle) noexcept;
+    void leave(typename Machine::Presence& presence) noexcept;
 
     Run& run_;
-    const Backoff untried_;
+    const ExecutorOptions options_;
+    const typename Machine::Waiter untried_;
     int workers_;
-    bool retreats_;                           ///< not on a machine of one's own
-    std::vector<Level> levels_;               ///< of all cycles
-    std::vector<std::uint64_t> first_level_;  ///< [cycle]
-    std::unique_ptr<Padded[]> taken_;         ///< [worker] sequence and number of tasks taken of the worker's share
-    Padded open_;                             ///< sequence and number of the open level
-    Padded unfinished_;                       ///< tasks of the open level
-    Count at_work_;                           ///< workers that have come and are not away
+    std::vector<Place> places_;         ///< of all tasks, by shares, in an order that respects all edges
+    std::vector<int> waits_;            ///< stamps
+    std::vector<Share> shares_;         ///< [cycle][worker]
+    std::unique_ptr<Stamps[]> stamps_;  ///< sequence in which a task has finished last
+    std::unique_ptr<Padded[]> taken_;   ///< [worker] sequence and number of tasks taken of the worker's share
+    Padded open_;                       ///< sequence and number of the open cycle
+    Padded unfinished_;                 ///< tasks of the open cycle
+    Count at_work_;                     ///< workers that have come and are not away
 };
+
+using ResidentBoard = ResidentBoardOn<BoardMachine>;
+extern template class ResidentBoardOn<BoardMachine>;
 
 }  // namespace cvtflow::engine

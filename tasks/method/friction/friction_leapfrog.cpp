@@ -1,6 +1,7 @@
 #include "tasks/method/friction/friction_leapfrog.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -14,7 +15,10 @@ namespace cvtflow::tasks {
 
 namespace {
 
-enum FrictionCycle : int { contact_cycle = method_cycles, kick_cycle, finish_kick_cycle };
+enum FrictionCycle : int { contact_cycle = method_cycles, finish_kick_cycle, first_kick_cycle };
+
+/// Stages of the kicks' cycles; a kick of eleven stages is cycles of eight, two and one.
+constexpr std::array stages_of_kicks{1, 2, 4, 8};
 
 /// The spectrum moves with the tension: it is looked at every so many steps.
 constexpr long steps_between_estimates = 64;
@@ -28,6 +32,21 @@ constexpr int first_iterations = 50, next_iterations = 4;
         if (!std::all_of(begin, begin + 2 * at.link_size(), [](double x) { return std::isfinite(x); })) return link;
     }
     return {};
+}
+
+/// A segment and all that hold links in its halo.
+[[nodiscard]] std::vector<int> near_segments(const Workspace& w, int segment) {
+    const model::ChainLayout& layout = w.layout();
+    const Segment& own = w.partition[segment];
+    std::vector<int> near{segment};
+    for (int s = 0; s < w.partition.size(); ++s) {
+        const Segment& other = w.partition[s];
+        const auto holds = [&](int link) { return layout.wrapped(link) >= other.first && layout.wrapped(link) < other.last; };
+        bool reaches = false;
+        for (int k = 1; k <= layout.halo(); ++k) reaches = reaches || holds(own.first - k) || holds(own.last - 1 + k);
+        if (reaches && s != segment) near.push_back(s);
+    }
+    return near;
 }
 
 }  // namespace
@@ -51,16 +70,6 @@ void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
                        .own(Field::velocity_read, true)
                        .own(Field::force, true)
                        .list()});
-        graph.add({"friction" + number, kick_cycle, engine::code_of<&FrictionLeapfrog::stage>(*this), s,
-                   own()
-                       .with_halo(Field::contact)
-                       .with_halo(Field::velocity_read)
-                       .own(Field::force, false)
-                       .own(Field::phase, false)
-                       .own(Field::velocity_kept, true)
-                       .own(Field::velocity_slope, true)
-                       .own(Field::impulse, true)
-                       .list()});
         graph.add({"finish" + number, finish_kick_cycle, engine::code_of<&FrictionLeapfrog::finish>(*this), s,
                    own()
                        .own(Field::velocity_read, false)
@@ -73,6 +82,36 @@ void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
                        .own(Field::end_state, true)
                        .own(Field::load, true)
                        .list()});
+    }
+    for (std::size_t kick = 0; kick < stages_of_kicks.size(); ++kick)
+        add_kick(graph, first_kick_cycle + static_cast<int>(kick), stages_of_kicks[kick]);
+}
+
+/// Stages one after the other: a segment's waits for the stage before of itself and of those whose velocities it reads. No two rows in
+/// succession have the same slot, so what a stage writes is not what its neighbours read meanwhile.
+template <class Number>
+void FrictionLeapfrog<Number>::add_kick(engine::TaskGraph& graph, int cycle, int stages) {
+    static_assert(stages_of_kicks.back() == most_stages_together);
+    const int segments = w_.partition.size(), first = graph.size();
+    for (int item = 0; item < stages * segments; ++item) {
+        const int stage = item / segments, s = item % segments;
+        const bool even = stage % 2 == 0;
+        graph.add({"friction[" + std::to_string(s) + "]" + (stages == 1 ? "" : ", stage " + std::to_string(stage)), cycle,
+                   engine::code_of<&FrictionLeapfrog::stage>(*this), item,
+                   LinkAccesses(w_, s)
+                       .with_halo(Field::contact)
+                       .with_halo(even ? Field::velocity_read : Field::velocity_kept)
+                       .own(Field::force, false)
+                       .own(Field::phase, false)
+                       .own(even ? Field::velocity_kept : Field::velocity_read, true)
+                       .own(Field::velocity_slope, true)
+                       .own(Field::impulse, true)
+                       .list()});
+    }
+    for (int s = 0; s < segments; ++s) {
+        for (const int near : near_segments(w_, s)) {
+            for (int stage = 1; stage < stages; ++stage) graph.order(first + (stage - 1) * segments + near, first + stage * segments + s);
+        }
     }
 }
 
@@ -107,7 +146,7 @@ NextCycle FrictionLeapfrog<Number>::next() {
         case State::finishing: frame_.end(); return NextCycle::done();
         case State::stages: break;
     }
-    if (stage_ + 1 < table_->plan.stages()) return start_stage(stage_ + 1);
+    if (stage_ < table_->plan.stages()) return start_stages();
     state_ = State::finishing;
     return finish_kick_cycle;
 }
@@ -124,15 +163,21 @@ NextCycle FrictionLeapfrog<Number>::start_kick() {
         return NextCycle::failed();
     }
     state_ = State::stages;
-    return start_stage(0);
+    stage_ = 0;
+    return start_stages();
 }
 
+/// As many of the stages that are left as a cycle has.
 template <class Number>
-NextCycle FrictionLeapfrog<Number>::start_stage(int stage) {
-    stage_ = stage;
-    row_ = table_->row(stage);
-    extrapolation_ = table_->extrapolation(row_.here.time, frame_.rise());
-    return kick_cycle;
+NextCycle FrictionLeapfrog<Number>::start_stages() {
+    const int left = table_->plan.stages() - stage_;
+    std::size_t kick = stages_of_kicks.size() - 1;
+    while (stages_of_kicks[kick] > left) --kick;
+    for (int k = 0; k < stages_of_kicks[kick]; ++k, ++stage_) {
+        const KickRow row = table_->row(stage_);
+        together_[static_cast<std::size_t>(k)] = {row, table_->extrapolation(row.here.time, frame_.rise())};
+    }
+    return first_kick_cycle + static_cast<int>(kick);
 }
 
 template <class Number>
@@ -156,8 +201,10 @@ void FrictionLeapfrog<Number>::record(int segment) noexcept {
 }
 
 template <class Number>
-void FrictionLeapfrog<Number>::stage(int segment) noexcept {
-    system_.stage(w_, row_, w_.step.h, extrapolation_, segment);
+void FrictionLeapfrog<Number>::stage(int item) noexcept {
+    const int segments = w_.partition.size();
+    const Stage& stage = together_[static_cast<std::size_t>(item / segments)];
+    system_.stage(w_, stage.row, w_.step.h, stage.extrapolation, item % segments);
 }
 
 template <class Number>

@@ -10,6 +10,8 @@
 /// Two things are therefore let go on within it: the sheaves' surface under a tip turns with the tip (a tenth of the saturation speed in 1
 /// µs), and G(t) = G + (t/h - 1/2) ΔG, with ΔG its change since the step before, which leaves the impulse of G and so the leapfrog alone.
 
+#include <array>
+
 #include "tasks/method/friction/friction_system.hpp"
 #include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/friction/leapfrog_frame.hpp"
@@ -41,14 +43,20 @@ public:
 
     // Bodies of tasks.
     void record(int segment) noexcept;
-    void stage(int segment) noexcept;
+    void stage(int item) noexcept;  ///< item = stage of the cycle × segments + segment
     void finish(int segment) noexcept;
 
 private:
+    static constexpr int most_stages_together = 8;
+    struct Stage {
+        KickRow row{};
+        double extrapolation = 0.0;  ///< of G, in units of the difference between the last two [1]
+    };
     enum class State { evaluating, recording, stages, finishing };
 
     NextCycle start_kick();
-    NextCycle start_stage(int stage);
+    NextCycle start_stages();
+    void add_kick(engine::TaskGraph& graph, int cycle, int stages);
 
     Workspace& w_;
     LeapfrogFrame frame_;
@@ -56,9 +64,8 @@ private:
     const KickTables tables_;
     const KickTable* table_ = nullptr;  ///< of the step at hand
     State state_ = State::evaluating;
-    int stage_ = 0;
-    KickRow row_{};
-    double extrapolation_ = 0.0;  ///< G at the stage at hand, in units of the difference between the last two [1]
+    int stage_ = 0;                                       ///< the first that is in no cycle yet
+    std::array<Stage, most_stages_together> together_{};  ///< of the cycle at hand
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
     Fault fault_;

@@ -21,6 +21,8 @@ constexpr double share_of_losses = 1e-3;
 constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;
 constexpr double deviations = 6.0;
+/// Noise explains no more than this share of what was dissipated: a run that blows up makes its own noise.
+constexpr double most_noise = 0.5;
 constexpr double dense_share = 0.05, dense_time = 5e-4;  // [1], [s]
 constexpr double least_samples = 10.0;
 constexpr double closer = 8.0;  ///< by which samples lie closer in doubt
@@ -41,7 +43,7 @@ double EnergyBalance::relative() const noexcept { return loss > 0.0 ? std::abs(r
 
 double EnergyBalance::honest() const noexcept { return share_of_losses * loss + share_of_through * through + share_of_stored * stored; }
 
-double EnergyBalance::tolerance() const noexcept { return honest() + deviations * deviation; }
+double EnergyBalance::tolerance() const noexcept { return honest() + std::min(deviations * deviation, most_noise * loss); }
 
 double EnergyBalance::suspicion() const noexcept {
     if (samples < least_samples) return 0.0;

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/engine/executor/executor_fixture.hpp"
@@ -42,8 +44,8 @@ TEST(Pin, DoesNothingUnlessWanted) {
 class Pinned : public testing::TestWithParam<test::Case> {};
 INSTANTIATE_TEST_SUITE_P(Catalogue, Pinned, testing::ValuesIn(test::parallel_pairs()), test::case_name);
 
-/// Threads of this process that may not use all of the processors. One that was joined may still be listed and be gone when it is asked.
-int narrowed(const cpu_set_t& all) {
+/// Threads of this process that may not use all of the processors.
+int narrowed_now(const cpu_set_t& all) {
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
         cpu_set_t mask;
@@ -51,6 +53,13 @@ int narrowed(const cpu_set_t& all) {
         count += CPU_EQUAL(&mask, &all) ? 0 : 1;
     }
     return count;
+}
+
+/// Those that stay so: one that was joined is listed with its last mask until the system has taken it away.
+int narrowed(const cpu_set_t& all) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    while (narrowed_now(all) != 0 && std::chrono::steady_clock::now() < end) std::this_thread::yield();
+    return narrowed_now(all);
 }
 
 /// Asks, between cycles, whether the asking thread is pinned.

@@ -66,6 +66,23 @@ TEST(FrictionLeapfrog, ItsGraphHasNoRaces) {
     }
 }
 
+/// Several stages are one cycle: eight levels, in which a segment waits for itself and for the two beside it.
+TEST(FrictionLeapfrog, StagesOfACycleWaitForNeighboursOnly) {
+    const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-chebyshev"});
+    Workspace workspace(scene.parameters, *plan_for("leapfrog-chebyshev"), Partition::equal(84, 5));
+    const auto method = make_step_method("leapfrog-chebyshev", workspace);
+    const engine::TaskGraph graph = step_graph(workspace, {}, method.get());
+    const int cycle = graph.cycles() - 1;
+    ASSERT_EQ(graph.levels(cycle), 8);
+    for (int level = 0; level < 8; ++level) {
+        ASSERT_EQ(graph.level(cycle, level).size(), 5u);
+        for (const int task : graph.level(cycle, level)) {
+            EXPECT_EQ(graph.task(task).stage_name(), "friction");
+            EXPECT_EQ(graph.predecessor_count(task), level == 0 ? 0 : 3) << graph.task(task).name;
+        }
+    }
+}
+
 /// Velocities change by rounding of what the stages add, 6e-8 of it each: after 30 steps they differ, and by less than 1e-6 of the fastest.
 TEST(FrictionLeapfrog, StagesInSinglePrecisionDifferFromDoubleByRoundingAlone) {
     const auto state_after = [](const std::string& method, bool whole_pins) {
@@ -114,6 +131,10 @@ TEST(KickTables, ReachFurtherTheMoreStagesTheyHaveAndTheCheapestIsTaken) {
             double sum = 0.0;
             for (const double weight : table->weights) sum += weight;
             EXPECT_NEAR(sum, 1.0, 1e-12);  // the impulse of a constant force is exact
+            for (int stage = 0; stage < stages; ++stage) {
+                const int here = std::max(0, table->row(stage).here.keep);
+                EXPECT_NE(table->row(stage).next.keep, here) << "neighbours read it in this stage: " << stage << " of " << stages;
+            }
         }
         EXPECT_EQ(tables.reaching(1.01 * tables.longest_reach()), nullptr);
     }

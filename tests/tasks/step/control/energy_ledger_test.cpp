@@ -36,6 +36,22 @@ TEST(EnergyLedger, CallsEnergyFromNowhereUnreliable) {
     EXPECT_FALSE(wrong.reliable());
 }
 
+/// Powers that grow and turn over from sample to sample, as where a step is too long for damping: as much noise as power, and nothing
+/// was stored.
+TEST(EnergyLedger, NoiseThatARunMakesByItselfExcusesNothing) {
+    EnergyLedger ledger;
+    ledger.restart(1);
+    for (int k = 0; k <= 40; ++k) {
+        model::Account links;
+        links.lose(model::Loss::tip_friction, k % 2 == 0 ? std::ldexp(1e-6, k) : 0.0);
+        links.store(model::Energy::plates, 1.0);
+        ledger.sample(1e-5 * k, links, {}, 7e-4);
+    }
+    EXPECT_GT(6.0 * ledger.balance().deviation, ledger.balance().loss) << "noise alone would explain it";
+    EXPECT_NEAR(ledger.balance().relative(), 1.0, 1e-12);
+    EXPECT_FALSE(ledger.reliable());
+}
+
 TEST(EnergyLedger, GoesOnFromItsMemoryBitByBit) {
     const EnergyLedger before = sampled(300.0, -297.0);
     std::vector<double> memory, again;

@@ -1,0 +1,203 @@
+#include "interleaving_fixture.hpp"
+
+#include <algorithm>
+
+namespace cvtflow::engine::test {
+
+namespace {
+
+constexpr std::size_t stack_size = std::size_t{64} << 10;
+constexpr long most_operations = 2000;  // of one interleaving: more and a worker goes round for ever
+
+std::string place_of(const std::source_location& where) {
+    std::string name = where.function_name();
+    name = name.substr(0, name.find('('));
+    return name.substr(name.find_last_of(": ") + 1) + ":" + std::to_string(where.line());
+}
+
+}  // namespace
+
+Interleavings::Interleavings(const Options& options, const Make& make) : options_(options), make_(make) {
+    for (Worker& worker : workers_) worker.stack.resize(stack_size);
+}
+
+Interleavings::Outcome Interleavings::explore(const Options& options, const Make& make) {
+    const auto machine = std::unique_ptr<Interleavings>(new Interleavings(options, make));
+    now_ = machine.get();
+    do {
+        machine->run_one();
+        if (machine->outcome_.interleavings > options.most) machine->outcome_.fault = "more interleavings than allowed";
+    } while (machine->outcome_.fault.empty() && machine->backtrack());
+    for (const Met& each : machine->met_) machine->outcome_.sites.push_back(each.site);
+    now_ = nullptr;
+    return machine->outcome_;
+}
+
+void Interleavings::run_one() {
+    depth_ = 0, operations_ = 0, asleep_ = 0, running_ = nobody;
+    left_ = pruned_ = false;
+    stores_.clear();
+    cells_.clear();
+    deeds_.clear();
+    scenario_ = make_();
+    for (int worker = 0; worker < options_.workers; ++worker) begin(worker);
+    if (const int first = choose_worker(); first >= 0) {
+        running_ = first;
+        swapcontext(&main_, &workers_[static_cast<std::size_t>(first)].context);
+    }
+    if (pruned_ || left_) return;
+    ++outcome_.interleavings;
+    outcome_.longest = std::max(outcome_.longest, operations_);
+    if (std::string verdict = scenario_->verdict(); !verdict.empty()) outcome_.fault = verdict + story();
+}
+
+/// Runs a worker up to its first operation.
+void Interleavings::begin(int worker) {
+    Worker& own = workers_[static_cast<std::size_t>(worker)];
+    own.clock.fill(0), own.view.fill(0), own.looked.fill(0);
+    own.clock[static_cast<std::size_t>(worker)] = 1;
+    own.looks = 0, own.absences = 0;
+    getcontext(&own.context);
+    own.context.uc_stack.ss_sp = own.stack.data();
+    own.context.uc_stack.ss_size = own.stack.size();
+    own.context.uc_link = nullptr;
+    makecontext(&own.context, reinterpret_cast<void (*)()>(&Interleavings::entry), 1, static_cast<unsigned>(worker));  // NOLINT
+    running_ = nobody - 1 - worker;                                                                                    // it begins
+    swapcontext(&main_, &own.context);
+}
+
+void Interleavings::entry(unsigned worker) {
+    Interleavings& machine = now();
+    machine.scenario_->work(static_cast<int>(worker));
+    machine.self().pending = {Pending::Kind::ended};
+    machine.pass_on();
+}
+
+/// To the next interleaving. Returns false if there is none.
+bool Interleavings::backtrack() {
+    while (!choices_.empty()) {
+        Choice& last = choices_.back();
+        if (last.of_worker) last.asleep |= 1U << last.options[last.taken];
+        if (++last.taken < last.options.size()) return true;
+        choices_.pop_back();
+    }
+    return false;
+}
+
+void Interleavings::leave(const char* fault) {
+    outcome_.fault = fault + story();
+    left_ = true;
+    swapcontext(&self().context, &main_);
+}
+
+bool Interleavings::enabled(int worker) const {
+    const Worker& of = workers_[static_cast<std::size_t>(worker)];
+    switch (of.pending.kind) {
+        case Pending::Kind::ended: return false;
+        case Pending::Kind::change: return stores_[static_cast<std::size_t>(of.pending.atomic)].back().value != of.pending.old;
+        case Pending::Kind::rest:
+            for (int atomic = 0; atomic < static_cast<int>(stores_.size()); ++atomic) {
+                if ((of.pending.seen & bit(atomic)) != 0 && newest(atomic) > of.looked[static_cast<std::size_t>(atomic)]) return true;
+            }
+            return false;
+        case Pending::Kind::load:
+        case Pending::Kind::modify: break;
+    }
+    return true;
+}
+
+bool Interleavings::independent(const Pending& a, const Pending& b) const {
+    const auto reads = [](const Pending& of) { return of.kind == Pending::Kind::rest ? of.seen : bit(of.atomic); };
+    const bool modifies = a.kind == Pending::Kind::modify || b.kind == Pending::Kind::modify;
+    return !modifies || (reads(a) & reads(b)) == 0;
+}
+
+int Interleavings::pick(int possibilities) {
+    if (possibilities == 1) return 0;
+    if (depth_ == choices_.size()) {
+        Choice choice;
+        for (int option = 0; option < possibilities; ++option) choice.options.push_back(option);
+        choices_.push_back(std::move(choice));
+    }
+    const Choice& choice = choices_[depth_++];
+    return choice.options[choice.taken];
+}
+
+bool Interleavings::may_leave() {
+    if (running_ < 0 || self().absences == options_.absences || pick(2) == 0) return false;
+    ++self().absences;
+    return true;
+}
+
+/// @return -1: nothing is left to try, or all have ended, or nobody can go on
+int Interleavings::choose_worker() {
+    if (depth_ == choices_.size()) {
+        Choice choice{true, {}, 0, asleep_};
+        bool any = false;
+        for (int worker = 0; worker < options_.workers; ++worker) {
+            if (!enabled(worker)) continue;
+            any = true;
+            if ((asleep_ & 1U << worker) == 0) choice.options.push_back(worker);
+        }
+        pruned_ = any && choice.options.empty();
+        if (choice.options.empty()) return -1;
+        choices_.push_back(std::move(choice));
+    }
+    const Choice& choice = choices_[depth_++];
+    const int chosen = choice.options[choice.taken];
+    asleep_ = 0;
+    for (int worker = 0; worker < options_.workers; ++worker) {
+        const bool slept = (choice.asleep & 1U << worker) != 0;
+        if (slept && independent(workers_[static_cast<std::size_t>(worker)].pending, workers_[static_cast<std::size_t>(chosen)].pending))
+            asleep_ |= 1U << worker;
+    }
+    return chosen;
+}
+
+/// The running worker stands before an operation, or has ended: whoever is chosen goes on.
+void Interleavings::pass_on() {
+    Worker& own = self();
+    const int next = choose_worker();
+    if (next == running_) return;
+    if (next < 0) {
+        const bool all = std::all_of(workers_.begin(), workers_.begin() + options_.workers,
+                                     [](const Worker& each) { return each.pending.kind == Pending::Kind::ended; });
+        if (!all && !pruned_) leave("workers wait for ever");
+        swapcontext(&own.context, &main_);
+    }
+    running_ = next;
+    swapcontext(&own.context, &workers_[static_cast<std::size_t>(next)].context);
+}
+
+void Interleavings::announce(Pending pending) {
+    if (running_ < 0) {  // a worker that begins
+        const auto worker = static_cast<std::size_t>(nobody - 1 - running_);
+        workers_[worker].pending = pending;
+        swapcontext(&workers_[worker].context, &main_);
+    } else {
+        self().pending = pending;
+        pass_on();
+    }
+    if (++operations_ > most_operations) leave("a worker goes round for ever");
+}
+
+Sabotage Interleavings::met(const std::source_location& where, Site::Kind kind, bool orders) {
+    for (Met& each : met_) {
+        if (each.line == where.line() && each.function == where.function_name()) return each.sabotage;
+    }
+    const std::string place = place_of(where);
+    met_.push_back(
+        {where.function_name(), where.line(), {place, kind, orders}, place == options_.place ? options_.sabotage : Sabotage::none});
+    return met_.back().sabotage;
+}
+
+std::string Interleavings::story() const {
+    std::string text;
+    for (const Deed& deed : deeds_) {
+        text += "\n  worker " + std::to_string(deed.worker) + deed.verb + std::to_string(deed.object) + ": " +
+                std::to_string(deed.value >> 20) + "|" + std::to_string(deed.value & 0xfffff);
+    }
+    return text;
+}
+
+}  // namespace cvtflow::engine::test

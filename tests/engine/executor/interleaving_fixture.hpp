@@ -1,0 +1,244 @@
+#pragma once
+/// A machine that goes through every interleaving of a few workers, one after the other: what stands between two operations on atomics
+/// runs at one go, and before each the next worker is chosen. A relaxed or acquiring load may see any store that coherence and what
+/// happened before allow, not just the latest. Sleep sets leave out interleavings that differ only in the order of independent operations.
+///
+/// Not covered: stores that enter an atomic's order of modification before an older one, loads that see stores of their own future,
+/// compare-and-swaps that fail for no reason, and sequentially consistent operations (which do not compile).
+
+#include <ucontext.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <source_location>
+#include <string>
+#include <vector>
+
+#include "engine/thread/executor_options.hpp"
+
+namespace cvtflow::engine::test {
+
+/// A program of a few workers that share atomics of the ModelMachine and cells. Made anew for every interleaving.
+class Scenario {
+public:
+    virtual ~Scenario() = default;
+    /// What a worker does. Allocates nothing: an interleaving that is left early leaves it where it is.
+    virtual void work(int worker) noexcept = 0;
+    /// Called when all workers have ended: what is wrong; empty: nothing.
+    [[nodiscard]] virtual std::string verdict() = 0;
+};
+
+/// An operation by where it stands in the sources.
+struct Site {
+    enum class Kind { load, store, add, swap };
+    std::string place;  ///< "function:line"
+    Kind kind;
+    bool orders;  ///< anything but itself
+};
+
+/// What is done to the program to see whether it is missed.
+enum class Sabotage {
+    none,
+    relaxed,  ///< the operation orders nothing
+    torn,     ///< what reads and writes in one does so in two
+};
+
+class Interleavings {
+public:
+    static constexpr int most_workers = 4, most_atomics = 48;
+
+    struct Options {
+        int workers = 2;
+        long most = 5'000'000;  ///< interleavings; more are a fault
+        int absences = 0;       ///< how often a worker may go away
+        Sabotage sabotage = Sabotage::none;
+        std::string place{};  ///< of the operation that is sabotaged
+    };
+    struct Outcome {
+        long interleavings = 0;     ///< run to their end
+        long longest = 0;           ///< operations of the longest of them
+        std::string fault{};        ///< the first one; empty: none
+        std::vector<Site> sites{};  ///< operations that were met
+    };
+    using Make = std::function<std::unique_ptr<Scenario>()>;
+
+    /// Runs all interleavings, up to the first fault: a race, a wrong verdict, workers that wait for ever.
+    [[nodiscard]] static Outcome explore(const Options& options, const Make& make);
+    /// The exploration that is under way.
+    [[nodiscard]] static Interleavings& now() noexcept { return *now_; }
+
+    // What atomics do. `order` decides what becomes visible.
+    [[nodiscard]] int add_atomic(std::uint64_t value);
+    std::uint64_t load(int atomic, std::memory_order order, const std::source_location& where);
+    void store(int atomic, std::uint64_t value, std::memory_order order, const std::source_location& where);
+    std::uint64_t add(int atomic, std::uint64_t change, std::memory_order order, const std::source_location& where);
+    bool swap(int atomic, std::uint64_t& expected, std::uint64_t value, std::memory_order order, const std::source_location& where);
+    /// Waits until an atomic has another value.
+    std::uint64_t change(int atomic, std::uint64_t old, const std::source_location& where);
+    /// Waits until something was stored that the worker's loads since its last rest have not seen; from then on they see it.
+    void rest();
+
+    /// One of so many possibilities; all come in turn.
+    [[nodiscard]] int pick(int possibilities);
+    /// A worker that may go away once more does; asked for possibilities.
+    [[nodiscard]] bool may_leave();
+
+    // Plain data.
+    [[nodiscard]] int add_cell();
+    void touch(int cell, bool write);
+
+private:
+    using Clock = std::array<std::uint32_t, most_workers>;
+    using View = std::array<std::uint16_t, most_atomics>;  ///< [atomic] the oldest store that may be seen
+    struct Store {
+        std::uint64_t value = 0;
+        Clock clock{};  ///< handed to whoever acquires
+        View view{};
+    };
+    struct Cell {
+        int writer = -1;
+        std::uint32_t written = 0;
+        Clock read{};
+    };
+    struct Pending {
+        enum class Kind { load, modify, change, rest, ended } kind = Kind::load;
+        int atomic = -1;
+        std::uint64_t old = 0;
+        std::uint64_t seen = 0;  ///< rest: bits of the atomics that were looked at
+    };
+    struct Worker {
+        ucontext_t context{};
+        std::vector<char> stack;
+        Clock clock{};
+        View view{};
+        View looked{};  ///< newest store that was seen since the last rest
+        std::uint64_t looks = 0;
+        Pending pending{};
+        int absences = 0;
+    };
+    struct Met {
+        const char* function;
+        unsigned line;
+        Site site;
+        Sabotage sabotage;
+    };
+    struct Deed {
+        int worker;
+        const char* verb;
+        int object;
+        std::uint64_t value;
+    };
+    struct Choice {
+        bool of_worker = false;
+        std::vector<int> options;
+        std::size_t taken = 0;
+        unsigned asleep = 0;  ///< workers whose next operation was tried here already
+    };
+
+    Interleavings(const Options& options, const Make& make);
+    void run_one();
+    void begin(int worker);
+    static void entry(unsigned worker);
+    [[nodiscard]] bool backtrack();
+    /// Notes an operation. Returns what is done to it.
+    Sabotage met(const std::source_location& where, Site::Kind kind, bool orders);
+
+    void announce(Pending pending);
+    void pass_on();
+    [[nodiscard]] int choose_worker();
+    [[nodiscard]] bool enabled(int worker) const;
+    [[nodiscard]] bool independent(const Pending& a, const Pending& b) const;
+    void leave(const char* fault);
+    [[nodiscard]] std::string story() const;
+
+    [[nodiscard]] static std::uint64_t bit(int atomic) { return std::uint64_t{1} << atomic; }
+    [[nodiscard]] Worker& self() { return workers_[static_cast<std::size_t>(running_)]; }
+    [[nodiscard]] std::size_t newest(int atomic) const { return stores_[static_cast<std::size_t>(atomic)].size() - 1; }
+    std::uint64_t see(int atomic, std::size_t which, bool acquires);
+    void put(int atomic, std::uint64_t value, bool releases, bool continues);
+    void replace(int atomic, std::uint64_t value, std::memory_order order, Sabotage sabotage);
+    [[nodiscard]] std::size_t pick_store(int atomic, const std::function<bool(std::uint64_t)>& allowed);
+
+    static constexpr int nobody = -1;
+
+    static inline Interleavings* now_ = nullptr;
+
+    const Options options_;
+    const Make& make_;
+    std::unique_ptr<Scenario> scenario_;
+    Outcome outcome_;
+    std::vector<Met> met_;
+    std::vector<Choice> choices_;
+    std::size_t depth_ = 0;
+
+    ucontext_t main_{};
+    std::array<Worker, most_workers> workers_;
+    int running_ = nobody;
+    bool left_ = false, pruned_ = false;
+    unsigned asleep_ = 0;
+    long operations_ = 0;
+    std::vector<std::vector<Store>> stores_;  ///< [atomic] in their order of modification
+    std::vector<Cell> cells_;
+    std::vector<Deed> deeds_;
+};
+
+/// What a board stands on (engine/executor/tbb/board_machine.hpp), of that machine.
+struct ModelMachine {
+    using Where = std::source_location;
+    template <class Value>
+    class Atomic {
+    public:
+        Atomic(Value value = {}) : id_(Interleavings::now().add_atomic(static_cast<std::uint64_t>(value))) {}
+        Value load(std::memory_order order, Where where = Where::current()) const noexcept {
+            return static_cast<Value>(Interleavings::now().load(id_, order, where));
+        }
+        void store(Value value, std::memory_order order, Where where = Where::current()) noexcept {
+            Interleavings::now().store(id_, static_cast<std::uint64_t>(value), order, where);
+        }
+        Value fetch_add(Value value, std::memory_order order, Where where = Where::current()) noexcept {
+            return static_cast<Value>(Interleavings::now().add(id_, static_cast<std::uint64_t>(value), order, where));
+        }
+        Value fetch_sub(Value value, std::memory_order order, Where where = Where::current()) noexcept {
+            return static_cast<Value>(Interleavings::now().add(id_, ~static_cast<std::uint64_t>(value) + 1, order, where));
+        }
+        bool compare_exchange_weak(Value& expected, Value value, std::memory_order order, Where where = Where::current()) noexcept {
+            auto seen = static_cast<std::uint64_t>(expected);
+            const bool swapped = Interleavings::now().swap(id_, seen, static_cast<std::uint64_t>(value), order, where);
+            expected = static_cast<Value>(seen);
+            return swapped;
+        }
+        [[nodiscard]] int id() const noexcept { return id_; }
+
+    private:
+        int id_;
+    };
+    static constexpr std::size_t numbers_together = 1;
+    static constexpr int patience = 0;
+    struct Waiter {
+        explicit Waiter(const ExecutorOptions& /*options*/) {}
+        template <class Value>
+        Value change(const Atomic<Value>& word, Value old, Where where = Where::current()) noexcept {
+            return static_cast<Value>(Interleavings::now().change(word.id(), static_cast<std::uint64_t>(old), where));
+        }
+        template <class Ready>
+        void until(const Ready& ready) noexcept {
+            while (!ready()) Interleavings::now().rest();
+        }
+    };
+    /// Goes away whenever it may, and comes back at any moment or not before the run is over.
+    struct Presence {
+        explicit Presence(const ExecutorOptions& /*options*/) {}
+        bool due() noexcept { return Interleavings::now().may_leave(); }
+        template <class Over>
+        void away(const Over& over) noexcept {
+            if (Interleavings::now().pick(2) == 0) return;
+            while (!over()) Interleavings::now().rest();
+        }
+        void returned() noexcept {}
+    };
+};
+
+}  // namespace cvtflow::engine::test

@@ -1,0 +1,139 @@
+/// What atomics and cells do on the machine of interleaving_fixture.hpp.
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "interleaving_fixture.hpp"
+
+namespace cvtflow::engine::test {
+
+namespace {
+
+bool acquires(std::memory_order order) { return order == std::memory_order_acquire || order == std::memory_order_acq_rel; }
+bool releases(std::memory_order order) { return order == std::memory_order_release || order == std::memory_order_acq_rel; }
+
+template <class Numbers>
+void join(Numbers& to, const Numbers& from) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = std::max(to[i], from[i]);
+}
+
+}  // namespace
+
+int Interleavings::add_atomic(std::uint64_t value) {
+    if (stores_.size() == most_atomics) std::abort();  // a fixture of our own: enlarge it
+    stores_.push_back({Store{value, {}, {}}});
+    return static_cast<int>(stores_.size()) - 1;
+}
+
+std::uint64_t Interleavings::see(int atomic, std::size_t which, bool acquires) {
+    Worker& own = self();
+    const auto a = static_cast<std::size_t>(atomic);
+    const Store& store = stores_[a][which];
+    own.view[a] = std::max(own.view[a], static_cast<std::uint16_t>(which));
+    own.looked[a] = static_cast<std::uint16_t>(which);
+    own.looks |= bit(atomic);
+    if (acquires) join(own.clock, store.clock), join(own.view, store.view);
+    deeds_.push_back({running_, " sees atomic ", atomic, store.value});
+    return store.value;
+}
+
+/// @param continues a release sequence of the store before
+void Interleavings::put(int atomic, std::uint64_t value, bool releases, bool continues) {
+    Worker& own = self();
+    std::vector<Store>& stores = stores_[static_cast<std::size_t>(atomic)];
+    Store store{value, {}, {}};
+    if (continues) store.clock = stores.back().clock, store.view = stores.back().view;
+    own.view[static_cast<std::size_t>(atomic)] = static_cast<std::uint16_t>(stores.size());
+    if (releases) join(store.clock, own.clock), join(store.view, own.view);
+    stores.push_back(store);
+    ++own.clock[static_cast<std::size_t>(running_)];
+    deeds_.push_back({running_, " sets atomic ", atomic, value});
+}
+
+std::size_t Interleavings::pick_store(int atomic, const std::function<bool(std::uint64_t)>& allowed) {
+    const auto a = static_cast<std::size_t>(atomic);
+    std::vector<std::size_t> candidates;
+    for (std::size_t which = newest(atomic) + 1; which-- > self().view[a];) {
+        if (which == newest(atomic) || allowed(stores_[a][which].value)) candidates.push_back(which);
+    }
+    return candidates[static_cast<std::size_t>(pick(static_cast<int>(candidates.size())))];
+}
+
+std::uint64_t Interleavings::load(int atomic, std::memory_order order, const std::source_location& where) {
+    announce({Pending::Kind::load, atomic});
+    const Sabotage sabotage = met(where, Site::Kind::load, acquires(order));
+    return see(atomic, pick_store(atomic, [](std::uint64_t) { return true; }), acquires(order) && sabotage != Sabotage::relaxed);
+}
+
+void Interleavings::store(int atomic, std::uint64_t value, std::memory_order order, const std::source_location& where) {
+    if (running_ == nobody) {
+        stores_[static_cast<std::size_t>(atomic)].back().value = value;
+        return;
+    }
+    announce({Pending::Kind::modify, atomic});
+    const Sabotage sabotage = met(where, Site::Kind::store, releases(order));
+    put(atomic, value, releases(order) && sabotage != Sabotage::relaxed, false);
+}
+
+/// The newest value, which has just been seen.
+void Interleavings::replace(int atomic, std::uint64_t value, std::memory_order order, Sabotage sabotage) {
+    if (sabotage == Sabotage::torn) announce({Pending::Kind::modify, atomic});
+    put(atomic, value, releases(order) && sabotage != Sabotage::relaxed, sabotage != Sabotage::torn);
+}
+
+std::uint64_t Interleavings::add(int atomic, std::uint64_t change, std::memory_order order, const std::source_location& where) {
+    announce({Pending::Kind::modify, atomic});
+    const Sabotage sabotage = met(where, Site::Kind::add, order != std::memory_order_relaxed);
+    const std::uint64_t before = see(atomic, newest(atomic), acquires(order) && sabotage != Sabotage::relaxed);
+    replace(atomic, before + change, order, sabotage);
+    return before;
+}
+
+bool Interleavings::swap(int atomic, std::uint64_t& expected, std::uint64_t value, std::memory_order order,
+                         const std::source_location& where) {
+    announce({Pending::Kind::modify, atomic});
+    const Sabotage sabotage = met(where, Site::Kind::swap, order != std::memory_order_relaxed);
+    const std::size_t which = pick_store(atomic, [&](std::uint64_t old) { return old != expected; });
+    const std::uint64_t seen = see(atomic, which, acquires(order) && sabotage != Sabotage::relaxed);
+    const bool equal = seen == expected;
+    expected = seen;
+    if (equal) replace(atomic, value, order, sabotage);
+    return equal;
+}
+
+std::uint64_t Interleavings::change(int atomic, std::uint64_t old, const std::source_location& where) {
+    announce({Pending::Kind::change, atomic, old});
+    const Sabotage sabotage = met(where, Site::Kind::load, true);
+    return see(atomic, pick_store(atomic, [&](std::uint64_t value) { return value != old; }), sabotage != Sabotage::relaxed);
+}
+
+void Interleavings::rest() {
+    Worker& own = self();
+    announce({Pending::Kind::rest, -1, 0, own.looks});
+    for (std::size_t atomic = 0; atomic < stores_.size(); ++atomic) {
+        if ((own.looks & bit(static_cast<int>(atomic))) != 0) own.view[atomic] = static_cast<std::uint16_t>(stores_[atomic].size() - 1);
+    }
+    own.looks = 0;
+}
+
+int Interleavings::add_cell() {
+    cells_.emplace_back();
+    return static_cast<int>(cells_.size()) - 1;
+}
+
+void Interleavings::touch(int cell, bool write) {
+    Worker& own = self();
+    const auto me = static_cast<std::size_t>(running_);
+    Cell& it = cells_[static_cast<std::size_t>(cell)];
+    bool race = it.writer >= 0 && own.clock[static_cast<std::size_t>(it.writer)] < it.written;
+    for (std::size_t reader = 0; write && reader < it.read.size(); ++reader) race = race || own.clock[reader] < it.read[reader];
+    deeds_.push_back({running_, write ? " writes cell " : " reads cell ", cell, 0});
+    if (race) leave("race at the last of these:");
+    if (write) {
+        it.writer = running_, it.written = own.clock[me];
+    } else {
+        it.read[me] = own.clock[me];
+    }
+}
+
+}  // namespace cvtflow::engine::test
