@@ -21,7 +21,7 @@ template <int P>
 void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
                      LinkContact* contacts) noexcept {
     const PinResults results{slope, loads, accounts, contacts};
-    PinPass<P, 1, true>(model, model.coefficients(), range, results, {}).run();
+    PinPass<P, native_lanes, true>(model, model.coefficients(), range, results, {}).run();
 }
 
 /// A gap as wide as that of a tip that is not there.
