@@ -37,8 +37,9 @@ Coefficients without_friction(Coefficients c) {
 }
 
 [[nodiscard]] SingleFrictionKernels single_kernels_for(const ChainModel& chain) {
-    if (chain.layout().whole) return {};
-    return kernels_of(chain.isa()).single(chain.layout().order);
+    const CompiledKernels kernels = kernels_of(chain.isa());
+    const int order = chain.layout().order;
+    return chain.layout().whole ? kernels.pins(order).single : kernels.single(order);
 }
 
 [[nodiscard]] FrictionKernels kernels_for(const ChainModel& chain) {
@@ -71,6 +72,13 @@ MirroredInverseOf<Number> rounded(const MirroredInverse& inverse) {
     return to;
 }
 
+template <class Number>
+PinInverseOf<Number> rounded(const SmallInverse& inverse) {
+    PinInverseOf<Number> to;
+    for (std::size_t k = 0; k < to.column.size(); ++k) to.column[k] = static_cast<Number>(inverse.column[k]);
+    return to;
+}
+
 /// As a law is evaluated in floats: nothing is divided by zero there, either, and what is surely proportional is so after their rounding.
 template <class Number>
 FrictionCurve curve_in(FrictionCurve curve) {
@@ -95,7 +103,11 @@ FrictionNumbers<Number>::FrictionNumbers(const ChainModel& chain)
     round_all(c.joint_points.position, joint_position);
     for (std::size_t m = 0; m < joint_basis.size(); ++m) round_all(c.joint_points.basis[m], joint_basis[m]);
     round_all(c.plates.position, plate_position);
-    if (chain.layout().whole) return;
+    if (chain.layout().whole) {
+        pin_lateral = rounded<Number>(chain.inertia().lateral);
+        pin_axial = rounded<Number>(chain.inertia().axial);
+        return;
+    }
     lateral = rounded<Number>(inverse_of(chain.inertia().lateral_matrix.data(), chain.layout().lateral()));
     axial = rounded<Number>(inverse_of(chain.inertia().axial_matrix.data(), 2));
 }

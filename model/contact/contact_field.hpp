@@ -99,10 +99,16 @@ struct MirroredInverseOf {
 };
 using MirroredInverse = MirroredInverseOf<double>;
 
+/// Inverse of a mass matrix of a whole pin, as SmallInverse has it.
+template <class Number>
+struct PinInverseOf {
+    std::array<Number, most_lateral * 2 * most_lateral> column{};
+};
+
 /// Slower sliding counts as this in single precision: its square is still a float, and so is one over it [m/s].
 inline constexpr double slowest_single = 1e-15;
 
-/// Constants of friction in the precision of its velocities. With whole pins inverses are not needed.
+/// Constants of friction in the precision of its velocities.
 template <class Number>
 struct FrictionNumbers {
     explicit FrictionNumbers(const ChainModel& chain);
@@ -111,7 +117,8 @@ struct FrictionNumbers {
     std::array<Number, most_joint_lanes> joint_position{};                         ///< ξ [1]
     std::array<std::array<Number, most_joint_lanes>, most_lateral> joint_basis{};  ///< P_m(ξ)
     std::array<Number, most_plate_lanes> plate_position{};                         ///< ξ [1]
-    MirroredInverseOf<Number> lateral, axial;                                      ///< of x, and of y; of z and e
+    MirroredInverseOf<Number> lateral, axial;                                      ///< of x, and of y; of z and e; not with whole pins
+    PinInverseOf<Number> pin_lateral, pin_axial;                                   ///< the same of whole pins
 };
 
 class FrictionOperator;
@@ -189,7 +196,7 @@ struct FrictionKernels {
     Evaluate slopes, steepest;
 };
 
-/// The same in single precision. There are none for whole pins.
+/// The same in single precision.
 struct SingleFrictionKernels {
     using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const KickStart&, LinkLoad*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactFieldOf<float>&, const FrictionRangeOf<float>&,
@@ -207,10 +214,11 @@ public:
     /// Numbers of scratch for a range of so many links.
     template <class Number = double>
     [[nodiscard]] int scratch_size(int links) const noexcept {
-        return (2 * chain_.layout().lateral() + 5) * joint_stride<Number>(links);
+        return scratch_rows(chain_.layout().lateral()) * joint_stride<Number>(links);
     }
+    [[nodiscard]] static constexpr int scratch_rows(int lateral) noexcept { return 2 * lateral + 7; }
 
-    /// Columns of a joint's rows in scratch.
+    /// Columns of a row of scratch.
     template <class Number = double>
     [[nodiscard]] static constexpr int joint_stride(int links) noexcept {
         constexpr int line = ColumnsOf<Number>::line;
@@ -225,7 +233,7 @@ public:
                 LinkLoad* loads) const noexcept {
         kernels_.record(*this, range, drift, field, frictionless, loads);
     }
-    /// The same for friction in single precision. Not with whole pins.
+    /// The same for friction in single precision.
     void record(const ChainRange& range, const ContactDrift& drift, const KickStart& start, LinkLoad* loads) const noexcept {
         single_.record(*this, range, drift, start, loads);
     }

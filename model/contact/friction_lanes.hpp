@@ -2,12 +2,9 @@
 /// Friction of all contacts as a function of velocities, lanes over links. (model/EQUATIONS.md sections 4 to 7)
 /// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how links are grouped.
 
-#include "model/contact/friction_columns.hpp"
-#include "model/contact/friction_sinks.hpp"
+#include "model/contact/friction_tips.hpp"
 #include "model/contact/mirrored.hpp"
 #include "model/force/link_frame.hpp"
-#include "model/force/tips.hpp"
-#include "model/law/sliding.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -15,22 +12,20 @@ namespace {
 /// W links side by side, in single precision if W says so: velocities then count from those at which contacts were recorded. Column numbers
 /// count from the first link of the range.
 template <int P, int W, bool Steepest>
-class FrictionLanes : private FrictionColumns<P, W> {
-    using Base = FrictionColumns<P, W>;
-    using Base::column, Base::velocity, Base::contact, Base::joint, Base::keep_joint, Base::links_at, Base::add, Base::turning,
-        Base::field_, Base::range_;
+class FrictionLanes : private FrictionTips<P, W, Steepest> {
+    using Base = FrictionTips<P, W, Steepest>;
+    using Base::velocity, Base::contact, Base::kept, Base::keep, Base::links_at, Base::counts_from_recorded, Base::field_, Base::range_,
+        Base::numbers_;
 
 public:
     using V = Lanes<W>;
     using Number = NumberOf<W>;
     using Joint = ContactComponents::Joint;
-    using Tip = ContactComponents::Tip;
     static constexpr int n = P + 1;
     /// Rows of a joint's force: x_0…x_p, y_0…y_p, z, e, moment before, moment after.
     static constexpr int joint_rows = 2 * n + 4;
 
-    FrictionLanes(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range) noexcept
-        : Base(field, range), friction_(friction), numbers_(friction.numbers<Number>()) {}
+    using Base::Base;
 
     /// Joint of the rear pins of links first + own … + W - 1, to scratch.
     void joints(int own) const noexcept {
@@ -52,14 +47,14 @@ public:
         const int points = field_.components.joint_points;
         for (int g = 0; g < points / 2; ++g) mirrored_points(own, g, rates, force);
         if (points % 2 == 1) middle_point(own, points / 2, rates, force);
-        for (int row = 0; row < joint_rows; ++row) keep_joint(row, own, force[row]);
+        for (int row = 0; row < joint_rows; ++row) keep(row, own, force[row]);
     }
 
     /// Slopes of links first + own … + W - 1; their joints must be in scratch.
     void links(int own, const FrictionStageOf<Number>& stage) const noexcept {
         V f[at<P>.link_size()];
         add_joints(own, f);
-        V moment = joint(2 * n + 3, own) + joint(2 * n + 2, own + 1);
+        V moment = kept(2 * n + 3, own) + kept(2 * n + 2, own + 1);
         plates(own, f);
         if (touching(own)) tips(own, f, moment, stage);
         const V couple = moment * contact(ContactComponents::inverse_length, own);
@@ -68,13 +63,10 @@ public:
         f[at<P>.y(End::front, 0)] += couple * tx;
         f[at<P>.x(End::rear, 0)] += couple * ty;
         f[at<P>.y(End::rear, 0)] = f[at<P>.y(End::rear, 0)] - couple * tx;
-        accelerate(own, f, stage);
+        Base::with_sink(own, stage, [&](const auto& sink) { accelerate(f, sink); });
     }
 
 private:
-    /// Friction about rest has no velocities to count from.
-    static constexpr bool counts_from_recorded = is_single<W> && !Steepest;
-
     /// Relative velocities in a joint: of the axes, and how fast the links before and after it turn.
     struct JointRates {
         V x[n], y[n], z, e, before, after;
@@ -157,15 +149,15 @@ private:
 
     void add_joints(int own, V* f) const noexcept {
         for (int m = 0; m < n; ++m) {
-            f[at<P>.x(End::rear, m)] = -joint(m, own);
-            f[at<P>.y(End::rear, m)] = -joint(n + m, own);
-            f[at<P>.x(End::front, m)] = joint(m, own + 1);
-            f[at<P>.y(End::front, m)] = joint(n + m, own + 1);
+            f[at<P>.x(End::rear, m)] = -kept(m, own);
+            f[at<P>.y(End::rear, m)] = -kept(n + m, own);
+            f[at<P>.x(End::front, m)] = kept(m, own + 1);
+            f[at<P>.y(End::front, m)] = kept(n + m, own + 1);
         }
-        f[at<P>.z(End::rear)] = -joint(2 * n, own);
-        f[at<P>.e(End::rear)] = -joint(2 * n + 1, own);
-        f[at<P>.z(End::front)] = joint(2 * n, own + 1);
-        f[at<P>.e(End::front)] = joint(2 * n + 1, own + 1);
+        f[at<P>.z(End::rear)] = -kept(2 * n, own);
+        f[at<P>.e(End::rear)] = -kept(2 * n + 1, own);
+        f[at<P>.z(End::front)] = kept(2 * n, own + 1);
+        f[at<P>.e(End::front)] = kept(2 * n + 1, own + 1);
     }
 
     void plates(int own, V* f) const noexcept {
@@ -200,81 +192,20 @@ private:
     void tips(int own, V* f, V& moment, const FrictionStageOf<Number>& stage) const noexcept {
         const V turn = turning(own);
         for (const End end : {End::rear, End::front}) {
-            Halves x{velocity(at<P>.x(end, 0), own), V(0.0)}, y{velocity(at<P>.y(end, 0), own), V(0.0)};
-            for (int m = 1; m < n; ++m) {
-                (m % 2 == 0 ? x.even : x.odd) += velocity(at<P>.x(end, m), own);
-                (m % 2 == 0 ? y.even : y.odd) += velocity(at<P>.y(end, m), own);
-            }
-            const V z = velocity(at<P>.z(end), own), e = velocity(at<P>.e(end), own);
-            const int low = 2 * static_cast<int>(end), high = low + 1;  // at ξ = -1 and at ξ = 1
-            const TipSlip a = tip_slip(own, low, x.even - x.odd, y.even - y.odd, z - e, turn),
-                          b = tip_slip(own, high, x.even + x.odd, y.even + y.odd, z + e, turn);
-            const auto [factor_a, factor_b] = tip_factors(own, low, a.square(), b.square());
-            const PointForce below = tip_force(own, low, a, factor_a, moment, stage),
-                             above = tip_force(own, high, b, factor_b, moment, stage);
-            const V sum_x = below.x + above.x, sum_y = below.y + above.y, difference_x = above.x - below.x,
-                    difference_y = above.y - below.y;
-            for (int m = 0; m < n; ++m) {
-                f[at<P>.x(end, m)] += m % 2 == 0 ? sum_x : difference_x;
-                f[at<P>.y(end, m)] += m % 2 == 0 ? sum_y : difference_y;
-            }
-            f[at<P>.z(end)] += below.along + above.along;
-            f[at<P>.e(end)] += above.along - below.along;
+            const AxisRows rows{at<P>.x(end, 0), at<P>.y(end, 0), at<P>.z(end)};
+            const int low = 2 * static_cast<int>(end);
+            const AtTips<V> forces = Base::tip_friction(own, low, rows, turn, moment);
+            Base::add_impulses(own, low, forces, stage);
+            Base::spread(forces, rows, f);
         }
     }
 
-    /// Velocity of a tip along its sheave's surface.
-    struct TipSlip {
-        V x, y, z;
-        [[nodiscard]] V square() const noexcept { return x * x + y * y + z * z; }
-    };
-
-    [[nodiscard]] TipSlip tip_slip(int own, int corner, const V& pin_x, const V& pin_y, const V& pin_z, const V& turn) const noexcept {
-        const int row = field_.components.tip(corner);
-        const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
-        V vx = pin_x - turn * contact(row + Tip::lever_y, own), vy = pin_y + turn * contact(row + Tip::lever_x, own), vz = pin_z;
-        if constexpr (!Steepest) {
-            const auto time = static_cast<Number>(range_.time);
-            vx = vx - contact(row + Tip::sheave, own) - time * contact(row + Tip::drift, own);
-            vy = vy - contact(row + Tip::sheave + 1, own) - time * contact(row + Tip::drift + 1, own);
-            vz = vz - contact(row + Tip::sheave + 2, own) - time * contact(row + Tip::drift + 2, own);
-        }
-        const V along = vx * gx + vy * gy + vz * gz;
-        return {vx - along * gx, vy - along * gy, vz - along * gz};
-    }
-
-    [[nodiscard]] PointForce tip_force(int own, int corner, const TipSlip& slip, const V& factor, V& moment,
-                                       const FrictionStageOf<Number>& stage) const noexcept {
-        const int row = field_.components.tip(corner);
-        const V grip = -contact(row + Tip::grip, own) * factor;
-        const PointForce force{grip * slip.x, grip * slip.y, grip * slip.z};
-        moment += contact(row + Tip::lever_x, own) * force.y - contact(row + Tip::lever_y, own) * force.x;
-        if (stage.impulses != nullptr) {
-            const auto weight = static_cast<Number>(stage.weight);
-            add(own, weight * force.x, *stage.impulses, 3 * corner);
-            add(own, weight * force.y, *stage.impulses, 3 * corner + 1);
-            add(own, weight * force.along, *stage.impulses, 3 * corner + 2);
-        }
-        return force;
-    }
-
-    /// Of tips `low` and low + 1.
-    [[nodiscard]] std::pair<V, V> tip_factors(int own, int low, const V& first, const V& second) const noexcept {
-        if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(numbers_.tip, first, second);
-        return {1.0 / bounded_speed(own, low, first), 1.0 / bounded_speed(own, low + 1, second)};
-    }
-
-    /// Within the branch of the law that the tip's phase stands for.
-    [[nodiscard]] V bounded_speed(int own, int corner, const V& square) const noexcept {
-        const int row = field_.components.tip(corner);
-        return larger<W>(smaller<W>(sqrt(square), contact(row + Tip::most, own)), contact(row + Tip::least, own));
-    }
-
-    void accelerate(int own, const V* f, const FrictionStageOf<Number>& stage) const noexcept {
-        if (stage.next == nullptr)
-            return accelerate(f, SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride(), links_at(own)});
-        if (stage.next->terms <= 2) return accelerate(f, RowSink<W, 2>(stage, *stage.next, column(own), links_at(own)));
-        accelerate(f, RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own), links_at(own)));
+    /// How fast links turn.
+    [[nodiscard]] V turning(int own) const noexcept {
+        const V vx = velocity(at<P>.x(End::front, 0), own) - velocity(at<P>.x(End::rear, 0), own);
+        const V vy = velocity(at<P>.y(End::front, 0), own) - velocity(at<P>.y(End::rear, 0), own);
+        return (contact(ContactComponents::frame_x, own) * vy - contact(ContactComponents::frame_y, own) * vx) *
+               contact(ContactComponents::inverse_length, own);
     }
 
     template <class Sink>
@@ -290,9 +221,6 @@ private:
         multiply_ends<size>(inverse, force, product);
         for (int k = 0; k < 2 * size; ++k) to.put(row + k, product[k]);
     }
-
-    const FrictionOperator& friction_;
-    const FrictionNumbers<Number>& numbers_;
 };
 
 }  // namespace

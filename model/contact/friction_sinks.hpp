@@ -43,7 +43,7 @@ public:
         }
     }
 
-    void put(int row, Lanes<W> value) const noexcept {
+    [[gnu::always_inline]] void put(int row, Lanes<W> value) const noexcept {
         const std::ptrdiff_t at_row = row * stride_;
         const Lanes<W> base = load<W>(now_ + at_row);
         value += base + extrapolation_ * (base - load<W>(before_ + at_row));

@@ -3,7 +3,7 @@
 /// (model/EQUATIONS.md section 3)
 
 #include "model/basis/lanes.hpp"
-#include "model/force/account.hpp"
+#include "model/force/lane_accounts.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/machine/coefficients.hpp"
 
@@ -11,8 +11,10 @@ namespace cvtflow::model {
 namespace {
 
 /// Force k u + c u' of an element with deflection u and rate u'.
-template <bool Observe, class Springs, class Real>
-[[nodiscard]] inline Real element_force(const Springs& spring, const Real& u, const Real& rate, Energy kind, Account* account) noexcept {
+/// @param account where observed: Account, or LaneAccounts of links side by side
+template <bool Observe, class Springs, class Real, class Book>
+[[nodiscard]] inline Real element_force(const Springs& spring, const Real& u, const Real& rate, Energy kind,
+                                        [[maybe_unused]] Book account) noexcept {
     if constexpr (Observe) {
         account->store(kind, 0.5 * spring.stiffness * u * u);
         account->lose(Loss::inner, spring.damping * rate * rate);
@@ -58,35 +60,65 @@ template <int P, bool Observe>
     return sum<2 * modes>(fn * along - ft * across);
 }
 
+/// Sum over modes of the rear half, then of the front half, as sum() adds them up.
+template <int W, std::size_t count>
+[[nodiscard]] inline Lanes<W> over_modes(const std::array<Lanes<W>, count>& terms) noexcept {
+    if constexpr (count == 2)
+        return terms[0] + terms[1];
+    else
+        return (terms[0] + terms[2]) + (terms[1] + terms[3]);
+}
+
+/// element_forces() of links side by side, mode by mode.
+template <bool Observe, int W, std::size_t count, class Book>
+[[nodiscard]] inline std::array<Lanes<W>, count> mode_forces(const BendingLanes& springs, const std::array<Lanes<W>, count>& u,
+                                                             const std::array<Lanes<W>, count>& rate,
+                                                             [[maybe_unused]] Book account) noexcept {
+    std::array<Lanes<W>, count> force;
+    for (std::size_t k = 0; k < count; ++k) force[k] = springs.stiffness[k] * u[k] + springs.damping[k] * rate[k];
+    if constexpr (Observe) {
+        std::array<Lanes<W>, count> energy, loss;
+        for (std::size_t k = 0; k < count; ++k) {
+            energy[k] = springs.stiffness[k] * u[k] * u[k];
+            loss[k] = springs.damping[k] * rate[k] * rate[k];
+        }
+        account->store(Energy::inner, 0.5 * over_modes<W>(energy));
+        account->lose(Loss::inner, over_modes<W>(loss));
+    }
+    return force;
+}
+
 /// Bending of links side by side, mode by mode: equal sums in the same order.
-template <int P, bool Observe, int W>
+template <int P, bool Observe, int W, class Book>
 [[nodiscard]] inline Lanes<W> bending(const Coefficients& c, const LinkFrameOf<Lanes<W>>& frame, const Lanes<W>* q, const Lanes<W>* v,
-                                      Lanes<W>* f, Account*) noexcept {
+                                      Lanes<W>* f, Book account) noexcept {
     using V = Lanes<W>;
     constexpr std::size_t modes = P - 1;
-    std::array<V, 2 * modes> moment;
+    using Modes = std::array<V, 2 * modes>;
+    Modes along, across, along_rate, across_rate, moment;
+    const auto x_of = [](std::size_t k) { return at<P>.x(k < modes ? End::rear : End::front, 2) + static_cast<int>(k % modes); };
+    const auto y_of = [](std::size_t k) { return at<P>.y(k < modes ? End::rear : End::front, 2) + static_cast<int>(k % modes); };
     for (std::size_t k = 0; k < 2 * modes; ++k) {
-        const End end = k < modes ? End::rear : End::front;
-        const int x = at<P>.x(end, 2) + static_cast<int>(k % modes), y = at<P>.y(end, 2) + static_cast<int>(k % modes);
-        const V along = q[x] * frame.tx + q[y] * frame.ty, across = q[y] * frame.tx - q[x] * frame.ty;
-        const V along_rate = v[x] * frame.tx + v[y] * frame.ty + frame.turning * across;
-        const V across_rate = v[y] * frame.tx - v[x] * frame.ty - frame.turning * along;
-        const V ft = c.travel.stiffness[k] * along + c.travel.damping[k] * along_rate;
-        const V fn = c.height.stiffness[k] * across + c.height.damping[k] * across_rate;
-        f[x] += fn * frame.ty - ft * frame.tx;
-        f[y] += -(ft * frame.ty + fn * frame.tx);
-        moment[k] = fn * along - ft * across;
+        const int x = x_of(k), y = y_of(k);
+        along[k] = q[x] * frame.tx + q[y] * frame.ty;
+        across[k] = q[y] * frame.tx - q[x] * frame.ty;
+        along_rate[k] = v[x] * frame.tx + v[y] * frame.ty + frame.turning * across[k];
+        across_rate[k] = v[y] * frame.tx - v[x] * frame.ty - frame.turning * along[k];
     }
-    if constexpr (modes == 1)
-        return moment[0] + moment[1];
-    else
-        return (moment[0] + moment[2]) + (moment[1] + moment[3]);
+    const Modes ft = mode_forces<Observe, W>(c.travel, along, along_rate, account);
+    const Modes fn = mode_forces<Observe, W>(c.height, across, across_rate, account);
+    for (std::size_t k = 0; k < 2 * modes; ++k) {
+        f[x_of(k)] += fn[k] * frame.ty - ft[k] * frame.tx;
+        f[y_of(k)] += -(ft[k] * frame.ty + fn[k] * frame.tx);
+        moment[k] = fn[k] * along[k] - ft[k] * across[k];
+    }
+    return over_modes<W>(moment);
 }
 
 /// Plate pack as a beam between the tilts of the two pins. Adds forces; returns the moment on the link.
-template <int P, bool Observe, class Kind, class Real>
+template <int P, bool Observe, class Kind, class Real, class Book>
 [[nodiscard]] inline Real plate_pack(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q, const Real* v,
-                                     Real* f, Account* account) noexcept {
+                                     Real* f, Book account) noexcept {
     constexpr int za = at<P>.z(End::rear);
     constexpr int zb = at<P>.z(End::front);
     const auto inverse_half = 2.0 * kind.inverse_length;
@@ -121,9 +153,9 @@ template <int P, bool Observe, class Kind, class Real>
 }
 
 /// All elasticity inside a link. Adds to the generalized forces f of the link; returns the moment about z on the link [N·m].
-template <int P, bool Observe, class Kind, class Real>
+template <int P, bool Observe, class Kind, class Real, class Book>
 [[nodiscard]] inline Real inner_elasticity(const Coefficients& c, const Kind& kind, const LinkFrameOf<Real>& frame, const Real* q,
-                                           const Real* v, Real* f, Account* account) noexcept {
+                                           const Real* v, Real* f, Book account) noexcept {
     Real moment = plate_pack<P, Observe>(c, kind, frame, q, v, f, account);
     for (const End end : {End::rear, End::front}) {
         const int e = at<P>.e(end);

@@ -22,13 +22,26 @@ template <int P, int W, class Real, class Points, class Number>
     return stiffness * (length - free_length) + damping * ((dx * vx + dy * vy + dz * vz) * inverse.first);
 }
 
+/// Behind the terms of a force, where observed: stored energy, power lost to damping and to friction.
+inline constexpr std::size_t plate_books = 3;
+template <int P, bool Observe>
+inline constexpr std::size_t plate_rows = 2 * P + 4 + (Observe ? plate_books : 0);
+
+/// Sums of those rows to an Account, or to LaneAccounts. books [plate_books]
+template <class Real, class Book>
+inline void book_plates(const Real* books, Book account) noexcept {
+    account->store(Energy::plates, 0.5 * books[0]);
+    account->lose(Loss::plate_damping, books[1]);
+    account->lose(Loss::plate_friction, books[2]);
+}
+
 /// What W plates of a link, or one plate of W links, add to the force on the front half, in the order of Difference.
 /// @param stiffness, damping Lanes<W> over plates, or numbers of the one plate
 template <int P, int W, bool Observe, class Real, class Points, class Number>
-[[nodiscard]] inline std::array<Lanes<W>, 2 * P + 4> plate_terms(const Coefficients& c, const Real& free_length, const Points& at_plates,
-                                                                 const Number& stiffness, const Number& damping,
-                                                                 const Difference<P, Real>& d, const Difference<P, Real>& rate,
-                                                                 Account* account) noexcept {
+[[nodiscard]] inline std::array<Lanes<W>, plate_rows<P, Observe>> plate_terms(const Coefficients& c, const Real& free_length,
+                                                                              const Points& at_plates, const Number& stiffness,
+                                                                              const Number& damping, const Difference<P, Real>& d,
+                                                                              const Difference<P, Real>& rate) noexcept {
     using V = Lanes<W>;
     const V dx = at_plates.along(d.x), dy = at_plates.along(d.y), dz = d.z + at_plates.xi * d.e;
     const V vx = at_plates.along(rate.x), vy = at_plates.along(rate.y), vz = rate.z + at_plates.xi * rate.e;
@@ -41,12 +54,12 @@ template <int P, int W, bool Observe, class Real, class Points, class Number>
     const V slide =
         c.plate_friction.coefficient * positive_part<W>(tension) * slip_factor<W>(c.plate_friction, sliding, inverse.second) * vz;
     const V along = tension * inverse.first;
-    std::array<V, 2 * P + 4> terms;
+    std::array<V, plate_rows<P, Observe>> terms;
     at_plates.spread(-along * dx, -along * dy, -along * dz - slide, terms.data());
     if constexpr (Observe) {
-        account->store(Energy::plates, 0.5 * sum<W>(stiffness * stretch * stretch));
-        account->lose(Loss::plate_damping, sum<W>(damping * stretching * stretching));
-        account->lose(Loss::plate_friction, sum<W>(slide * vz));
+        terms[2 * P + 4] = stiffness * stretch * stretch;
+        terms[2 * P + 5] = damping * stretching * stretching;
+        terms[2 * P + 6] = slide * vz;
     }
     return terms;
 }
@@ -54,13 +67,14 @@ template <int P, int W, bool Observe, class Real, class Points, class Number>
 /// One chunk of W plates; adds the force on the front half to `pull`.
 template <int P, int W, bool Observe>
 inline void plate_chunk(const Coefficients& c, double free_length, const Difference<P>& d, const Difference<P>& rate, int first,
-                        Difference<P>& pull, Account* account) noexcept {
+                        Difference<P>& pull, [[maybe_unused]] Account* account) noexcept {
     const auto of = [first](const auto& numbers) { return load<W>(&numbers[static_cast<std::size_t>(first)]); };
-    alignas(64) double total[2 * P + 4];
-    sums<W>(plate_terms<P, W, Observe>(c, free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight), of(c.plates.damping), d,
-                                       rate, account),
-            total);
+    alignas(64) double total[plate_rows<P, Observe>];
+    sums<W>(
+        plate_terms<P, W, Observe>(c, free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight), of(c.plates.damping), d, rate),
+        total);
     pull.add(total);
+    if constexpr (Observe) book_plates(total + 2 * P + 4, account);
 }
 
 /// All plates of a link. Adds to the generalized forces f of the link. q [coordinates of the link], v [m/s], f [N, N·m]

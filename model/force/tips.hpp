@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "model/force/account.hpp"
+#include "model/force/lane_accounts.hpp"
 #include "model/force/tip_geometry.hpp"
 #include "model/law/friction.hpp"
 
@@ -107,11 +107,11 @@ struct TipForces {
     Vector3<Tips> friction;  ///< f on the tip [N]
 };
 
-/// @param touching 1 or 0
-template <bool Observe, int W, int P>
+/// @param touching 1 or 0   @param account where observed: Account of the link whose tips the lanes are, or LaneAccounts<W>
+template <bool Observe, int W, int P, class Book>
 [[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
                                                                         const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
-                                                                        const TipPhases& phases, Account* account) noexcept {
+                                                                        const TipPhases& phases, [[maybe_unused]] Book account) noexcept {
     using Tips = Lanes<W>;
     const Tips depth = touching * positive_part<W>(g.depth);
     const Tips elastic = tip.hertz * depth * sqrt(depth);
@@ -120,9 +120,9 @@ template <bool Observe, int W, int P>
     const Tips grip = -tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, dot(v, v), phases);
     const Vector3<Tips> friction{grip * v.x, grip * v.y, grip * v.z};
     if constexpr (Observe) {
-        account->store(Energy::tips, 0.4 * sum<W>(elastic * depth));
-        account->lose(Loss::tip_damping, sum<W>((normal - elastic) * motion.closing));
-        account->lose(Loss::tip_friction, -sum<W>(dot(friction, motion.material)));
+        account->store(Energy::tips, 0.4 * booked<W>(account, elastic * depth));
+        account->lose(Loss::tip_damping, booked<W>(account, (normal - elastic) * motion.closing));
+        account->lose(Loss::tip_friction, -booked<W>(account, dot(friction, motion.material)));
     }
     return {normal, friction};
 }

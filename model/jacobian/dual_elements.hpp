@@ -24,7 +24,7 @@ inline constexpr int two_dozen = directions<24>;
                                                                        const Difference<0, Lanes<six>>& rate) noexcept {
     const auto j = static_cast<std::size_t>(plate);
     return plate_terms<0, six, false>(c, Lanes<six>(kind.free_length), AxisPoint<0, six>(c.plates, plate), c.plates.weight[j],
-                                      c.plates.damping[j], d, rate, nullptr);
+                                      c.plates.damping[j], d, rate);
 }
 
 using PointOfJoint = JointTerms<0, eleven>;

@@ -40,20 +40,20 @@ template <int P, bool Observe>
     return moment;
 }
 
-/// Sum of the plates' elastic tensions.
-template <int P>
-[[nodiscard]] inline double elastic_tension(const Coefficients& c, const LinkKind& kind, const double* q) noexcept {
-    const Difference<P> d(q, End::front, q, End::rear);
-    double tension = 0.0;
+/// Sum of the plates' elastic tensions, of one link or of several side by side.
+template <int P, class Kind, class Real>
+[[nodiscard]] inline Real elastic_tension(const Coefficients& c, const Kind& kind, const Real* q) noexcept {
+    using std::sqrt;
+    const Difference<P, Real> d(q, End::front, q, End::rear);
+    Real tension(0.0);
     for (std::size_t j = 0; j < static_cast<std::size_t>(c.plates.count); ++j) {
-        double dx = 0.0;
-        double dy = 0.0;
+        Real dx(0.0), dy(0.0);
         for (int m = 0; m <= P; ++m) {
             dx += d.x[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
             dy += d.y[m] * c.plates.basis[static_cast<std::size_t>(m)][j];
         }
-        const double dz = d.z + c.plates.position[j] * d.e;
-        tension += c.plates.weight[j] * (std::sqrt(dx * dx + dy * dy + dz * dz) - kind.free_length);
+        const Real dz = d.z + c.plates.position[j] * d.e;
+        tension += c.plates.weight[j] * (sqrt(dx * dx + dy * dy + dz * dz) - kind.free_length);
     }
     return tension;
 }
@@ -76,12 +76,18 @@ struct TipShare {
     double moment;  ///< about z [N·m]
 };
 
-/// What tips carry, to a record of contacts from its tip `first` on. normal, friction.z, depth: lanes over tips
+/// Force of tips on their sheaves along z.
 template <class Geometry, class Tips>
-inline void note_contact(const Geometry& geometry, const TipForces<Tips>& forces, int first, LinkContact& contact) noexcept {
-    geometry.depth.copy_to(contact.depth + first);
-    forces.normal.copy_to(contact.normal + first);
-    Tips(-(forces.normal * geometry.normal.z + forces.friction.z)).copy_to(contact.axial + first);
+[[nodiscard]] inline Tips axial_force(const Geometry& geometry, const TipForces<Tips>& forces) noexcept {
+    return -(forces.normal * geometry.normal.z + forces.friction.z);
+}
+
+/// What the tips of a link carry, to a record of contacts. normal, friction.z, depth: lanes over tips
+template <class Geometry>
+inline void note_contact(const Geometry& geometry, const TipForces<TipLanes>& forces, LinkContact& contact) noexcept {
+    geometry.depth.copy_to(contact.depth);
+    forces.normal.copy_to(contact.normal);
+    axial_force(geometry, forces).copy_to(contact.axial);
 }
 
 /// Tips of a link that touches somewhere; reactions on its sheaves to `load`. state [unknowns of the link]
@@ -92,7 +98,7 @@ inline void tip_part(const ChainModel& model, const LinkFrame& frame, const doub
     std::memset(share.force, 0, sizeof share.force);
     load.shaft = model.shaft_of(state);
     const auto seen = [contact](const auto& geometry, const auto& forces) {
-        if (contact != nullptr) note_contact(geometry, forces, 0, *contact);
+        if (contact != nullptr) note_contact(geometry, forces, *contact);
     };
     share.moment = tips<P, Observe>(model.coefficients(), frame, state, state + at<P>.link_size(), sheaves + 2 * load.shaft, phases,
                                     share.force, load.load, account, seen);

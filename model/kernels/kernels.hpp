@@ -65,6 +65,7 @@ SlipKernels slip_kernels<Isa::avx512>(int order, int points) noexcept;
 struct PinKernels {
     ChainKernels chain;
     FrictionKernels friction;
+    SingleFrictionKernels single;
 };
 /// Defined in pin_kernels.cpp, likewise.
 template <Isa isa>

@@ -21,7 +21,7 @@ template <int P>
 void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
                      LinkContact* contacts) noexcept {
     const PinResults results{slope, loads, accounts, contacts};
-    PinPass<P, 1, true>(model, model.coefficients(), range, results, {}).run();
+    PinPass<P, native_lanes, true>(model, model.coefficients(), range, results, {}).run();
 }
 
 /// A gap as wide as that of a tip that is not there.
@@ -105,17 +105,23 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
     contacts.repeat(chain.layout().links, chain.layout().halo());
 }
 
-template <int P, bool Steepest>
-void evaluate(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range,
-              const FrictionStage& stage) noexcept {
-    constexpr int W = native_lanes;
-    const int links = range.last - range.first;
-    const PinFriction<P, W, Steepest> pins(friction, field, range);
-    for (int own = -1; own <= links; own += W) pins.forces(own, stage);
-    int own = 0;
-    for (; own + W <= links; own += W) pins.pins(own, stage);
-    const PinFriction<P, 1, Steepest> rest(friction, field, range);
-    for (; own < links; ++own) rest.pins(own, stage);
+template <int P>
+void record_single(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const KickStart& start,
+                   LinkLoad* loads) noexcept {
+    const ChainModel& chain = friction.chain();
+    using Contacts = KickWriter<P, native_lanes>;
+    const Contacts contacts(chain.coefficients(), range, drift, friction.by_phase(), start);
+    const PinResults results{nullptr, loads, nullptr, nullptr};
+    PinPass<P, native_lanes, false, Contacts>(chain, friction.frictionless(), range, results, contacts).run();
+    contacts.repeat(chain.layout().links, chain.layout().halo());
+}
+
+template <class Number, int P, bool Steepest>
+void evaluate(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
+              const FrictionStageOf<Number>& stage) noexcept {
+    const int pins = range.last - range.first;
+    over_groups<Number>(-1, pins + 1, [&]<int W>(int own) { PinFriction<P, W, Steepest>(friction, field, range).forces(own); });
+    over_groups<Number>(0, pins, [&]<int W>(int own) { PinFriction<P, W, Steepest>(friction, field, range).pins(own, stage); });
 }
 
 }  // namespace
@@ -123,7 +129,9 @@ void evaluate(const FrictionOperator& friction, const ContactField& field, const
 template <>
 PinKernels pin_kernels<compiled_isa>(int order) noexcept {
     return of_order(order, []<int P>() -> PinKernels {
-        return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>}, {record<P>, evaluate<P, false>, evaluate<P, true>}};
+        return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>},
+                {record<P>, evaluate<double, P, false>, evaluate<double, P, true>},
+                {record_single<P>, evaluate<float, P, false>, evaluate<float, P, true>}};
     });
 }
 

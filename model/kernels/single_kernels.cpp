@@ -1,7 +1,5 @@
 /// Friction in single precision, compiled once per instruction set.
 
-#include <algorithm>
-
 #include "model/basis/order.hpp"
 #include "model/contact/friction_lanes.hpp"
 #include "model/kernels/kernels.hpp"
@@ -25,15 +23,8 @@ template <int P, bool Steepest>
 void evaluate_single(const FrictionOperator& friction, const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range,
                      const FrictionStageOf<float>& stage) noexcept {
     const int links = range.last - range.first;
-    // Two vectors side by side as long as there are links for more than one; the last group's lanes beyond the range are thrown away.
-    const auto in_groups = [](int count, const auto& body) {
-        constexpr int most = std::min(float_lanes, 2 * native_floats);
-        int own = 0;
-        for (; count - own > native_floats; own += most) body.template operator()<singles<most>>(own);
-        if (own < count) body.template operator()<singles<native_floats>>(own);
-    };
-    in_groups(links + 1, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).joints(own); });
-    in_groups(links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, stage); });
+    over_groups<float>(0, links + 1, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).joints(own); });
+    over_groups<float>(0, links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, stage); });
 }
 
 }  // namespace

@@ -187,9 +187,11 @@ public:
     KickWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, const KickStart& start) noexcept
         : Base(real, range, drift, by_phase, start.field, start.frictionless), start_(start) {}
 
+    /// @tparam size coordinates of a link, or of a whole pin
     /// @param v velocities passed over, rows of the coordinates
+    template <int size>
     void velocities(int own, int count, const Lanes<W>* v) const noexcept {
-        constexpr int size = at<P>.link_size(), block = at<P>.link_block();
+        constexpr int block = 2 * size;
         constexpr int rows = (size + W - 1) / W * W;  // the last of a block: velocities, and some coordinates before them
         std::array<const double*, W> from;
         for (int lane = 0; lane < W; ++lane)

@@ -2,6 +2,8 @@
 /// One pass over a range of links, W at a time, keeping the states and joints of the links before. (model/kernels/lanes/link_lanes.hpp)
 
 #include <algorithm>
+#include <cstddef>
+#include <type_traits>
 
 #include "model/chain_model.hpp"
 #include "model/force/inner.hpp"
@@ -140,7 +142,7 @@ public:
         V moment = inner(own, count, columns, f.data());
         plates(kinds(own, count), columns, f.data(), own, count);
         if constexpr (Contacts::wanted) contacts_.frame(own, count, columns.frame);
-        if constexpr (Contacts::relative) contacts_.velocities(own, count, columns.v());
+        if constexpr (Contacts::relative) contacts_.template velocities<size>(own, count, columns.v());
         rear.on_front.apply(-1.0, f.data(), End::rear);
         add_front(rear, next, f.data());
         moment += rear.after + after(rear.before, next.before);
@@ -164,8 +166,11 @@ public:
         return kinds;
     }
 
-    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0,
-                [[maybe_unused]] int count = 0) const noexcept {
+    /// @param account LaneAccounts<W>*, or nullptr: nobody asks
+    template <class Book = std::nullptr_t>
+    void plates(const KindLanes<W>& kind, const Columns& columns, V* f, [[maybe_unused]] int own = 0, [[maybe_unused]] int count = 0,
+                [[maybe_unused]] Book account = {}) const noexcept {
+        constexpr bool observe = !std::is_same_v<Book, std::nullptr_t>;
         const Difference<P, V> d(columns.q(), End::front, columns.q(), End::rear), rate(columns.v(), End::front, columns.v(), End::rear);
         const auto& points = c_.plates;
         if constexpr (Contacts::relative) contacts_.gaps(contacts_.components().plate_gap(), own, count, rate);
@@ -178,12 +183,13 @@ public:
                                     plate_tension<P, W>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j],
                                                         points.damping[j], d, rate));
                 }
-                return plate_terms<P, W, false>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j],
-                                                points.damping[j], d, rate, nullptr);
+                return plate_terms<P, W, observe>(c_, kind.free_length, AxisPoint<P, W>(points, first + plate), points.weight[j],
+                                                  points.damping[j], d, rate);
             };
-            std::array<V, 2 * P + 4> total;
+            std::array<V, plate_rows<P, observe>> total;
             pairwise_sum<W>(std::min(points.width, points.count - first), points.width, pulled, total);
             pull.add(total.data());
+            if constexpr (observe) book_plates(total.data() + 2 * P + 4, account);
         }
         pull.apply(1.0, f, End::front);
         pull.apply(-1.0, f, End::rear);

@@ -2,67 +2,65 @@
 /// Friction of whole pins as a function of velocities, lanes over pins: two tips each, plates of the link behind which a pin lies. Every
 /// lane does the same operations in the same order whatever its neighbours are. (model/EQUATIONS.md sections 4, 6, 7 and 10)
 
-#include "model/contact/contact_field.hpp"
-#include "model/contact/friction_sinks.hpp"
-#include "model/force/tips.hpp"
+#include "model/contact/friction_tips.hpp"
 #include "model/kernels/pins/pin_rows.hpp"
-#include "model/law/sliding.hpp"
 
 namespace cvtflow::model {
 namespace {
 
-/// W pins side by side. Column numbers count from the first pin of the range.
+/// W pins side by side, in single precision if W says so. Column numbers count from the first pin of the range.
 template <int P, int W, bool Steepest>
-class PinFriction {
+class PinFriction : private FrictionTips<P, W, Steepest> {
+    using Base = FrictionTips<P, W, Steepest>;
+    using Base::velocity, Base::contact, Base::field_, Base::numbers_;
+
 public:
     using V = Lanes<W>;
+    using Number = NumberOf<W>;
     using Tip = ContactComponents::Tip;
-    static constexpr int n = P + 1;
     static constexpr const ChainLayout& at = pin_at<P>;
-    /// Rows of scratch: forces of tips, their moment, what plates of the link behind do to z and e of the pin that follows.
-    static constexpr int moment_row = at.link_size(), plates_row = moment_row + 1, scratch_rows = plates_row + 2;
+    static constexpr AxisRows axis{at.x(End::rear, 0), at.y(End::rear, 0), at.z(End::rear)};
 
-    PinFriction(const FrictionOperator& friction, const ContactField& field, const FrictionRange& range) noexcept
-        : friction_(friction),
-          c_(friction.chain().coefficients()),
-          field_(field),
-          range_(range),
-          stride_(FrictionOperator::joint_stride(range.last - range.first)) {}
+    using Base::Base;
 
     /// Tips and plates of pins first + own … + W - 1, own ≥ -1, to scratch.
-    void forces(int own, const FrictionStage& stage) const noexcept {
+    void forces(int own) const noexcept {
         plates(own);
-        V f[at.link_size() + 1];
-        for (V& row : f) row = V(0.0);
-        if (touching(own)) tips(own, f, stage);
-        for (int row = 0; row <= at.link_size(); ++row) put(row, own, f[row]);
+        V moment(0.0);
+        AtTips<V> tips{{V(0.0), V(0.0), V(0.0)}, {V(0.0), V(0.0), V(0.0)}};
+        if (touching(own)) tips = Base::tip_friction(own, 0, axis, 0.5 * (turning(own - 1) + turning(own)), moment);
+        int row = tips_row;
+        for (const AtTip<V>* tip : {&tips.low, &tips.high}) {
+            for (const V* force : {&tip->x, &tip->y, &tip->z}) put(row++, own, *force);
+        }
+        put(moment_row, own, moment);
     }
 
     /// Slopes of pins first + own … + W - 1; forces of these and of their neighbours must be in scratch.
-    void pins(int own, const FrictionStage& stage) const noexcept {
+    void pins(int own, const FrictionStageOf<Number>& stage) const noexcept {
         V f[at.link_size()];
-        for (int row = 0; row < at.link_size(); ++row) f[row] = scratch(row, own);
-        for (int k = 0; k < 2; ++k) f[2 * n + k] += scratch(plates_row + k, own - 1) - scratch(plates_row + k, own);
+        for (V& row : f) row = V(0.0);
+        const auto tip = [&](int row) { return AtTip<V>{scratch(row, own), scratch(row + 1, own), scratch(row + 2, own)}; };
+        const AtTips<V> tips{tip(tips_row), tip(tips_row + 3)};
+        Base::add_impulses(own, 0, tips, stage);
+        Base::spread(tips, axis, f);
+        for (int k = 0; k < 2; ++k) f[axis.z + k] += scratch(plates_row + k, own - 1) - scratch(plates_row + k, own);
         const Plane<V> couple_before = couple(own - 1), couple_behind = couple(own);
-        f[at.x(End::rear, 0)] += couple_before.x - couple_behind.x;
-        f[at.y(End::rear, 0)] += couple_before.y - couple_behind.y;
-        accelerate_pins<P, W>(friction_.chain().inertia(), f);
-        if (stage.next == nullptr) return give(f, SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride(), W});
-        if (stage.next->terms <= 2) return give(f, RowSink<W, 2>(stage, *stage.next, column(own), W));
-        give(f, RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own), W));
+        f[axis.x] += couple_before.x - couple_behind.x;
+        f[axis.y] += couple_before.y - couple_behind.y;
+        accelerate_pins<P, W>(numbers_.pin_lateral, numbers_.pin_axial, f);
+        Base::with_sink(own, stage, [&](const auto& sink) {
+            for (int row = 0; row < at.link_size(); ++row) sink.put(row, f[row]);
+        });
     }
 
 private:
-    struct Slip {
-        V x, y, z;
-        [[nodiscard]] V square() const noexcept { return x * x + y * y + z * z; }
-    };
+    /// Rows of scratch: forces of both tips, their moment, what plates of the link behind do to z and e of the pin that follows.
+    static constexpr int tips_row = 0, moment_row = 6, plates_row = 7, rows = 9;
+    static_assert(rows <= FrictionOperator::scratch_rows(P + 1));
 
-    [[nodiscard]] int column(int own) const noexcept { return range_.first + own + range_.shift; }
-    [[nodiscard]] V velocity(int row, int own) const noexcept { return load<W>(range_.velocity + row * range_.stride + own + 1); }
-    [[nodiscard]] V contact(int row, int own) const noexcept { return load<W>(field_.columns.at(row, column(own))); }
-    [[nodiscard]] V scratch(int row, int own) const noexcept { return load<W>(range_.scratch + row * stride_ + own + 1); }
-    void put(int row, int own, const V& lanes) const noexcept { lanes.copy_to(range_.scratch + row * stride_ + own + 1); }
+    [[nodiscard]] V scratch(int row, int own) const noexcept { return Base::kept(row, own + 1); }
+    void put(int row, int own, const V& lanes) const noexcept { Base::keep(row, own + 1, lanes); }
 
     /// Couple of the moment on the line from pin own to the one that follows, on the latter.
     [[nodiscard]] Plane<V> couple(int own) const noexcept {
@@ -72,19 +70,21 @@ private:
     }
 
     [[nodiscard]] V turning(int own) const noexcept {
-        constexpr int x = at.x(End::rear, 0), y = at.y(End::rear, 0);
-        return (contact(ContactComponents::frame_x, own) * (velocity(y, own + 1) - velocity(y, own)) -
-                contact(ContactComponents::frame_y, own) * (velocity(x, own + 1) - velocity(x, own))) *
+        return (contact(ContactComponents::frame_x, own) * (velocity(axis.y, own + 1) - velocity(axis.y, own)) -
+                contact(ContactComponents::frame_y, own) * (velocity(axis.x, own + 1) - velocity(axis.x, own))) *
                contact(ContactComponents::inverse_length, own);
     }
 
     void plates(int own) const noexcept {
-        constexpr int z = at.z(End::rear), e = at.e(End::rear);
-        const V gap_z = velocity(z, own + 1) - velocity(z, own), gap_e = velocity(e, own + 1) - velocity(e, own);
+        V gap_z = velocity(axis.z, own + 1) - velocity(axis.z, own), gap_e = velocity(axis.z + 1, own + 1) - velocity(axis.z + 1, own);
+        if constexpr (Base::counts_from_recorded) {
+            gap_z += contact(field_.components.plate_gap(), own);
+            gap_e += contact(field_.components.plate_gap() + 1, own);
+        }
         V fz(0.0), fe(0.0);
         for (int j = 0; j < field_.components.plates; ++j) {
-            const double xi = c_.plates.position[static_cast<std::size_t>(j)];
-            const V slide = contact(field_.components.plate(j), own) * sliding_share<W, Steepest>(c_.plate_friction, gap_z + xi * gap_e);
+            const Number xi = numbers_.plate_position[static_cast<std::size_t>(j)];
+            const V slide = contact(field_.components.plate(j), own) * sliding_share<W, Steepest>(numbers_.plate, gap_z + xi * gap_e);
             fz += slide;
             fe += xi * slide;
         }
@@ -92,91 +92,11 @@ private:
         put(plates_row + 1, own, -fe);
     }
 
-    /// Whether a tip of the pins side by side touches.
+    /// Whether a tip of the pins side by side is pressed on.
     [[nodiscard]] bool touching(int own) const noexcept {
-        std::uint32_t any = 0;
-        for (int pin = 0; pin < W; ++pin)
-            any |= phase_word(range_.phases + tips_per_link * friction_.chain().layout().wrapped(range_.first + own + pin));
-        return any != 0;
+        const auto grip = [&](int corner) { return contact(field_.components.tip(corner) + Tip::grip, own); };
+        return !all_at_most<W>(larger<W>(grip(0), grip(1)), 0.0);
     }
-
-    /// @param f coordinates of the pin, and the moment on its bisector
-    void tips(int own, V* f, const FrictionStage& stage) const noexcept {
-        const V turn = 0.5 * (turning(own - 1) + turning(own));
-        V even[2], odd[2];  // of x and y
-        for (int axis = 0; axis < 2; ++axis) {
-            even[axis] = velocity(n * axis, own);
-            odd[axis] = V(0.0);
-            for (int m = 1; m < n; ++m) (m % 2 == 0 ? even : odd)[axis] += velocity(n * axis + m, own);
-        }
-        const V z = velocity(at.z(End::rear), own), e = velocity(at.e(End::rear), own);
-        const Slip low = slip(own, 0, {even[0] - odd[0], even[1] - odd[1], z - e}, turn),
-                   high = slip(own, 1, {even[0] + odd[0], even[1] + odd[1], z + e}, turn);
-        const auto [factor_low, factor_high] = factors(own, low.square(), high.square());
-        V& moment = f[moment_row];
-        const Slip below = force(own, 0, low, factor_low, moment, stage), above = force(own, 1, high, factor_high, moment, stage);
-        for (int m = 0; m < n; ++m) {
-            f[m] += m % 2 == 0 ? below.x + above.x : above.x - below.x;
-            f[n + m] += m % 2 == 0 ? below.y + above.y : above.y - below.y;
-        }
-        f[at.z(End::rear)] += below.z + above.z;
-        f[at.e(End::rear)] += above.z - below.z;
-    }
-
-    /// Velocity of a tip along its sheave's surface. @param v of the pin's end
-    [[nodiscard]] Slip slip(int own, int corner, Slip v, const V& turn) const noexcept {
-        const int row = field_.components.tip(corner);
-        const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
-        v.x = v.x - turn * contact(row + Tip::lever_y, own);
-        v.y = v.y + turn * contact(row + Tip::lever_x, own);
-        if constexpr (!Steepest) {
-            v.x = v.x - contact(row + Tip::sheave, own) - range_.time * contact(row + Tip::drift, own);
-            v.y = v.y - contact(row + Tip::sheave + 1, own) - range_.time * contact(row + Tip::drift + 1, own);
-            v.z = v.z - contact(row + Tip::sheave + 2, own) - range_.time * contact(row + Tip::drift + 2, own);
-        }
-        const V along = v.x * gx + v.y * gy + v.z * gz;
-        return {v.x - along * gx, v.y - along * gy, v.z - along * gz};
-    }
-
-    [[nodiscard]] Slip force(int own, int corner, const Slip& slip, const V& factor, V& moment, const FrictionStage& stage) const noexcept {
-        const int row = field_.components.tip(corner);
-        const V grip = -contact(row + Tip::grip, own) * factor;
-        const Slip force{grip * slip.x, grip * slip.y, grip * slip.z};
-        moment += contact(row + Tip::lever_x, own) * force.y - contact(row + Tip::lever_y, own) * force.x;
-        if (stage.impulses != nullptr) {
-            add(own, stage.weight * force.x, stage.impulses->at(3 * corner, column(own)));
-            add(own, stage.weight * force.y, stage.impulses->at(3 * corner + 1, column(own)));
-            add(own, stage.weight * force.z, stage.impulses->at(3 * corner + 2, column(own)));
-        }
-        return force;
-    }
-
-    /// Adds the lanes of the range's own pins to what is there.
-    void add(int own, const V& lanes, double* to) const noexcept {
-        const int links = range_.last - range_.first;
-        if (own >= 0 && own + W <= links) return V(load<W>(to) + lanes).copy_to(to);
-        for (int lane = std::max(0, -own); lane < std::min(W, links - own); ++lane) to[lane] += lanes[static_cast<std::size_t>(lane)];
-    }
-
-    [[nodiscard]] std::pair<V, V> factors(int own, const V& first, const V& second) const noexcept {
-        if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(c_.tip.friction, first, second);
-        const auto bounded = [&](int corner, const V& square) {
-            const int row = field_.components.tip(corner);
-            return larger<W>(smaller<W>(sqrt(square), contact(row + Tip::most, own)), contact(row + Tip::least, own));
-        };
-        return {1.0 / bounded(0, first), 1.0 / bounded(1, second)};
-    }
-
-    template <class Sink>
-    static void give(const V* acceleration, const Sink& to) noexcept {
-        for (int row = 0; row < at.link_size(); ++row) to.put(row, acceleration[row]);
-    }
-
-    const FrictionOperator& friction_;
-    const Coefficients& c_;
-    const ContactField& field_;
-    const FrictionRange& range_;
-    std::ptrdiff_t stride_;
 };
 
 }  // namespace

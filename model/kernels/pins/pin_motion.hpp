@@ -34,6 +34,11 @@ public:
         }
     }
 
+    /// Velocities of the pins at, …; v [size]
+    void velocities(int at, V* v) const noexcept {
+        for (int row = 0; row < size; ++row) v[row] = get(size + row, at);
+    }
+
     /// Lines from the pins [first, last) to the ones that follow.
     void lines(int first, int last) noexcept {
         over_columns<W>(first, last, [&](int at) {

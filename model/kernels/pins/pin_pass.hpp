@@ -20,13 +20,13 @@ struct PinResults {
 };
 
 /// `own` counts pins from the range's first, `at` the columns of a chunk: pin_halo of them lie before its own pins.
-/// @tparam Observe whether accounts are kept: pins one by one then, with the same bits
+/// @tparam Observe whether accounts are kept
 template <int P, int W, bool Observe, class Contacts = NoContacts>
 class PinPass {
 public:
     using V = Lanes<W>;
+    using Accounts = LaneAccounts<W>;
     static constexpr int size = pin_at<P>.link_size(), block = pin_at<P>.link_block();
-    static_assert(W == 1 || !Observe);
 
     PinPass(const ChainModel& model, const Coefficients& coefficients, const ChainRange& range, const PinResults& results,
             const Contacts& contacts) noexcept
@@ -67,15 +67,35 @@ private:
     [[nodiscard]] int number(int at) const noexcept { return model_.layout().wrapped(range_.first + own(at)); }
     [[nodiscard]] bool is_own(int at) const noexcept { return at >= pin_halo && at < pin_halo + count_; }
 
-    /// The account of one pin, or one that nobody reads.
-    [[nodiscard]] Account* account(int at, AccountPart part) noexcept {
-        if constexpr (Observe) return is_own(at) ? results_.accounts + account_parts * own(at) + static_cast<int>(part) : &others_;
-        return nullptr;
+    /// Accounts of the pins at, … that are the range's own.
+    void give(const Accounts& accounts, int at, AccountPart part) const noexcept {
+        std::array<Account*, W> to{};
+        for (int lane = 0; lane < W; ++lane) {
+            if (is_own(at + lane))
+                to[static_cast<std::size_t>(lane)] = results_.accounts + account_parts * own(at + lane) + static_cast<int>(part);
+        }
+        accounts.copy_to(to);
     }
 
-    /// What the link of a column carries, where somebody asks.
-    [[nodiscard]] LinkContact* contact(int at) const noexcept {
-        return Observe && results_.contacts != nullptr && is_own(at) ? results_.contacts + own(at) : nullptr;
+    /// Where what the pins at, … carry goes, where somebody asks.
+    [[nodiscard]] std::array<LinkContact*, W> contacts(int at) const noexcept {
+        std::array<LinkContact*, W> to{};
+        if (!Observe || results_.contacts == nullptr) return to;
+        for (int lane = 0; lane < W; ++lane) {
+            if (is_own(at + lane)) to[static_cast<std::size_t>(lane)] = results_.contacts + own(at + lane);
+        }
+        return to;
+    }
+
+    /// The plates' elastic tensions of the links behind the pins at, …; their tips are none yet.
+    void note_tension(int at, const KindLanes<W>& kind, const LinkColumns<P, W>& columns) const noexcept {
+        if (results_.contacts == nullptr) return;
+        alignas(64) double tension[W];
+        elastic_tension<P>(c_, kind, columns.q()).copy_to(tension);
+        const auto to = contacts(at);
+        for (std::size_t lane = 0; lane < W; ++lane) {
+            if (to[lane] != nullptr) *to[lane] = {tension[lane], {}, {}, {}};
+        }
     }
 
     /// Elasticity and plates of the links behind the pins at, …: forces on their halves.
@@ -84,17 +104,14 @@ private:
         motion_.link_columns(at, columns);
         std::array<V, model::at<P>.link_size()> f;
         f.fill(V(0.0));
-        V moment(0.0);
+        const KindLanes<W> kind = kinds(at);
+        Accounts accounts;
+        const V moment = inner_elasticity<P, Observe>(c_, kind, columns.frame, columns.q(), columns.v(), f.data(), &accounts);
         if constexpr (Observe) {
-            double state[model::at<P>.link_block()], force[model::at<P>.link_size()];
-            std::memcpy(state, columns.state.data(), sizeof state);
-            const LinkFrame frame = link_frame<P>(state, state + model::at<P>.link_size());
-            moment = V(link_part<P, true>(c_, number(at), frame, state, force, account(at, AccountPart::link)));
-            std::memcpy(static_cast<void*>(f.data()), force, sizeof force);
-            if (contact(at) != nullptr) *contact(at) = {elastic_tension<P>(c_, c_.kind(number(at)), state), {}, {}, {}};
+            links_.plates(kind, columns, f.data(), own(at), W, &accounts);
+            give(accounts, at, AccountPart::link);
+            note_tension(at, kind, columns);
         } else {
-            const KindLanes<W> kind = kinds(at);
-            moment = inner_elasticity<P, false>(c_, kind, columns.frame, columns.q(), columns.v(), f.data(), nullptr);
             links_.plates(kind, columns, f.data(), own(at), W);
         }
         if constexpr (Contacts::wanted) {
@@ -137,8 +154,10 @@ private:
         motion_.pin_as_link(at, columns);
         PinShare<P, W> share;
         LinkLoad loads[W];
+        Accounts accounts;
         PinTips<P, W, Observe, Contacts>(c_, range_.sheaves, phases, own(at), contacts_)
-            .share(columns, share, loads, account(at, AccountPart::tips), contact(at));
+            .share(columns, share, loads, accounts, contacts(at));
+        if constexpr (Observe) give(accounts, at, AccountPart::tips);
         for (int row = 0; row < size; ++row) forces_.put(tip_row + row, at, share.force[static_cast<std::size_t>(row)]);
         forces_.put(tip_moment_row, at, share.moment);
         for (int lane = 0; lane < W; ++lane) {
@@ -156,7 +175,11 @@ private:
         const V sliding = arm * motion_.bending(at);
         const V friction = c_.joint.friction.coefficient * normal * slip_factor<W>(c_.joint.friction, abs(sliding)) * sliding;
         forces_.put(rolling_row, at, V(arm * friction));
-        if constexpr (Observe) account(at, AccountPart::joint)->lose(Loss::joint_friction, sum<W>(friction * sliding));
+        if constexpr (Observe) {
+            Accounts accounts;
+            accounts.lose(Loss::joint_friction, friction * sliding);
+            give(accounts, at, AccountPart::joint);
+        }
     }
 
     /// Moments on the directions of the links behind the pins at, …: couples on the pins at their ends.
@@ -177,7 +200,12 @@ private:
         const Plane<V> couple = forces_.template plane<W>(couple_row, at - 1) - forces_.template plane<W>(couple_row, at);
         f[0] += couple.x;
         f[y] += couple.y;
-        accelerate_pins<P, W>(model_.inertia(), f.data());
+        accelerate_pins<P, W>(model_.inertia().lateral, model_.inertia().axial, f.data());
+        if constexpr (Contacts::relative) {
+            std::array<V, size> v;
+            motion_.velocities(at, v.data());
+            contacts_.template velocities<size>(own(at), std::min(W, count_ - (at - pin_halo)), v.data());
+        }
         if constexpr (Contacts::wanted) {
             contacts_.accelerations(own(at), W, f.data(), size);
         } else {
@@ -205,7 +233,6 @@ private:
     LanePass<P, W, Contacts> links_;
     PinMotion<P, W> motion_;
     PinRows<rows> forces_;
-    Account others_;
     int first_ = 0, count_ = 0;  ///< of the chunk
 };
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "model/basis/lanes.hpp"
+#include "model/basis/single_lanes.hpp"
 #include "model/force/link_frame.hpp"
 #include "model/kernels/pins/rolling.hpp"
 #include "model/machine/link_inertia.hpp"
@@ -58,10 +58,11 @@ private:
 };
 
 /// Accelerations from the generalized forces of pins side by side, in place. Modes of even and of odd order do not couple.
-template <int P, int W>
-inline void accelerate_pins(const LinkInertia& inertia, Lanes<W>* f) noexcept {
+/// @param lateral, axial SmallInverse, or the same in another precision
+template <int P, int W, class Inverse>
+inline void accelerate_pins(const Inverse& lateral, const Inverse& axial, Lanes<W>* f) noexcept {
     using V = Lanes<W>;
-    const auto multiply = [](const SmallInverse& inverse, int size, V* at) {
+    const auto multiply = [](const Inverse& inverse, int size, V* at) {
         const int stride = padded(size);
         std::array<V, most_lateral> product;
         for (int row = 0; row < size; ++row) {
@@ -72,9 +73,9 @@ inline void accelerate_pins(const LinkInertia& inertia, Lanes<W>* f) noexcept {
         }
         for (int row = 0; row < size; ++row) at[row] = product[static_cast<std::size_t>(row)];
     };
-    multiply(inertia.lateral, P + 1, f);
-    multiply(inertia.lateral, P + 1, f + P + 1);
-    multiply(inertia.axial, 2, f + 2 * (P + 1));
+    multiply(lateral, P + 1, f);
+    multiply(lateral, P + 1, f + P + 1);
+    multiply(axial, 2, f + 2 * (P + 1));
 }
 
 }  // namespace

@@ -16,7 +16,6 @@ struct PinShare {
     Lanes<W> moment;  ///< on the bisector [N·m]
 };
 
-/// @tparam Observe whether accounts are kept; W is 1 then
 template <int P, int W, bool Observe, class Contacts = NoContacts>
 class PinTips {
 public:
@@ -29,9 +28,11 @@ public:
         for (std::size_t pin = 0; pin < W; ++pin) any_ |= words_[pin] = phase_word(phases + tips_per_link * static_cast<int>(pin));
     }
 
+    /// What the tips of each pin carry goes here, where observed; nullptr: nobody asks.
+    using Seen = std::array<LinkContact*, W>;
+
     /// Forces; reactions of the pins that touch to loads [W].
-    /// @param contact what the tips carry, where observed; nullptr: nobody asks
-    void share(const Columns& columns, PinShare<P, W>& out, LinkLoad* loads, Account* account, LinkContact* contact) const noexcept {
+    void share(const Columns& columns, PinShare<P, W>& out, LinkLoad* loads, LaneAccounts<W>& account, const Seen& seen) const noexcept {
         out.force.fill(V(0.0));
         out.moment = V(0.0);
         if (any_ == 0) {
@@ -41,8 +42,8 @@ public:
         std::array<SheaveMotionLanes<W>, 2> sheaves;
         const V shaft = pulleys_of<P>(c_, all_sheaves_, columns, sheaves);
         std::array<TipReaction<V>, 2> reaction;
-        const TipAction<V> minus = tip(OneTip<W, End::rear, 0>{}, 0, columns, sheaves, shaft, reaction[0], account, contact);
-        const TipAction<V> plus = tip(OneTip<W, End::rear, 1>{}, 1, columns, sheaves, shaft, reaction[1], account, contact);
+        const TipAction<V> minus = tip(OneTip<W, End::rear, 0>{}, 0, columns, sheaves, shaft, reaction[0], account, seen);
+        const TipAction<V> plus = tip(OneTip<W, End::rear, 1>{}, 1, columns, sheaves, shaft, reaction[1], account, seen);
         V* f = out.force.data();
         constexpr auto& at = pin_at<P>;
         spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at.x(End::rear, 0));
@@ -57,20 +58,33 @@ private:
     template <class Corner>
     [[nodiscard]] TipAction<V> tip(const Corner& corner, int number, const Columns& columns,
                                    const std::array<SheaveMotionLanes<W>, 2>& sheaves, [[maybe_unused]] const V& shaft,
-                                   TipReaction<V>& reaction, Account* account, LinkContact* contact) const noexcept {
+                                   TipReaction<V>& reaction, LaneAccounts<W>& account, const Seen& seen) const noexcept {
         const auto own = sheaves_at(corner, sheaves.data());
         const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
         const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
         constexpr std::uint32_t stick_or_slip = 0x02020202;
         const TipPhases phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, W};
-        const auto forces = tip_forces<Observe, W>(c_.tip, geometry, motion, touching(number), phases, account);
+        const auto forces = tip_forces<Observe, W>(c_.tip, geometry, motion, touching(number), phases, &account);
         if constexpr (Contacts::wanted)
             contacts_.tip(own_, W, number, geometry, motion, forces.normal, sheaves[static_cast<std::size_t>(number)], shaft);
-        if constexpr (Observe) {
-            if (contact != nullptr) note_contact(geometry, forces, number, *contact);
-        }
+        if constexpr (Observe) note(geometry, forces, number, seen);
         reaction = tip_reaction(geometry, motion, forces);
         return tip_action(c_, columns.frame, geometry, motion, forces);
+    }
+
+    /// What the tips `number` carry, of pins that touch somewhere.
+    template <class Geometry>
+    void note(const Geometry& geometry, const TipForces<V>& forces, int number, const Seen& seen) const noexcept {
+        alignas(64) double depth[W], normal[W], axial[W];
+        geometry.depth.copy_to(depth);
+        forces.normal.copy_to(normal);
+        axial_force(geometry, forces).copy_to(axial);
+        for (std::size_t pin = 0; pin < W; ++pin) {
+            if (words_[pin] == 0 || seen[pin] == nullptr) continue;
+            seen[pin]->depth[number] = depth[pin];
+            seen[pin]->normal[number] = normal[pin];
+            seen[pin]->axial[number] = axial[pin];
+        }
     }
 
     /// 1 where a tip touches, else 0.

@@ -217,10 +217,12 @@ void FrictionLeapfrog<Number>::finish(int segment) noexcept {
     double* end = w_.step.links_ended ? w_.end_state : w_.states[1];
     system_.give(w_, end, segment);
     const model::ChainLayout& at = w_.layout();
+    const int size = at.link_size();
+    const double half = 0.5 * w_.step.h;
     for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) {
-        const int q = at.link_begin(link);
-        const int v = q + at.link_size();
-        for (int k = 0; k < at.link_size(); ++k) end[q + k] = w_.states[0][q + k] + 0.5 * w_.step.h * (w_.states[0][v + k] + end[v + k]);
+        const double* __restrict from = w_.states[0] + at.link_begin(link);
+        double* __restrict to = end + at.link_begin(link);
+        for (int k = 0; k < size; ++k) to[k] = from[k] + half * (from[size + k] + to[size + k]);
     }
 }
 

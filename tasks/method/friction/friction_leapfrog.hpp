@@ -19,7 +19,7 @@
 
 namespace cvtflow::tasks {
 
-/// @tparam Number in which velocities inside the step are computed: double or, not with whole pins, float
+/// @tparam Number in which velocities inside the step are computed: double or float
 template <class Number>
 class FrictionLeapfrog final : public StepMethod {
 public:

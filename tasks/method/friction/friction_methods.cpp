@@ -20,7 +20,7 @@ constexpr const char* ours = "this project (tasks/method/friction)";
 
 enum class Precision { with_single_stages, double_throughout };
 
-/// Friction by explicit stages on velocities alone. Those of whole pins are in double precision under either name.
+/// Friction by explicit stages on velocities alone.
 [[nodiscard]] MethodProgram explicit_friction(const std::string& name, const char* description, int order, Kick kick,
                                               Precision precision = Precision::with_single_stages) {
     return {.name = name,
@@ -31,8 +31,7 @@ enum class Precision { with_single_stages, double_throughout };
             .state_slots = LeapfrogFrame::state_slots,
             .slope_slots = LeapfrogFrame::slope_slots,
             .make = [kick, precision](Workspace& workspace) -> std::unique_ptr<StepMethod> {
-                if (precision == Precision::double_throughout || workspace.parameters.detail.pins == model::PinDetail::whole)
-                    return std::make_unique<FrictionLeapfrog<double>>(workspace, kick);
+                if (precision == Precision::double_throughout) return std::make_unique<FrictionLeapfrog<double>>(workspace, kick);
                 return std::make_unique<FrictionLeapfrog<float>>(workspace, kick);
             },
             .stability = [kick] { return leapfrog_stability(kick); },

@@ -18,7 +18,7 @@
 
 namespace cvtflow::tasks {
 
-/// @tparam Number of stages: double or, not with whole pins, float
+/// @tparam Number of stages: double or float
 template <class Number>
 class FrictionSystem {
 public:

@@ -74,6 +74,45 @@ TEST(PinKernels, GiveTheSameBitsInRangesOfAnyLengthAndWithAccounts) {
     }
 }
 
+/// Accounts of all pins and what they carry, evaluated in ranges of a length.
+std::vector<double> observed_in_ranges(Rig& rig, int length) {
+    const ChainLayout& at = rig.layout();
+    std::vector<double> slope(static_cast<std::size_t>(at.pulley_begin()));
+    std::vector<LinkLoad> loads(static_cast<std::size_t>(at.links), LinkLoad{});
+    std::vector<Account> accounts(static_cast<std::size_t>(account_parts * at.links));
+    std::vector<LinkContact> contacts(static_cast<std::size_t>(at.links));
+    for (int first = 0; first < at.links; first += length) {
+        rig.variator.chain().observed_slopes(rig.range(first, std::min(first + length, at.links)), slope.data() + at.link_begin(first),
+                                             loads.data() + first, accounts.data() + account_parts * first, contacts.data() + first);
+    }
+    std::vector<double> numbers;
+    for (const Account& account : accounts) {
+        numbers.insert(numbers.end(), account.loss.begin(), account.loss.end());
+        numbers.insert(numbers.end(), account.energy.begin(), account.energy.end());
+    }
+    for (const LinkContact& contact : contacts) {
+        double carried[sizeof contact / sizeof(double)];
+        std::memcpy(carried, &contact, sizeof carried);
+        numbers.insert(numbers.end(), std::begin(carried), std::end(carried));
+    }
+    return numbers;
+}
+
+/// In ranges of one pin every lane but one is somebody else's.
+TEST(PinKernels, KeepTheSameAccountsOfPinsSideBySideAsOneByOne) {
+    std::uint64_t seed = 70;
+    std::vector<oracle::Case> cases = oracle::whole_pins(oracle::small_scene());
+    cases.push_back({"the chain of the baseline, longer than what is computed together", Parameters{}});
+    cases.back().parameters.detail.pins = PinDetail::whole;
+    for (const oracle::Case& one : cases) {
+        Rig rig(one.parameters, ++seed);
+        const std::vector<double> alone = observed_in_ranges(rig, 1);
+        EXPECT_TRUE(std::any_of(alone.begin(), alone.end(), [](double number) { return number != 0.0; })) << one.name;
+        for (const int length : {2, 3, 5, 8, 11, rig.layout().links})
+            EXPECT_TRUE(same_bits(observed_in_ranges(rig, length), alone)) << one.name << ", ranges of " << length;
+    }
+}
+
 TEST(PinKernels, ProbePinsSideBySideAsOneByOne) {
     for (const oracle::Case& one : oracle::whole_pins(oracle::small_scene())) {
         const Rig rig(one.parameters, 11);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/contact/contact_field.hpp"
@@ -28,8 +29,9 @@ public:
           single_field_(variator_.chain()) {
         fill_window(variator_, random_.state.data(), scratch_);
         if (at().pulley_size != 0) variator_.pulleys().motions(random_.state.data() + at().pulley_begin(), scratch_.sheaves);
-        for (Columns* columns : {&frictionless_, &velocity_, &slope_}) *columns = Columns(size(), at().links + 2);
-        for (auto* columns : {&single_push_, &single_velocity_, &single_slope_}) *columns = ColumnsOf<float>(size(), at().links + 2);
+        const int columns_wanted = at().links + 2 * at().halo();
+        for (Columns* columns : {&frictionless_, &velocity_, &slope_}) *columns = Columns(size(), columns_wanted);
+        for (auto* columns : {&single_push_, &single_velocity_, &single_slope_}) *columns = ColumnsOf<float>(size(), columns_wanted);
         for (int link = 0; link < at().links; ++link) {
             for (int row = 0; row < size(); ++row) {
                 double& v = start_[static_cast<std::size_t>(at().link_begin(link) + size() + row)];
@@ -40,7 +42,7 @@ public:
 
     void in_double() {
         friction_.record(range(0, at().links), {}, field_, frictionless_, scratch_.loads.data());
-        for (int link = -1; link <= at().links; ++link) {
+        for (int link = -at().halo(); link < at().links + at().halo(); ++link) {
             const double* v = start_.data() + at().link_begin(at().wrapped(link)) + size();
             for (int row = 0; row < size(); ++row) *velocity_.at(row, link + 1) = v[row];
         }
@@ -55,8 +57,10 @@ public:
             friction_.record(range(first, std::min(first + length, at().links)), {}, start, scratch_.loads.data() + first);
         }
         for (int row = 0; row < size(); ++row) {
-            *single_velocity_.at(row, 0) = *single_velocity_.at(row, at().links);
-            *single_velocity_.at(row, at().links + 1) = *single_velocity_.at(row, 1);
+            for (int ghost = 0; ghost < at().halo(); ++ghost) {
+                *single_velocity_.at(row, -ghost) = *single_velocity_.at(row, at().links - ghost);
+                *single_velocity_.at(row, at().links + 1 + ghost) = *single_velocity_.at(row, 1 + ghost);
+            }
         }
         for (int first = 0; first < at().links; first += length) {
             const int last = std::min(first + length, at().links);
@@ -113,22 +117,31 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
     return largest;
 }
 
-std::vector<oracle::Case> cases() {
+std::vector<oracle::Case> cases_with(PinDetail pins) {
     std::vector<oracle::Case> cases;
     for (int order = 0; order <= 3; ++order) {
         for (const bool stick_slip : {false, true}) {
             for (const FrictionLaw law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
                 Parameters p = oracle::small_scene();
+                p.detail.pins = pins;
                 p.detail.order = order;
                 p.detail.stick_slip = stick_slip;
                 p.detail.friction = law;
                 p.detail.joint_points = order == 1 ? 8 : 3;
-                cases.push_back({"order " + std::to_string(order) + (stick_slip ? " stick and slip " : " ") +
-                                     (law == FrictionLaw::smoothed ? "smoothed" : ""),
+                cases.push_back({std::string(pins == PinDetail::whole ? "whole pins, " : "") + "order " + std::to_string(order) +
+                                     (stick_slip ? " stick and slip " : " ") + (law == FrictionLaw::smoothed ? "smoothed" : ""),
                                  p});
             }
         }
     }
+    return cases;
+}
+
+std::vector<oracle::Case> cases() {
+    std::vector<oracle::Case> cases = cases_with(PinDetail::halves);
+    for (oracle::Case& one : cases_with(PinDetail::whole)) cases.push_back(std::move(one));
+    cases.push_back({"whole pins of the baseline, longer than what is computed together", Parameters{}});
+    cases.back().parameters.detail.pins = PinDetail::whole;
     return cases;
 }
 

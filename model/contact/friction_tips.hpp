@@ -1,0 +1,143 @@
+#pragma once
+/// Friction of the two tips of an axis as a function of velocities, lanes over links or pins. (model/EQUATIONS.md section 6)
+/// Every lane does the same operations in the same order whatever its neighbours are, so results do not depend on how they are grouped.
+
+#include <utility>
+
+#include "model/contact/friction_columns.hpp"
+#include "model/contact/friction_sinks.hpp"
+#include "model/force/tips.hpp"
+#include "model/law/sliding.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Of one tip: velocity along its sheave's surface, or force.
+template <class V>
+struct AtTip {
+    V x, y, z;
+    [[nodiscard]] V square() const noexcept { return x * x + y * y + z * z; }
+};
+
+/// Of the tips at ξ = -1 and at ξ = 1.
+template <class V>
+struct AtTips {
+    AtTip<V> low, high;
+};
+
+/// Rows of an axis: x_0 and y_0, behind which the other modes are, and z, behind which e is.
+struct AxisRows {
+    int x, y, z;
+};
+
+/// W axes side by side, in single precision if W says so: velocities then count from those at which contacts were recorded.
+template <int P, int W, bool Steepest>
+class FrictionTips : protected FrictionColumns<W> {
+    using Base = FrictionColumns<W>;
+
+public:
+    using V = Lanes<W>;
+    using Number = NumberOf<W>;
+
+    FrictionTips(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range) noexcept
+        : Base(field, range), friction_(friction), numbers_(friction.numbers<Number>()) {}
+
+protected:
+    using Tip = ContactComponents::Tip;
+    using Base::column, Base::velocity, Base::contact, Base::kept, Base::keep, Base::links_at, Base::add, Base::field_, Base::range_;
+    static constexpr int n = P + 1;
+    /// Friction about rest has no velocities to count from.
+    static constexpr bool counts_from_recorded = is_single<W> && !Steepest;
+
+    /// Forces at tips `low` and low + 1 of the axis in some rows; their moments about z are added. @param turn how fast the axis turns
+    [[nodiscard]] AtTips<V> tip_friction(int own, int low, const AxisRows& rows, const V& turn, V& moment) const noexcept {
+        V even[2], odd[2];  // modes of x and of y
+        for (int axis = 0; axis < 2; ++axis) {
+            const int row = axis == 0 ? rows.x : rows.y;
+            even[axis] = velocity(row, own);
+            odd[axis] = V(0.0);
+            for (int m = 1; m < n; ++m) (m % 2 == 0 ? even : odd)[axis] += velocity(row + m, own);
+        }
+        const V z = velocity(rows.z, own), e = velocity(rows.z + 1, own);
+        const AtTip<V> a = slip(own, low, {even[0] - odd[0], even[1] - odd[1], z - e}, turn),
+                       b = slip(own, low + 1, {even[0] + odd[0], even[1] + odd[1], z + e}, turn);
+        const auto [factor_a, factor_b] = factors(own, low, a.square(), b.square());
+        const AtTip<V> below = force(own, low, a, factor_a, moment), above = force(own, low + 1, b, factor_b, moment);
+        return {below, above};
+    }
+
+    /// Adds them to the axis' coordinates.
+    static void spread(const AtTips<V>& tips, const AxisRows& rows, V* f) noexcept {
+        const AtTip<V>&below = tips.low, &above = tips.high;
+        const V sum_x = below.x + above.x, sum_y = below.y + above.y, difference_x = above.x - below.x, difference_y = above.y - below.y;
+        for (int m = 0; m < n; ++m) {
+            f[rows.x + m] += m % 2 == 0 ? sum_x : difference_x;
+            f[rows.y + m] += m % 2 == 0 ? sum_y : difference_y;
+        }
+        f[rows.z] += below.z + above.z;
+        f[rows.z + 1] += above.z - below.z;
+    }
+
+    /// Adds them to the impulses of tips `low` and low + 1, if those are wanted.
+    void add_impulses(int own, int low, const AtTips<V>& tips, const FrictionStageOf<Number>& stage) const noexcept {
+        if (stage.impulses == nullptr) return;
+        const auto weight = static_cast<Number>(stage.weight);
+        int row = 3 * low;
+        for (const AtTip<V>* tip : {&tips.low, &tips.high}) {
+            add(own, weight * tip->x, *stage.impulses, row++);
+            add(own, weight * tip->y, *stage.impulses, row++);
+            add(own, weight * tip->z, *stage.impulses, row++);
+        }
+    }
+
+    /// Calls give(sink) with where accelerations of a group go.
+    template <class Give>
+    void with_sink(int own, const FrictionStageOf<Number>& stage, const Give& give) const noexcept {
+        if (stage.next == nullptr) return give(SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride(), links_at(own)});
+        if (stage.next->terms <= 2) return give(RowSink<W, 2>(stage, *stage.next, column(own), links_at(own)));
+        give(RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own), links_at(own)));
+    }
+
+    const FrictionOperator& friction_;
+    const FrictionNumbers<Number>& numbers_;
+
+private:
+    /// Velocity along the sheave's surface. @param v of the axis' end
+    [[nodiscard]] AtTip<V> slip(int own, int corner, AtTip<V> v, const V& turn) const noexcept {
+        const int row = field_.components.tip(corner);
+        const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
+        v.x = v.x - turn * contact(row + Tip::lever_y, own);
+        v.y = v.y + turn * contact(row + Tip::lever_x, own);
+        if constexpr (!Steepest) {
+            const auto time = static_cast<Number>(range_.time);
+            v.x = v.x - contact(row + Tip::sheave, own) - time * contact(row + Tip::drift, own);
+            v.y = v.y - contact(row + Tip::sheave + 1, own) - time * contact(row + Tip::drift + 1, own);
+            v.z = v.z - contact(row + Tip::sheave + 2, own) - time * contact(row + Tip::drift + 2, own);
+        }
+        const V along = v.x * gx + v.y * gy + v.z * gz;
+        return {v.x - along * gx, v.y - along * gy, v.z - along * gz};
+    }
+
+    [[nodiscard]] AtTip<V> force(int own, int corner, const AtTip<V>& slip, const V& factor, V& moment) const noexcept {
+        const int row = field_.components.tip(corner);
+        const V grip = -contact(row + Tip::grip, own) * factor;
+        const AtTip<V> force{grip * slip.x, grip * slip.y, grip * slip.z};
+        moment += contact(row + Tip::lever_x, own) * force.y - contact(row + Tip::lever_y, own) * force.x;
+        return force;
+    }
+
+    /// Of tips `low` and low + 1, whose slips have these squares.
+    [[nodiscard]] std::pair<V, V> factors(int own, int low, const V& first, const V& second) const noexcept {
+        if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(numbers_.tip, first, second);
+        return {1.0 / bounded_speed(own, low, first), 1.0 / bounded_speed(own, low + 1, second)};
+    }
+
+    /// Within the branch of the law that the tip's phase stands for.
+    [[nodiscard]] V bounded_speed(int own, int corner, const V& square) const noexcept {
+        const int row = field_.components.tip(corner);
+        return larger<W>(smaller<W>(sqrt(square), contact(row + Tip::most, own)), contact(row + Tip::least, own));
+    }
+};
+
+}  // namespace
+}  // namespace cvtflow::model
