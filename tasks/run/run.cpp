@@ -228,6 +228,10 @@ std::string trust_lines(const RunReport& r) {
     return text;
 }
 
+std::string transitions_text(const Counters& c) {
+    return fmt::format("{} detected, {} steps truncated, {} suppressed", c.detected, c.truncated, c.suppressed);
+}
+
 /// What was asked about local errors and what came out; empty if nothing was.
 std::string error_lines(const RunReport& r) {
     if (r.step_control == StepControl::fixed || r.local_errors.steps == 0) return {};
@@ -263,8 +267,8 @@ std::string summary(const RunReport& r) {
     if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  kernels             {}, working set {} KiB\n", r.kernels, (r.working_set + 1023) / 1024);
-    text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated,
-                        r.counters.suppressed);
+    text += fmt::format("  transitions         {}{}\n", transitions_text(r.counters),
+                        r.settled ? "; settling " + transitions_text(r.settling) : "");
     if (simulated > 0.0) {
         text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second ({:.2g} x real time)\n", r.wall,
                             r.wall / simulated, r.wall > 0.0 ? simulated / r.wall : 0.0);
