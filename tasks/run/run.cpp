@@ -244,9 +244,10 @@ std::string error_lines(const RunReport& r) {
 }  // namespace
 
 std::string unreliable_text(double suspicion, const AutoNumber& setting, double step) {
-    return fmt::format(
-        "unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; a shorter step is needed (run.step = {})",
-        suspicion, setting.automatic() ? fmt::format("{:.2g}, half of what \"auto\" took", 0.5 * step) : "\"auto\", or less");
+    return fmt::format("unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; {} (run.step = {})",
+                       suspicion,
+                       setting.automatic() ? "\"auto\" does not hold here, a shorter step is needed" : "a shorter step is needed",
+                       setting.automatic() ? fmt::format("{:.2g}, half of what it took", 0.5 * step) : "\"auto\", or less");
 }
 
 std::string unreliable_text(const RunReport& r) { return unreliable_text(r.suspicion, r.step_setting, r.step); }
