@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "model/basis/portable_math.hpp"
 
@@ -24,6 +25,7 @@ namespace {
 
 ChainPlacer::ChainPlacer(const Parameters& p, double pretension, PathOf path_of, double guess)
     : path_of_(std::move(path_of)),
+      ring_(p.start.layout == StartLayout::ring),
       guess_(guess),
       arm_(p.joint.radius - 0.5 * p.half.width),
       diameter_(2.0 * p.joint.radius - (p.detail.pins == PinDetail::halves ? pretension / p.joint.stiffness : 0.0)) {
@@ -46,7 +48,8 @@ PlacedChain ChainPlacer::place(double phase, double rise) const {
         PlacedChain chain = placed;
         if (relax(pins, rise, chord, direction, chain) < 1e-15 * static_cast<double>(iteration + 1)) return chain;
     }
-    throw std::invalid_argument("start: the chain cannot be closed around the pulleys with its joints rolling");
+    throw std::invalid_argument(std::string("start: the chain cannot be closed ") + (ring_ ? "into a ring" : "around the pulleys") +
+                                " with its joints rolling");
 }
 
 std::pair<std::vector<Point>, PlacedChain> ChainPlacer::close(const std::vector<double>& chord, double phase) const {

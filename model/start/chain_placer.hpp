@@ -38,6 +38,7 @@ private:
                  PlacedChain& chain) const;
 
     PathOf path_of_;
+    bool ring_;                   ///< no pulleys
     double guess_;                ///< [m]
     double arm_, diameter_;       ///< [m]
     std::vector<double> length_;  ///< of the links [m]

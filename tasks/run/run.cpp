@@ -228,6 +228,10 @@ std::string trust_lines(const RunReport& r) {
     return text;
 }
 
+std::string transitions_text(const Counters& c) {
+    return fmt::format("{} detected, {} steps truncated, {} suppressed", c.detected, c.truncated, c.suppressed);
+}
+
 /// What was asked about local errors and what came out; empty if nothing was.
 std::string error_lines(const RunReport& r) {
     if (r.step_control == StepControl::fixed || r.local_errors.steps == 0) return {};
@@ -240,9 +244,10 @@ std::string error_lines(const RunReport& r) {
 }  // namespace
 
 std::string unreliable_text(double suspicion, const AutoNumber& setting, double step) {
-    return fmt::format(
-        "unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; a shorter step is needed (run.step = {})",
-        suspicion, setting.automatic() ? fmt::format("{:.2g}, half of what \"auto\" took", 0.5 * step) : "\"auto\", or less");
+    return fmt::format("unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; {} (run.step = {})",
+                       suspicion,
+                       setting.automatic() ? "\"auto\" does not hold here, a shorter step is needed" : "a shorter step is needed",
+                       setting.automatic() ? fmt::format("{:.2g}, half of what it took", 0.5 * step) : "\"auto\", or less");
 }
 
 std::string unreliable_text(const RunReport& r) { return unreliable_text(r.suspicion, r.step_setting, r.step); }
@@ -263,8 +268,8 @@ std::string summary(const RunReport& r) {
     if (!r.method_report.empty()) text += fmt::format("                      {}\n", r.method_report);
     text += fmt::format("  schedule            {}\n", r.schedule);
     text += fmt::format("  kernels             {}, working set {} KiB\n", r.kernels, (r.working_set + 1023) / 1024);
-    text += fmt::format("  transitions         {} detected, {} steps truncated, {} suppressed\n", r.counters.detected, r.counters.truncated,
-                        r.counters.suppressed);
+    text += fmt::format("  transitions         {}{}\n", transitions_text(r.counters),
+                        r.settled ? "; settling " + transitions_text(r.settling) : "");
     if (simulated > 0.0) {
         text += fmt::format("  wall time           {:.3f} s, {:.0f} s per simulated second ({:.2g} x real time)\n", r.wall,
                             r.wall / simulated, r.wall > 0.0 ? simulated / r.wall : 0.0);

@@ -36,7 +36,8 @@ struct alignas(64) Verdict {
 struct StepInput {
     double time = 0.0;             ///< t at the step's start [s]
     double h = 0.0;                ///< its length [s]
-    double dwell = 0.0;            ///< a tip that changed less than this ago stays [s]
+    double dwell = 0.0;            ///< a tip that changed less than this before the look-out stays [s]
+    double lookout = 0.0;          ///< end of the step as it was begun: what looks for, locates and carries out transitions asks there [s]
     engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
     double theta = 1.0;            ///< where a truncate cycle cuts, share of the step
     bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links

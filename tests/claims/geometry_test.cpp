@@ -189,6 +189,16 @@ TEST(GeometricStart, IsRefusedWhereTheChainDoesNotFit) {
     EXPECT_THROW(static_cast<void>(model::start_state(p)), std::invalid_argument);
 }
 
+TEST(GeometricStart, SaysOfARingThatItHasNoPulleys) {
+    model::Parameters p = ring(3, {8e-3, 10e-3, 9e-3});  // a triangle more uneven than those above
+    try {
+        static_cast<void>(model::start_state(p));
+        FAIL() << "it was closed";
+    } catch (const std::invalid_argument& error) {
+        EXPECT_STREQ(error.what(), "start: the chain cannot be closed into a ring with its joints rolling");
+    }
+}
+
 /// A ring of N links of mass m on springs K has no radius at which it turns with Ω > 2π/N √(K/m): its tension grows faster than Hooke's
 /// law.
 TEST(GeometricStart, IsRefusedWhereTheRingBursts) {

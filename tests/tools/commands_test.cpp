@@ -115,6 +115,17 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
     EXPECT_THAT(run({"check", "tiny", "--set", "run.segments=3"}).out, HasSubstr("\n  schedule            auto, 3 segments\n"));
 }
 
+// Tips brake the spin of sheaves by impulses that a leapfrog takes from the step's start; damping of tips is explicit as well. Neither is
+// in the test equation that automatic steps come from, both are in the linearised step.
+TEST_F(Commands, CheckSaysWhereTheAutomaticStepDoesNotHold) {
+    for (const char* setting : {"pulley.sheave_polar_inertia=1.5e-4", "tip.reference_depth=1e-7"}) {
+        const Outcome outcome = run({"check", "baseline", "--method", "leapfrog-chebyshev", "--set", setting});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  stable to +.*\\); \"auto\" is beyond: run.step = \"[0-9.]+ ns\" or less\n"))
+            << setting;
+    }
+}
+
 TEST_F(Commands, CheckSaysUpToWhereASettledSceneIsStable) {
     const Outcome beyond = run({"check", "control", "--step", "2 us"});
     EXPECT_EQ(beyond.status, 0) << beyond.err;
@@ -122,7 +133,7 @@ TEST_F(Commands, CheckSaysUpToWhereASettledSceneIsStable) {
         beyond.out,
         testing::ContainsRegex("\n  stable to +1\\.9[0-9]* us \\(oscillation of .* kHz under friction of .* 1/s\\); run.step is beyond\n"));
     for (const char* step : {"1.8 us", "auto"})
-        EXPECT_THAT(run({"check", "control", "--step", step}).out, testing::Not(HasSubstr("run.step is beyond")));
+        EXPECT_THAT(run({"check", "control", "--step", step}).out, testing::Not(HasSubstr(" is beyond")));
     EXPECT_THAT(run({"check", "control", "--method", "trapezoidal-once"}).out,
                 testing::ContainsRegex("\n  stable to +linear stability sets no limit\n"));
     EXPECT_THAT(run({"check", "tiny"}).out, testing::Not(HasSubstr("stable to"))) << "there is no state yet";

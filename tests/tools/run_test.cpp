@@ -55,6 +55,15 @@ TEST_F(Run, RecordsInResultsAndSumsUp) {
     EXPECT_EQ(record("results/tiny.h5").rows(), 3u);  // 0, 10, 20 us
 }
 
+TEST_F(Run, TellsTransitionsOfSettlingBesideItsOwn) {
+    // Clamped while it settles, for 50 us: tips come to the sheaves then.
+    const Outcome outcome = run({"run", "tiny", "-o", "none", "--until", "5us", "--set", "start.settling_time=50us", "--set",
+                                 "start.ramp_time=10us", "--set", "run.output_interval=5us"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  transitions +[0-9]+ detected, [0-9]+ steps truncated, [0-9]+ suppressed; "
+                                                    "settling [1-9][0-9]* detected, [1-9][0-9]* steps truncated, [0-9]+ suppressed\n"));
+}
+
 TEST_F(Run, TellsItsProgressInPlainLinesWhereThereIsNoTerminal) {
     const Outcome outcome = run_briefly({"-o", "none"});
     EXPECT_THAT(outcome.err, StartsWith("settling: 50 %, t = -10 us, "));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "tasks/method/auto_step.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
@@ -64,7 +65,13 @@ std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& s
     if (simulation.needs_settling()) return "";
     const tasks::StepLimit limit =
         tasks::predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, tasks::frozen_start(simulation));
-    return field("stable to", tasks::text_of(limit) + (scene.run.step > limit.step ? "; run.step is beyond" : ""));
+    const double step = scene.run.step.value_or(simulation.automatic_step());
+    std::string text = tasks::text_of(limit);
+    if (step > limit.step)
+        text += scene.run.step.automatic()
+                    ? fmt::format("; \"auto\" is beyond: run.step = \"{}\" or less", time_text(tasks::AutoStep::margin * limit.step))
+                    : "; run.step is beyond";
+    return field("stable to", text);
 }
 
 ExitStatus check(const SceneArguments& arguments) {

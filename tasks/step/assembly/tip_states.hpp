@@ -21,9 +21,9 @@ inline void indicate(const Workspace& w, const double* state, const model::Sheav
     show(probe, tips);
 }
 
-/// Whether a tip may change now: it has kept its phase for the dwell time.
+/// Whether a tip may change in this step: it will have kept its phase for the dwell time. The same answer however the step is cut.
 [[nodiscard]] inline bool may_change(const Workspace& w, int tip) noexcept {
-    return w.step.time + w.step.h - w.tips.changed[at(tip)] >= w.step.dwell;
+    return w.step.lookout - w.tips.changed[at(tip)] >= w.step.dwell;
 }
 
 }  // namespace cvtflow::tasks

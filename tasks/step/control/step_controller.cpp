@@ -213,6 +213,7 @@ int StepController::start_step() {
         if (!lands_) w_.step.h /= pieces;
         w_.step.dwell = dwell_steps * w_.step.h;
     }
+    w_.step.lookout = w_.step.time + w_.step.h;
     return take(method_.begin());
 }
 
