@@ -26,17 +26,18 @@ tasks::TuneSettings settings_of(const TuneOptions& options) {
 Tuning tune(const Scene& scene, const TuneOptions& options) {
     return api::entered(ErrorCode::scene, [&]() -> Tuning {
         const tasks::TuneSettings settings = settings_of(options);
-        const engine::Cancellation never;
+        const engine::Cancellation cancel(options.stop);
         try {
             tasks::TunedScene tuned =
                 tasks::tuned_scene(scene.data_->scene, settings,
-                                   options.folder.empty() ? tasks::usual_tuning_folder() : std::filesystem::path(options.folder), never);
+                                   options.folder.empty() ? tasks::usual_tuning_folder() : std::filesystem::path(options.folder), cancel);
             const std::string choice = tuned.kept.choice.text();
             return {Scene(std::make_shared<const Scene::Data>(Scene::Data{std::move(tuned.scene)})), choice, tuned.kept.error,
                     !tuned.result};
         } catch (const engine::RecordError& error) {
             throw Error(ErrorCode::start_state, error.what());
         } catch (const tasks::SimulationError& error) {
+            if (cancel.requested()) throw Error(ErrorCode::cancelled, "the tuning was cancelled");
             throw Error(ErrorCode::state, error.what());
         }
     });

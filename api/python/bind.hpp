@@ -17,6 +17,9 @@ namespace py = pybind11;
 /// The interpreter's lock is given up while this lives: the action must touch nothing of Python's.
 using Released = py::gil_scoped_release;
 
+/// How long Python may wait until somebody looks for its signals [s].
+inline constexpr double between_looks = 0.05;
+
 /// A Python callable that C++ may copy and drop on any thread, with or without the lock.
 using Callable = std::shared_ptr<py::function>;
 [[nodiscard]] Callable share(py::function function);

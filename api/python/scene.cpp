@@ -1,5 +1,8 @@
 #include "api/python/bind.hpp"
 
+#include <chrono>
+#include <functional>
+
 namespace cvtflow::python {
 
 namespace {
@@ -8,10 +11,35 @@ namespace {
     return scene.with(settings.cast<std::vector<std::string>>());
 }
 
+/// Whether a signal has come that raised an exception; looks now and then, from where Python's lock is not held.
+class SignalWatch {
+public:
+    [[nodiscard]] bool operator()() noexcept {
+        const auto now = std::chrono::steady_clock::now();
+        if (raised_ || std::chrono::duration<double>(now - looked_).count() < between_looks) return raised_;
+        looked_ = now;
+        const py::gil_scoped_acquire lock;
+        raised_ = PyErr_CheckSignals() != 0;
+        return raised_;
+    }
+    [[nodiscard]] bool raised() const noexcept { return raised_; }
+
+private:
+    std::chrono::steady_clock::time_point looked_ = std::chrono::steady_clock::now();
+    bool raised_ = false;
+};
+
 [[nodiscard]] Tuning tuned(const Scene& scene, double accuracy, std::vector<std::string> outputs, double budget, std::string folder) {
-    const TuneOptions options{accuracy, std::move(outputs), budget, std::move(folder)};
-    const Released released;
-    return tune(scene, options);
+    SignalWatch watch;
+    TuneOptions options{accuracy, std::move(outputs), budget, std::move(folder)};
+    options.stop = std::ref(watch);
+    try {
+        const Released released;
+        return tune(scene, options);
+    } catch (const Error&) {
+        if (watch.raised()) throw py::error_already_set();
+        throw;
+    }
 }
 
 void bind_tune(py::module_& module) {
@@ -24,7 +52,7 @@ void bind_tune(py::module_& module) {
         "tune", &tuned, py::arg("scene"), py::arg("accuracy") = 0.01, py::arg("outputs") = std::vector<std::string>{},
         py::arg("budget") = 0.0, py::arg("folder") = "",
         "The cheapest detail, method and step with which outputs (slip, efficiency, tight_tension, tips) are as accurate: measured, or "
-        "as found before. Takes seconds to minutes.");
+        "as found before. Takes seconds to minutes. A signal ends it as it ends advance_to().");
 }
 
 }  // namespace

@@ -18,8 +18,7 @@ struct Stepper {
     double pace = 0.0;  ///< simulated over wall time; 0: not known yet
 };
 
-constexpr double between_looks = 0.05;  ///< [s] of wall time
-constexpr double first_span = 1e-5;     ///< [s] of simulated time
+constexpr double first_span = 1e-5;  ///< [s] of simulated time
 
 /// Advances until `end` without the lock. @return wall time [s]
 double advance_released(Simulation& simulation, double end) {

@@ -2,18 +2,30 @@
 /// A wish that a run end: set from any thread or from a signal handler, seen by the controller between cycles.
 
 #include <atomic>
+#include <functional>
 
 namespace cvtflow::engine {
 
 class Cancellation {
 public:
+    Cancellation() = default;
+    /// One that asks somebody whenever it is looked at, until the answer is yes. `asked` outlives it, throws nothing and takes next to no
+    /// time: it is called between steps, by the thread that looks.
+    explicit Cancellation(const std::function<bool()>& asked) : asked_(asked ? &asked : nullptr) {}
+
     void request() noexcept { requested_.store(true, std::memory_order_relaxed); }
     /// Takes the wish back. @return whether there was one
     bool withdraw() noexcept { return requested_.exchange(false, std::memory_order_relaxed); }
-    [[nodiscard]] bool requested() const noexcept { return requested_.load(std::memory_order_relaxed); }
+    [[nodiscard]] bool requested() const noexcept {
+        if (requested_.load(std::memory_order_relaxed)) return true;
+        if (asked_ == nullptr || !(*asked_)()) return false;
+        requested_.store(true, std::memory_order_relaxed);
+        return true;
+    }
 
 private:
-    std::atomic<bool> requested_{false};
+    mutable std::atomic<bool> requested_{false};
+    const std::function<bool()>* asked_ = nullptr;
     static_assert(std::atomic<bool>::is_always_lock_free, "only lock-free atomics may be touched in a signal handler");
 };
 

@@ -5,7 +5,10 @@ import importlib.util
 import inspect
 import os
 import pickle
+import signal
 import tempfile
+import threading
+import time
 import unittest
 from pathlib import Path
 
@@ -37,6 +40,20 @@ class Tuning(Folder):
         simulation = cvtflow.Simulation(again.scene.with_("run.until=0.1 ms"))
         simulation.advance_to(1e-4)
         self.assertAlmostEqual(simulation.time, 1e-4, places=12)
+
+    def test_ends_with_the_signal_that_python_gets(self):
+        scene = cvtflow.Scene.read(SOURCE + "/scenes/baseline.toml")
+        pressed = []
+
+        def press():
+            pressed.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Timer(1.0, press).start()
+        with self.assertRaises(KeyboardInterrupt):
+            cvtflow.tune(scene, accuracy=0.01, folder=self.folder)
+        self.assertLess(time.monotonic() - pressed[0], 1.0)
+        self.assertEqual(os.listdir(self.folder), [])
 
     def test_refuses_outputs_that_there_are_not(self):
         scene = cvtflow.Scene.read(SOURCE + "/scenes/free_ring.toml")

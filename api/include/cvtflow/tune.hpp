@@ -18,6 +18,8 @@ struct TuneOptions {
     double budget = 0.0;  ///< wall time after which no further choice is tried; 0: no limit [s]
     std::string folder;   ///< where what was found is kept; empty: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow
     std::function<void(const std::string&)> progress{};  ///< told what is being measured; may be empty
+    /// Asked after every step, by the calling thread: true ends the measuring. May be empty; must not throw.
+    std::function<bool()> stop{};
 };
 
 struct Tuning {
@@ -30,7 +32,7 @@ struct Tuning {
 /// Measures at the scene's start and at the extremes of its tables over time, or takes what was found before. Serial, in the calling
 /// thread; takes seconds to minutes.
 /// @throws Error (argument) accuracy; (scene) outputs that there are not; (start_state); (state) nothing is as accurate, or nothing can be
-/// measured: what() says what was nearest
+/// measured: what() says what was nearest; (cancelled) options.stop said so, and nothing is kept
 [[nodiscard]] CVTFLOW_EXPORT Tuning tune(const Scene& scene, const TuneOptions& options);
 
 }  // namespace v0
