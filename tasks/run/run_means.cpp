@@ -152,7 +152,7 @@ void RunMeans::save(std::vector<double>& memory) const {
     memory.insert(memory.end(), {static_cast<double>(bins_.size()), per_bin_, pin_period_});
     const std::size_t begin = memory.size();
     memory.resize(begin + bins_.size() * numbers);
-    std::memcpy(memory.data() + begin, bins_.data(), bins_.size() * sizeof(Bin));
+    if (!bins_.empty()) std::memcpy(memory.data() + begin, bins_.data(), bins_.size() * sizeof(Bin));
 }
 
 std::span<const double> RunMeans::load(std::span<const double> memory) {

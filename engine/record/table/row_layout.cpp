@@ -38,7 +38,7 @@ void RowLayout::put(std::span<std::byte> row, std::size_t column, std::string_vi
     const std::size_t width = static_cast<std::size_t>(columns_[column].width);
     std::byte* begin = row.data() + offsets_[column];
     std::memset(begin, 0, width);
-    std::memcpy(begin, text.data(), std::min(width, text.size()));
+    text.copy(reinterpret_cast<char*>(begin), width);
 }
 
 double RowLayout::real(std::span<const std::byte> row, std::size_t column) const noexcept {

@@ -18,6 +18,7 @@ TEST(WallBudget, PausesDoNotGiveTheBudgetOfWallTimeBack) {
     scene.parameters.start.settling_time = 0.0;
     scene.run.until = 1.0;  // minutes
     scene.run.step = 5e-8;
+    scene.run.output_interval = 2e-7;  // a few steps: several pauses fit into the budget, however slow the build
     scene.run.max_wall = budget;
     Simulation simulation(scene);
     simulation.pause_on(&observer.due);
