@@ -39,10 +39,10 @@ std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simul
 }
 
 /// Evaluations of the right-hand side: every step takes its stages, every transition one or two steps more.
-std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation) {
+/// @param step run.step, or the automatic one at the start [s]
+std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
     const tasks::RunSettings& run = scene.run;
     const long stages = static_cast<long>(tasks::evaluations_per_step(run.method));
-    const double step = run.step.value_or(simulation.automatic_step());
     const long running = steps_over(run.until, run.output_interval, step);
     const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, step) : 0;
     const std::string length = run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step);
@@ -61,11 +61,11 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
 }
 
 /// Of the state that the run begins with; empty where that has yet to settle.
-std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& simulation) {
+/// @param step as above [s]
+std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
     if (simulation.needs_settling()) return "";
     const tasks::StepLimit limit =
         tasks::predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, tasks::frozen_start(simulation));
-    const double step = scene.run.step.value_or(simulation.automatic_step());
     std::string text = tasks::text_of(limit);
     if (step > limit.step)
         text += scene.run.step.automatic()
@@ -85,7 +85,8 @@ ExitStatus check(const SceneArguments& arguments) {
     text += field("size", size_line(simulation.variator().layout()));
     text += field("start", start_line(scene, simulation));
     for (const std::string& difference : simulation.start_differences()) text += field("", difference);
-    fmt::print("{}{}{}", text, cost_lines(scene, simulation), stability_line(scene, simulation));
+    const double step = scene.run.step.value_or(simulation.automatic_step());
+    fmt::print("{}{}{}", text, cost_lines(scene, simulation, step), stability_line(scene, simulation, step));
     return ExitStatus::finished;
 }
 
