@@ -223,5 +223,14 @@ private:
     }
 };
 
+/// Slopes of the links of a range: their joints, then the links.
+template <class Number, int P, bool Steepest>
+void evaluate_links(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
+                    const FrictionStageOf<Number>& stage) noexcept {
+    const int links = range.last - range.first;
+    over_groups<Number>(0, links + 1, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).joints(own); });
+    over_groups<Number>(0, links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, stage); });
+}
+
 }  // namespace
 }  // namespace cvtflow::model

@@ -19,20 +19,12 @@ void record_single(const FrictionOperator& friction, const ChainRange& range, co
     contacts.repeat(chain.layout().links);
 }
 
-template <int P, bool Steepest>
-void evaluate_single(const FrictionOperator& friction, const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range,
-                     const FrictionStageOf<float>& stage) noexcept {
-    const int links = range.last - range.first;
-    over_groups<float>(0, links + 1, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).joints(own); });
-    over_groups<float>(0, links, [&]<int W>(int own) { FrictionLanes<P, W, Steepest>(friction, field, range).links(own, stage); });
-}
-
 }  // namespace
 
 template <>
 SingleFrictionKernels single_kernels<compiled_isa>(int order) noexcept {
     return of_order(order, []<int P>() -> SingleFrictionKernels {
-        return {record_single<P>, evaluate_single<P, false>, evaluate_single<P, true>};
+        return {record_single<P>, evaluate_links<float, P, false>, evaluate_links<float, P, true>};
     });
 }
 
