@@ -1,7 +1,7 @@
 #include <cvtflow/tune.hpp>
 
 #include "api/host/translate.hpp"
-#include "api/scene_data.hpp"
+#include "api/scene/scene_data.hpp"
 #include "engine/record/run/schema.hpp"
 #include "tasks/tuning/tuned_scene.hpp"
 

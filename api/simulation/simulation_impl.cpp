@@ -13,7 +13,7 @@
 #include "tasks/run/simulation.hpp"
 #include "tasks/run/step_advice.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow {
 inline namespace v0 {

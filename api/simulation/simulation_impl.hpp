@@ -8,11 +8,11 @@
 
 #include "api/host/floating_defaults.hpp"
 #include "api/host/state_bytes.hpp"
-#include "api/scene_data.hpp"
+#include "api/scene/scene_data.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "engine/thread/reentry_guard.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/run/channels.hpp"
+#include "tasks/run/channels/channels.hpp"
 #include "tasks/run/plain_slope.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/study/stability/frozen_step.hpp"

@@ -26,7 +26,7 @@
 #include "tasks/study/profile/report.hpp"
 #include "tasks/study/profile/statistics.hpp"
 #include "tasks/study/relative_error.hpp"
-#include "tools/plot/plot.hpp"
+#include "tools/program/plot/plot.hpp"
 
 namespace {
 

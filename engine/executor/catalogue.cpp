@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "engine/base/spelling.hpp"
-#include "engine/executor/asio/asio_pool.hpp"
+#include "engine/executor/further/asio/asio_pool.hpp"
+#include "engine/executor/further/std_par/std_par.hpp"
+#include "engine/executor/further/taskflow/taskflow_graph.hpp"
 #include "engine/executor/openmp/omp_fork.hpp"
 #include "engine/executor/openmp/omp_region.hpp"
 #include "engine/executor/openmp/omp_tasks.hpp"
 #include "engine/executor/reference/barrier.hpp"
 #include "engine/executor/reference/serial.hpp"
-#include "engine/executor/std_par/std_par.hpp"
-#include "engine/executor/taskflow/taskflow_graph.hpp"
 #include "engine/executor/tbb/flow.hpp"
 #include "engine/executor/tbb/flow_messages.hpp"
 #include "engine/executor/tbb/flow_per_cycle.hpp"

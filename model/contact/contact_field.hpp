@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "model/basis/aligned.hpp"
-#include "model/chain_model.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 

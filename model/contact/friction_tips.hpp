@@ -6,7 +6,7 @@
 
 #include "model/contact/friction_columns.hpp"
 #include "model/contact/friction_sinks.hpp"
-#include "model/force/tips.hpp"
+#include "model/force/tip/tips.hpp"
 #include "model/law/sliding.hpp"
 
 namespace cvtflow::model {

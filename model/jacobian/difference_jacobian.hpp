@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::model {
 

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstring>
 
-#include "model/chain_model.hpp"
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
-#include "model/force/tips.hpp"
+#include "model/force/tip/tips.hpp"
 #include "model/machine/link_solve.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "model/basis/isa.hpp"
 #include "model/contact/contact_field.hpp"
-#include "model/kernels/staged_chain.hpp"
+#include "model/kernels/staged/staged_chain.hpp"
 
 namespace cvtflow::model {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "model/observe/chain_forces.hpp"
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::model {
 

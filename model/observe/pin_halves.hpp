@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "model/chain_model.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "model/chain_model.hpp"
 #include "model/force/pulley.hpp"
 #include "model/start/chain_placer.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 

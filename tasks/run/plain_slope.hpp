@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "model/law/phase_rule.hpp"
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::tasks {
 

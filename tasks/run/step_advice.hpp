@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::tasks {
 

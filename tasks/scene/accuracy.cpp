@@ -1,6 +1,6 @@
 #include "tasks/scene/accuracy.hpp"
 
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
 

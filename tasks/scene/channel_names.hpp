@@ -1,5 +1,5 @@
 #pragma once
-/// Which channels a scene may ask for. The catalogue stands above scenes (tasks/run/channels.cpp), which defines these functions.
+/// Which channels a scene may ask for. The catalogue stands above scenes (tasks/run/channels/channels.cpp), which defines these functions.
 
 #include <span>
 #include <string>

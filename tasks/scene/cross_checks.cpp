@@ -12,7 +12,7 @@
 #include "model/start/belt.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/scene/channel_names.hpp"
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
 namespace {

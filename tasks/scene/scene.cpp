@@ -12,9 +12,9 @@
 
 #include "engine/base/spelling.hpp"
 #include "tasks/scene/cross_checks.hpp"
-#include "tasks/scene/csv_points.hpp"
+#include "tasks/scene/csv/csv_points.hpp"
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/value_reader.hpp"
+#include "tasks/scene/toml/value_reader.hpp"
 
 namespace cvtflow::tasks {
 namespace {

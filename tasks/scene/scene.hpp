@@ -16,7 +16,7 @@
 
 #include "model/parameters/parameters.hpp"
 #include "tasks/scene/kept_state.hpp"
-#include "tasks/step/assembly_kind.hpp"
+#include "tasks/step/assembly/assembly_kind.hpp"
 #include "tasks/step/control/step_control.hpp"
 
 namespace cvtflow::tasks {

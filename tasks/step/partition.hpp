@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::tasks {
 

@@ -2,7 +2,7 @@
 /// The step as a task graph over segments. (ARCHITECTURE.md draws it.)
 
 #include "engine/graph/task_graph.hpp"
-#include "tasks/step/assembly_kind.hpp"
+#include "tasks/step/assembly/assembly_kind.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {

@@ -4,7 +4,7 @@
 #include <complex>
 #include <vector>
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::tasks {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
 

@@ -18,7 +18,7 @@ namespace {
 class Release : public testing::Test {
 protected:
     void SetUp() override {
-        for (const char* part : {"CMakeLists.txt", "CITATION.cff", "debian", "api/include", "api/cvtflow-config.cmake.in",
+        for (const char* part : {"CMakeLists.txt", "CITATION.cff", "debian", "api/include", "api/install/cvtflow-config.cmake.in",
                                  "docs/embedding.md", "examples/CMakeLists.txt", "tests/api/consumer", "tools/release"}) {
             std::filesystem::create_directories((folder_ / part).parent_path());
             std::filesystem::copy(std::filesystem::path(CVTFLOW_SOURCE_DIR) / part, folder_ / part,

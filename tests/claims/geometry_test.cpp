@@ -9,7 +9,7 @@
 
 #include "model/start/belt.hpp"
 #include "model/start/start_state.hpp"
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tests/claims/chain_view_fixture.hpp"
 #include "tests/claims/rig_fixture.hpp"
 

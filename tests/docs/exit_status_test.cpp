@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "tests/docs/page_fixture.hpp"
-#include "tools/exit_status.hpp"
+#include "tools/program/exit_status.hpp"
 
 namespace cvtflow::docs {
 namespace {

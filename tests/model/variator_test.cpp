@@ -1,6 +1,6 @@
 /// Production kernels against the plain oracle: the same equations written twice.
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-/// The manual page and the completions, made by tools/manual of the program's own help.
+/// The manual page and the completions, made by tools/documents/manual of the program's own help.
 
 #include <gmock/gmock.h>
 
@@ -26,7 +26,7 @@ protected:
         return output;
     }
     std::string made(const std::string& kind) const {
-        return output_of("'" CVTFLOW_SOURCE_DIR "/tools/manual' " + kind + " '" CVTFLOW_PROGRAM "'");
+        return output_of("'" CVTFLOW_SOURCE_DIR "/tools/documents/manual' " + kind + " '" CVTFLOW_PROGRAM "'");
     }
     /// Names of all commands, as the help lists them.
     std::vector<std::string> names() const {
@@ -73,7 +73,7 @@ TEST_F(Manual, BashCompletesCommandsOptionsAndNamesOfTheCatalogues) {
 }
 
 TEST_F(Manual, AnUnknownKindIsAnErrorOfUsage) {
-    EXPECT_EQ(output_of("{ '" CVTFLOW_SOURCE_DIR "/tools/manual' html x 2>/dev/null; echo $?; }"), "2\n");
+    EXPECT_EQ(output_of("{ '" CVTFLOW_SOURCE_DIR "/tools/documents/manual' html x 2>/dev/null; echo $?; }"), "2\n");
 }
 
 }  // namespace

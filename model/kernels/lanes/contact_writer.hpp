@@ -6,11 +6,11 @@
 #include <type_traits>
 
 #include "model/basis/single_lanes.hpp"
-#include "model/chain_model.hpp"
 #include "model/contact/contact_field.hpp"
 #include "model/force/joint.hpp"
-#include "model/force/tips.hpp"
+#include "model/force/tip/tips.hpp"
 #include "model/kernels/lanes/link_lanes.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -5,13 +5,13 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "model/chain_model.hpp"
 #include "model/force/inner.hpp"
 #include "model/force/joint.hpp"
 #include "model/force/plates.hpp"
 #include "model/kernels/lanes/contact_writer.hpp"
 #include "model/kernels/lanes/lane_tips.hpp"
 #include "model/kernels/lanes/link_lanes.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 namespace {

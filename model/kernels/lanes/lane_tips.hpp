@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "model/chain_model.hpp"
-#include "model/force/tips.hpp"
+#include "model/force/tip/tips.hpp"
 #include "model/kernels/lanes/contact_writer.hpp"
 #include "model/kernels/lanes/link_lanes.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 namespace {

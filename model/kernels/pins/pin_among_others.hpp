@@ -1,7 +1,7 @@
 #pragma once
 /// One whole pin and its tips, for whoever looks at it alone.
 
-#include "model/force/tips.hpp"
+#include "model/force/tip/tips.hpp"
 #include "model/kernels/pins/pin_motion.hpp"
 
 namespace cvtflow::model {

@@ -2,9 +2,9 @@
 /// Pins side by side: their states, the lines between them, their halves, and the links made of those.
 /// (model/EQUATIONS.md section 10)
 
-#include "model/chain_model.hpp"
 #include "model/kernels/lanes/link_lanes.hpp"
 #include "model/kernels/pins/pin_rows.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
 namespace {

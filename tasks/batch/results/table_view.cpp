@@ -6,7 +6,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "tasks/scene/accuracy.hpp"
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
 

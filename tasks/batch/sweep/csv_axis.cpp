@@ -8,7 +8,7 @@
 #include "engine/base/input_file.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/batch/sweep/axis_reader.hpp"
-#include "tasks/scene/csv_text.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 
 namespace cvtflow::tasks {
 

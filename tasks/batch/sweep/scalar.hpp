@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tasks/run/channels.hpp"
-#include "tasks/scene/toml_tree.hpp"
+#include "tasks/run/channels/channels.hpp"
+#include "tasks/scene/toml/toml_tree.hpp"
 
 namespace cvtflow::tasks {
 

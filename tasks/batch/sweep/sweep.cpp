@@ -7,7 +7,7 @@
 #include "engine/base/hash.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/scene/cross_checks.hpp"
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
 

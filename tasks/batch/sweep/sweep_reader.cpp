@@ -9,7 +9,7 @@
 #include "tasks/batch/sweep/sweep_keys.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/scene/cross_checks.hpp"
-#include "tasks/scene/value_reader.hpp"
+#include "tasks/scene/toml/value_reader.hpp"
 
 namespace cvtflow::tasks {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "tasks/method/friction/additive_method.hpp"
+#include "tasks/method/friction/additive/additive_method.hpp"
 #include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/friction/friction_stability.hpp"
 #include "tasks/method/friction/implicit_leapfrog.hpp"

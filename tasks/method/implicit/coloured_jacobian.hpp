@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "model/jacobian/acceleration_jacobian.hpp"
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::tasks {
 

@@ -9,7 +9,7 @@
 
 #include "engine/linear/cyclic_border.hpp"
 #include "model/jacobian/acceleration_jacobian.hpp"
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::tasks {
 

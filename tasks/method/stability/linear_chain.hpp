@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tasks/step/frozen_start.hpp"
 
 namespace cvtflow::tasks {

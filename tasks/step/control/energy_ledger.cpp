@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tasks/step/method_memory.hpp"
 
 namespace cvtflow::tasks {

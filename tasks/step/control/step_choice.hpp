@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "model/chain_model.hpp"
+#include "model/variator/chain_model.hpp"
 
 namespace cvtflow::tasks {
 

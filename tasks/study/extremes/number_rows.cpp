@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 #include "tasks/study/extremes/extreme.hpp"
 
 namespace cvtflow::tasks {

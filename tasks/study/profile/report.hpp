@@ -1,5 +1,6 @@
 #pragma once
-/// A profile as CSV, JSON and trace, with all that tells where its numbers come from. Tables for people: tools/text/profile_text.hpp.
+/// A profile as CSV, JSON and trace, with all that tells where its numbers come from. Tables for people:
+/// tools/program/text/profile_text.hpp.
 
 #include <string>
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "engine/method/compiled_plan.hpp"
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tasks/step/frozen_start.hpp"
 
 namespace cvtflow::tasks {

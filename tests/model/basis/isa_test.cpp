@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 #include "tests/oracle/random_state.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "model/contact/contact_field.hpp"
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {

@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/contact/contact_field.hpp"
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {

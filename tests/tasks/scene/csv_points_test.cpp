@@ -1,4 +1,4 @@
-#include "tasks/scene/csv_points.hpp"
+#include "tasks/scene/csv/csv_points.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -1,4 +1,4 @@
-#include "tasks/scene/csv_text.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 
 #include <gtest/gtest.h>
 

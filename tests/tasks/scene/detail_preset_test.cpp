@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "model/parameters/chain_layout.hpp"
-#include "tasks/scene/csv_text.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/scene.hpp"
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
 namespace {

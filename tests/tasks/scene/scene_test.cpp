@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tasks/scene/parameter_table.hpp"
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
 namespace {

@@ -1,4 +1,4 @@
-#include "tasks/scene/units.hpp"
+#include "tasks/scene/toml/units.hpp"
 
 #include <cmath>
 #include <cstdlib>

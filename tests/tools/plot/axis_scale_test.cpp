@@ -1,4 +1,4 @@
-#include "tools/plot/axis_scale.hpp"
+#include "tools/program/plot/axis_scale.hpp"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "tools/plot/field.hpp"
+#include "tools/program/plot/field.hpp"
 
 #include <gmock/gmock.h>
 

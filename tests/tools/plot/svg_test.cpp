@@ -3,7 +3,7 @@
 #include <cmath>
 #include <regex>
 
-#include "tools/plot/plot.hpp"
+#include "tools/program/plot/plot.hpp"
 
 namespace cvtflow::tools {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/view/run_difference.hpp"
+#include "tools/program/view/run_difference.hpp"
 
 #include <gtest/gtest.h>
 

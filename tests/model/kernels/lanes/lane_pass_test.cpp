@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 #include "tests/oracle/random_state.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <vector>
 
-#include "model/variator.hpp"
+#include "model/variator/variator.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {

@@ -1,6 +1,6 @@
 /// Order conditions of the tables that solve for friction, the coupling conditions between both parts included.
 
-#include "tasks/method/friction/additive_table.hpp"
+#include "tasks/method/friction/additive/additive_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,74 @@
+#include <cvtflow/scene.hpp>
+
+#include <vector>
+
+#include "api/host/translate.hpp"
+#include "api/scene/scene_data.hpp"
+#include "engine/base/spelling.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/ready_scenes.hpp"
+
+namespace cvtflow {
+inline namespace v0 {
+
+namespace {
+
+/// What a scene's state file must agree with.
+[[nodiscard]] std::string resolution(const tasks::Scene& scene) {
+    std::string text;
+    for (const std::string_view key : tasks::state_keys()) text += tasks::value_text(*tasks::find_parameter(key), scene) + " ";
+    return text;
+}
+
+}  // namespace
+
+Scene::Scene(std::shared_ptr<const Data> data) noexcept : data_(std::move(data)) {}
+
+Scene Scene::read(const std::string& path) {
+    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(path)})); });
+}
+
+Scene Scene::parse(const std::string& text, const std::string& name) {
+    return api::entered(ErrorCode::scene, [&] { return Scene(std::make_shared<const Data>(Data{tasks::parse_scene(text, name)})); });
+}
+
+Scene Scene::ready(const std::string& name) {
+    return api::entered(ErrorCode::scene,
+                        [&] { return Scene(std::make_shared<const Data>(Data{tasks::read_scene(tasks::find_scene(name))})); });
+}
+
+Scene Scene::with(std::span<const std::string> settings) const {
+    return api::entered(ErrorCode::scene, [&] {
+        Data changed = *data_;
+        tasks::set_values(changed.scene, settings);
+        return Scene(std::make_shared<const Data>(std::move(changed)));
+    });
+}
+
+Scene Scene::with(const std::string& setting) const { return with(std::span(&setting, 1)); }
+
+Scene Scene::with_detail(const std::string& preset) const {
+    return api::entered(ErrorCode::scene, [&] {
+        Data changed = *data_;
+        tasks::apply_detail(changed.scene, preset);
+        if (resolution(changed.scene) != resolution(data_->scene)) changed.scene.state_file.clear();
+        return Scene(std::make_shared<const Data>(std::move(changed)));
+    });
+}
+
+const std::string& Scene::name() const noexcept { return data_->scene.name; }
+const std::string& Scene::description() const noexcept { return data_->scene.description; }
+std::string Scene::text() const {
+    return api::entered(ErrorCode::internal, [&] { return tasks::write_scene(data_->scene); });
+}
+
+std::string Scene::value(const std::string& key) const {
+    return api::entered(ErrorCode::internal, [&] {
+        const tasks::Parameter* parameter = tasks::find_parameter(key);
+        if (parameter == nullptr) throw Error(ErrorCode::argument, "no key '" + key + "'" + engine::did_you_mean(tasks::nearest_keys(key)));
+        return tasks::value_text(*parameter, data_->scene);
+    });
+}
+
+}  // namespace v0
+}  // namespace cvtflow

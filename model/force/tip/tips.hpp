@@ -1,0 +1,241 @@
+#pragma once
+/// Forces between the tips of a link and the sheaves: Hertz contact with friction. Lanes run over the four tips of a link, or over links.
+/// (model/EQUATIONS.md section 6)
+
+#include <cstdint>
+#include <cstring>
+
+#include "model/force/lane_accounts.hpp"
+#include "model/force/tip/tip_geometry.hpp"
+#include "model/law/friction.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Velocities at the contact of every tip.
+template <class Tips>
+struct TipMotion {
+    Tips closing;              ///< δ' [m/s]
+    Vector3<Tips> material;    ///< v of the tip's material at P relative to the sheave's [m/s]
+    Tips lever_x, lever_y;     ///< P - E [m]
+    Vector3<Tips> sheave_arm;  ///< r_P = P - O [m]
+};
+
+template <int P, class Corner, class Sheaves>
+[[nodiscard, gnu::always_inline]] inline TipMotion<typename Corner::Tips> tip_motion(
+    const Coefficients& c, const Corner& at_tips, const LinkFrameOf<typename Corner::Real>& frame, const typename Corner::Real* v,
+    const Sheaves& o, const TipGeometry<P, typename Corner::Tips>& g) noexcept {
+    using Tips = typename Corner::Tips;
+    TipMotion<Tips> m;
+    const double outward = c.tip.radius * c.tip.sine;
+    const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
+    const auto& w = frame.turning;
+    const Tips ex = end_values<P>(at_tips, v), ey = end_values<P>(at_tips, v + 2 * (P + 1));
+    const Tips ez = at_tips.by_end(v[at<P>.z(End::rear)], v[at<P>.z(End::front)]) +
+                    g.side * at_tips.by_end(v[at<P>.e(End::rear)], v[at<P>.e(End::front)]);
+    const auto slope_x = c.slope_scale * end_slopes<P>(at_tips, v), slope_y = c.slope_scale * end_slopes<P>(at_tips, v + 2 * (P + 1));
+    const auto tilting = slope_x * frame.ty - slope_y * frame.tx + w * (g.slope_x * frame.tx + g.slope_y * frame.ty);
+    const auto& [ux, uy, uz] = o.velocity;
+    const auto& [wx, wy, wz] = o.spin;
+
+    const Vector3<Tips> sphere{ex + outward * w * frame.tx - sideways * slope_x, ey + outward * w * frame.ty - sideways * slope_y,
+                               ez - outward * tilting};
+    m.closing = -dot(g.normal, Vector3<Tips>{sphere.x - ux, sphere.y - uy, sphere.z - uz}) +
+                wx * (g.arm.y * g.local.z - g.arm.z * g.local.y) + wy * (g.arm.z * g.local.x - g.arm.x * g.local.z);
+
+    m.lever_x = g.offset.x - c.tip.radius * g.normal.x;
+    m.lever_y = g.offset.y - c.tip.radius * g.normal.y;
+    m.sheave_arm = {g.arm.x - c.tip.radius * g.normal.x, g.arm.y - c.tip.radius * g.normal.y, g.arm.z - c.tip.radius * g.normal.z};
+    const Vector3<Tips>& p = m.sheave_arm;
+    m.material = {ex - w * m.lever_y - ux - (wy * p.z - wz * p.y), ey + w * m.lever_x - uy - (wz * p.x - wx * p.z),
+                  ez - uz - (wx * p.y - wy * p.x)};
+    return m;
+}
+
+/// Velocity in the tangent plane of the contact.
+template <class Tips>
+[[nodiscard]] inline Vector3<Tips> tangential(const Vector3<Tips>& v, const Vector3<Tips>& normal) noexcept {
+    const Tips along = dot(v, normal);
+    return {v.x - along * normal.x, v.y - along * normal.y, v.z - along * normal.z};
+}
+
+/// The phases of a link's four tips, one byte each.
+[[nodiscard]] inline std::uint32_t phase_word(const Phase* phases) noexcept {
+    std::uint32_t word;
+    std::memcpy(&word, phases, sizeof word);
+    return word;
+}
+
+/// Phases of the tips in the lanes.
+struct TipPhases {
+    const Phase* first;  ///< of lane 0
+    int stride;          ///< from lane to lane
+    bool by_phase;       ///< whether any of them is `stick` or `slip`
+    std::size_t count;   ///< lanes that stand for tips
+    [[nodiscard]] Phase operator[](std::size_t lane) const noexcept { return first[static_cast<std::size_t>(stride) * lane]; }
+};
+
+/// Those of one link.
+[[nodiscard]] inline TipPhases phases_of_link(const Phase* phases) noexcept {
+    constexpr std::uint32_t stick_or_slip = 0x02020202;
+    return {phases, 1, (phase_word(phases) & stick_or_slip) != 0, tips_per_link};
+}
+
+/// 1 where a tip of a link touches, else 0.
+[[nodiscard]] inline TipLanes touching_lanes(const Phase* phases) noexcept {
+    const auto touching_at = [&](int corner) { return phases[corner] == Phase::free ? 0.0 : 1.0; };
+    return join<2>(join<1>(touching_at(0), touching_at(1)), join<1>(touching_at(2), touching_at(3)));
+}
+
+/// g(|v|) from v², with the branch that the phase prescribes: frozen within a step for `stick` and `slip`.
+template <int W>
+[[nodiscard]] inline Lanes<W> phase_slip_factor(const FrictionCurve& curve, const Lanes<W>& square, const TipPhases& phases) noexcept {
+    Lanes<W> factor = slip_factor_of_square<W>(curve, square);
+    if (!phases.by_phase) return factor;
+    const Lanes<W> inverse = 1.0 / sqrt(square);
+    for (std::size_t tip = 0; tip < phases.count; ++tip) {
+        if (phases[tip] == Phase::stick) take<W>(Lanes<W>(curve.inverse_saturation_speed), tip, factor);
+        if (phases[tip] == Phase::slip) take<W>(inverse, tip, factor);
+    }
+    return factor;
+}
+
+/// Normal force and friction of tips.
+template <class Tips>
+struct TipForces {
+    Tips normal;             ///< N [N]
+    Vector3<Tips> friction;  ///< f on the tip [N]
+};
+
+/// @param touching 1 or 0   @param account where observed: Account of the link whose tips the lanes are, or LaneAccounts<W>
+template <bool Observe, int W, int P, class Book>
+[[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
+                                                                        const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
+                                                                        const TipPhases& phases, [[maybe_unused]] Book account) noexcept {
+    using Tips = Lanes<W>;
+    const Tips depth = touching * positive_part<W>(g.depth);
+    const Tips elastic = tip.hertz * depth * sqrt(depth);
+    const Tips normal = positive_part<W>(elastic * (1.0 + tip.damping * motion.closing));
+    const Vector3<Tips> v = tangential(motion.material, g.normal);
+    const Tips grip = -tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, dot(v, v), phases);
+    const Vector3<Tips> friction{grip * v.x, grip * v.y, grip * v.z};
+    if constexpr (Observe) {
+        account->store(Energy::tips, 0.4 * booked<W>(account, elastic * depth));
+        account->lose(Loss::tip_damping, booked<W>(account, (normal - elastic) * motion.closing));
+        account->lose(Loss::tip_friction, -booked<W>(account, dot(friction, motion.material)));
+    }
+    return {normal, friction};
+}
+
+/// What tips do to their links: force, tilting of the pins' ends, moment about z.
+template <class Tips>
+struct TipAction {
+    Vector3<Tips> total;
+    Tips tilt_x, tilt_y;
+    Tips moment;
+};
+
+template <int P, class Real, class Tips>
+[[nodiscard, gnu::always_inline]] inline TipAction<Tips> tip_action(const Coefficients& c, const LinkFrameOf<Real>& frame,
+                                                                    const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+                                                                    const TipForces<Tips>& t) noexcept {
+    const double outward = c.tip.radius * c.tip.sine;
+    const Tips sideways = (c.tip.radius * c.tip.cosine) * g.side;
+    const Vector3<Tips> pressing{t.normal * g.normal.x, t.normal * g.normal.y, t.normal * g.normal.z};
+    const Tips turning =
+        outward * (pressing.x * frame.tx + pressing.y * frame.ty - (g.slope_x * frame.tx + g.slope_y * frame.ty) * pressing.z);
+    return {{pressing.x + t.friction.x, pressing.y + t.friction.y, pressing.z + t.friction.z},
+            c.slope_scale * (-outward * frame.ty * pressing.z - sideways * pressing.x),
+            c.slope_scale * (outward * frame.tx * pressing.z - sideways * pressing.y),
+            turning + motion.lever_x * t.friction.y - motion.lever_y * t.friction.x};
+}
+
+/// Forces and tilting of the two tips of a half (side -, side +) brought to its lateral coordinates.
+template <int P, class Real>
+inline void spread_end(const Real& minus, const Real& plus, const Real& tilt_minus, const Real& tilt_plus, Real* f) noexcept {
+    const Real even = minus + plus, odd = plus - minus;
+    for (int m = 0; m <= P; ++m) f[m] += m % 2 == 0 ? even : odd;
+    const Real tilt_even = tilt_minus + tilt_plus, tilt_odd = tilt_plus - tilt_minus;
+    if constexpr (P >= 1) f[1] += tilt_even;
+    if constexpr (P >= 2) f[2] += 3.0 * tilt_odd;
+    if constexpr (P >= 3) f[3] += 6.0 * tilt_even;
+}
+
+/// The tips' moments on all coordinates of a half.
+template <int P, class Real>
+inline void load_end(End end, const TipAction<Real>& minus, const TipAction<Real>& plus, Real* f) noexcept {
+    spread_end<P>(minus.total.x, plus.total.x, minus.tilt_x, plus.tilt_x, f + at<P>.x(end, 0));
+    spread_end<P>(minus.total.y, plus.total.y, minus.tilt_y, plus.tilt_y, f + at<P>.y(end, 0));
+    f[at<P>.z(end)] += minus.total.z + plus.total.z;
+    f[at<P>.e(end)] += plus.total.z - minus.total.z;
+}
+
+/// Adds generalized forces of the four tips to those of their link; returns the moment about z on it. f [N, N·m]
+template <int P>
+[[nodiscard]] inline double load_link(const TipAction<TipLanes>& action, double* f) noexcept {
+    alignas(64) double number[5][4];
+    action.total.x.copy_to(number[0]);
+    action.total.y.copy_to(number[1]);
+    action.total.z.copy_to(number[2]);
+    action.tilt_x.copy_to(number[3]);
+    action.tilt_y.copy_to(number[4]);
+    const auto of = [&](int tip) {
+        return TipAction<double>{{number[0][tip], number[1][tip], number[2][tip]}, number[3][tip], number[4][tip], 0.0};
+    };
+    load_end<P>(End::rear, of(0), of(1), f);
+    load_end<P>(End::front, of(2), of(3), f);
+    return sum<tips_per_link>(action.moment);
+}
+
+/// Reaction of each tip on its sheave: force and generalized moments.
+template <class Tips>
+struct TipReaction {
+    Vector3<Tips> force, moment;
+};
+
+template <int P, class Tips>
+[[nodiscard, gnu::always_inline]] inline TipReaction<Tips> tip_reaction(const TipGeometry<P, Tips>& g, const TipMotion<Tips>& motion,
+                                                                        const TipForces<Tips>& t) noexcept {
+    const Vector3<Tips>& p = motion.sheave_arm;
+    const Vector3<Tips>& r = g.arm;
+    return {{-(t.normal * g.normal.x + t.friction.x), -(t.normal * g.normal.y + t.friction.y), -(t.normal * g.normal.z + t.friction.z)},
+            {-t.normal * (r.y * g.local.z - r.z * g.local.y) - (p.y * t.friction.z - p.z * t.friction.y),
+             -t.normal * (r.z * g.local.x - r.x * g.local.z) - (p.z * t.friction.x - p.x * t.friction.z),
+             -(p.x * t.friction.y - p.y * t.friction.x)}};
+}
+
+/// Reactions of the four tips of a link on the two sheaves.
+template <int P>
+[[nodiscard, gnu::always_inline]] inline SheaveLoad load_sheaves(const TipGeometry<P, TipLanes>& g, const TipMotion<TipLanes>& motion,
+                                                                 const TipForces<TipLanes>& t) noexcept {
+    const auto pair = [](const TipLanes& lanes, double* two) { folded<tips_per_link>(lanes).copy_to(two); };  // rear + front, by side
+    const auto [force, moment] = tip_reaction(g, motion, t);
+    SheaveLoad load;
+    pair(force.x, load.fx);
+    pair(force.y, load.fy);
+    pair(force.z, load.fz);
+    pair(moment.x, load.mx);
+    pair(moment.y, load.my);
+    pair(moment.z, load.mz);
+    return load;
+}
+
+/// All tips of a link; `sheaves` are the two of its pulley. Adds to the link's generalized forces, returns the moment about z on it.
+/// @param seen called with the tips' geometry and forces, where observed
+template <int P, bool Observe, class Seen>
+[[nodiscard]] inline double tips(const Coefficients& c, const LinkFrame& frame, const double* q, const double* v,
+                                 const SheaveMotion* sheaves, const Phase* phases, double* f, SheaveLoad& load, Account* account,
+                                 const Seen& seen) noexcept {
+    const FourTips four;
+    const auto own = sheaves_at(four, sheaves);
+    const auto geometry = tip_geometry<P>(c, four, frame, q, own);
+    const auto motion = tip_motion<P>(c, four, frame, v, own, geometry);
+    const auto forces =
+        tip_forces<Observe, tips_per_link>(c.tip, geometry, motion, touching_lanes(phases), phases_of_link(phases), account);
+    load = load_sheaves(geometry, motion, forces);
+    if constexpr (Observe) seen(geometry, forces);
+    return load_link<P>(tip_action(c, frame, geometry, motion, forces), f);
+}
+
+}  // namespace
+}  // namespace cvtflow::model

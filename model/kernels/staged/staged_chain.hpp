@@ -1,0 +1,47 @@
+#pragma once
+/// The chain evaluated stage by stage, as the published parallelisation does: contact forces, chain forces, boundary pins, forward pass,
+/// reverse pass. Gives bit for bit what ChainModel::slopes gives, since both are made of the same parts (chain_parts.hpp).
+
+#include <vector>
+
+#include "model/variator/chain_model.hpp"
+
+namespace cvtflow::model {
+
+/// Results of stages that later stages read. Strides in doubles depend on the order.
+struct StagedBuffers {
+    explicit StagedBuffers(const ChainLayout& layout);
+    std::vector<double> joints;   ///< [links][joint_stride]: force of the joint of pin i
+    std::vector<double> tips;     ///< [links][tip_stride]: forces of a link's tips
+    std::vector<double> moments;  ///< [links] moment of elasticity and plates about z
+    int joint_stride, tip_stride;
+};
+
+/// What all stages read and write. Links are whole numbers 0 … N-1 here; there is no window.
+struct StagedChain {
+    const double* states;  ///< stage state of the whole chain [unknowns]
+    const SheaveMotion* sheaves;
+    const Phase* phases;
+    double* slope;    ///< of the whole chain [unknowns, per second]
+    LinkLoad* loads;  ///< [links]
+    StagedBuffers* buffers;
+    Account* accounts;  ///< [links * account_parts], only for observing evaluations, else nullptr
+};
+
+/// Functions of one order and of observing or not, chosen once.
+struct StagedFunctions {
+    /// Elasticity and plates of links [first, last), joints of the pins strictly between them.
+    void (*chain_forces)(const ChainModel&, const StagedChain&, int first, int last) noexcept;
+    /// Joint of one pin, between link pin - 1 and link pin.
+    void (*joint)(const ChainModel&, const StagedChain&, int pin) noexcept;
+    /// Tips of one link that touches.
+    void (*contact)(const ChainModel&, const StagedChain&, int link) noexcept;
+    /// Sum of forces for links [first, last).
+    void (*forward)(const ChainModel&, const StagedChain&, int first, int last) noexcept;
+    /// Accelerations A⁻¹ f for links [first, last).
+    void (*reverse)(const ChainModel&, const StagedChain&, int first, int last) noexcept;
+};
+/// Those of the model's order and instruction set.
+[[nodiscard]] StagedFunctions staged_functions(const ChainModel& model, bool observe);
+
+}  // namespace cvtflow::model

@@ -1,0 +1,30 @@
+#include "model/variator/chain_model.hpp"
+
+#include <algorithm>
+
+#include "model/kernels/kernels.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+[[nodiscard]] ChainKernels kernels_for(const Parameters& parameters, Isa isa) {
+    const CompiledKernels kernels = kernels_of(isa);
+    const int order = parameters.detail.order;
+    return parameters.detail.pins == PinDetail::whole ? kernels.pins(order).chain : kernels.chain(order);
+}
+
+}  // namespace
+
+const double* LinkStrip::of(const ChainLayout& layout, const double* state, int link) noexcept {
+    if (!layout.whole) return state + layout.link_begin(link);
+    const int block = layout.link_block();
+    for (int place = 0; place < blocks; ++place)
+        std::copy_n(state + layout.link_begin(layout.wrapped(link + place - before)), block, numbers_ + place * block);
+    return numbers_ + before * block;
+}
+
+ChainModel::ChainModel(const Parameters& parameters, Isa isa)
+    : coefficients_(parameters), inertia_(link_inertia(parameters)), isa_(isa), kernels_(kernels_for(parameters, isa)) {}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,73 @@
+#pragma once
+/// The whole variator: chain and pulleys, and how they meet. Links are evaluated in ranges; the pulleys close an evaluation.
+
+#include <vector>
+
+#include "model/basis/aligned.hpp"
+#include "model/force/pulley.hpp"
+#include "model/variator/chain_model.hpp"
+
+namespace cvtflow::model {
+
+/// Links whose reactions are added up together.
+inline constexpr int links_per_sum = 4;
+
+/// Reactions of a group of links on the sheaves; on cache lines of its own.
+struct alignas(cache_line) SheaveSum {
+    SheaveLoad of_shaft[2]{};
+};
+
+class Variator {
+public:
+    /// @param isa which kernels run; results do not depend on it
+    explicit Variator(const Parameters& parameters, Isa isa = chosen_isa()) : chain_(parameters, isa), pulleys_(parameters) {}
+
+    /// Whether they differ in nothing but inputs, control's gains and what else can change without another machine.
+    [[nodiscard]] static bool same_machine(const Parameters& a, const Parameters& b);
+    /// Becomes the variator of other parameters, inputs released. Allocates nothing if the machine stays the same: chain, detail, pulleys'
+    /// geometry.
+    /// @param before its parameters so far
+    void adopt(const Parameters& before, const Parameters& parameters);
+
+    [[nodiscard]] const ChainLayout& layout() const noexcept { return chain_.layout(); }
+    [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }
+    [[nodiscard]] const PulleyModel& pulleys() const noexcept { return pulleys_; }
+
+    /// Puts values in place of the inputs' tables; between steps only.
+    void hold(const HeldInputs& held) noexcept { pulleys_.hold(held); }
+
+    /// Groups of links whose reactions are added up first: sums do not depend on who adds which group.
+    [[nodiscard]] int sums() const noexcept { return (layout().links + links_per_sum - 1) / links_per_sum; }
+    /// Reactions of the links of one group, in the order of their numbers. phases, loads: of all links
+    void add_up(int group, const Phase* phases, const LinkLoad* loads, SheaveSum& sum) const noexcept;
+    /// Forces of the chain on the sheaves from the sums of all groups, in their order.
+    [[nodiscard]] SheaveForces sheave_forces(const SheaveSum* sums) const noexcept;
+    /// Forces of the chain on the sheaves from the links' reactions.
+    [[nodiscard]] SheaveForces sheave_forces(const Phase* phases, const LinkLoad* loads) const noexcept;
+
+    /// Slope of everything behind the links (pulleys, control, ledger). `tail` and `tail_slope` begin at pulley_begin().
+    /// `accounts` ([links * account_parts], from observed_slopes) is read only with a ledger.
+    void close(double t, const double* tail, const SheaveForces& chain, const Account* accounts, double* tail_slope) const noexcept;
+
+private:
+    ChainModel chain_;
+    PulleyModel pulleys_;
+};
+
+/// Memory of one serial evaluation.
+struct EvaluationScratch {
+    explicit EvaluationScratch(const ChainLayout& layout);
+    LineVector<double> window;
+    std::vector<LinkLoad> loads;
+    std::vector<Account> accounts;
+    SheaveMotion sheaves[4]{};
+};
+
+/// Copies a whole state into the scratch window: all links, with the layout's halo on each side. state [unknowns]
+void fill_window(const Variator& variator, const double* state, EvaluationScratch& scratch) noexcept;
+
+/// dy/dt at (t, state) with frozen phases: plain serial evaluation with the production kernels. state, slope: [layout.size()].
+void right_hand_side(const Variator& variator, double t, const double* state, const Phase* phases, double* slope,
+                     EvaluationScratch& scratch) noexcept;
+
+}  // namespace cvtflow::model

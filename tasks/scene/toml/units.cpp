@@ -1,0 +1,281 @@
+#include "tasks/scene/toml/units.hpp"
+
+#include "engine/base/spelling.hpp"
+#include "model/basis/portable_math.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace cvtflow::tasks {
+namespace {
+
+/// One unit in SI is 10^decimal · numerator / denominator. The power of ten is kept apart because it can be applied without rounding.
+struct Unit {
+    std::string_view symbol;
+    Dimension dimension;  // in halves
+    int decimal;
+    double numerator;
+    double denominator;
+    bool takes_prefix;
+};
+
+constexpr std::array units{
+    Unit{"1", {}, 0, 1, 1, false},
+    Unit{"%", {}, -2, 1, 1, false},
+    Unit{"m", {2, 0, 0, 0}, 0, 1, 1, true},
+    Unit{"cm", {2, 0, 0, 0}, -2, 1, 1, false},
+    Unit{"g", {0, 2, 0, 0}, -3, 1, 1, true},
+    Unit{"s", {0, 0, 2, 0}, 0, 1, 1, true},
+    Unit{"min", {0, 0, 2, 0}, 0, 60, 1, false},
+    Unit{"h", {0, 0, 2, 0}, 0, 3600, 1, false},
+    Unit{"rad", {0, 0, 0, 2}, 0, 1, 1, true},
+    Unit{"deg", {0, 0, 0, 2}, 0, std::numbers::pi, 180, false},
+    Unit{"rpm", {0, 0, -2, 2}, 0, 2 * std::numbers::pi, 60, false},
+    Unit{"Hz", {0, 0, -2, 0}, 0, 1, 1, true},
+    Unit{"N", {2, 2, -4, 0}, 0, 1, 1, true},
+    Unit{"Pa", {-2, 2, -4, 0}, 0, 1, 1, true},
+    Unit{"bar", {-2, 2, -4, 0}, 5, 1, 1, false},
+};
+
+constexpr std::array<std::pair<char, int>, 6> prefixes{{{'n', -9}, {'u', -6}, {'m', -3}, {'k', 3}, {'M', 6}, {'G', 9}}};
+
+struct NamedDimension {
+    std::string_view name;
+    std::string_view unit;
+};
+
+constexpr std::array<NamedDimension, 24> named_dimensions{{
+    {"a plain number", "1"},
+    {"a length", "m"},
+    {"an area", "m^2"},
+    {"a volume", "m^3"},
+    {"a mass", "kg"},
+    {"a time", "s"},
+    {"an angle", "rad"},
+    {"a speed", "m/s"},
+    {"an acceleration", "m/s^2"},
+    {"a rotational speed", "rad/s"},
+    {"a frequency", "Hz"},
+    {"a force", "N"},
+    {"a force rate", "N/s"},
+    {"a torque", "N*m"},
+    {"a pressure", "Pa"},
+    {"a stiffness", "N/m"},
+    {"a Hertz stiffness", "N/m^1.5"},
+    {"a rotational stiffness", "N*m/rad"},
+    {"a bending stiffness", "N*m^2"},
+    {"a damping", "N*s/m"},
+    {"a rotational damping", "N*m*s/rad"},
+    {"a rotational drag", "N*m*s^2/rad^2"},
+    {"a moment of inertia", "kg*m^2"},
+    {"a density", "kg/m^3"},
+}};
+
+struct UsualUnits {
+    std::string_view si;
+    std::array<std::string_view, 3> usual;  // unused places are empty
+};
+
+constexpr std::array<UsualUnits, 11> usual_table{{
+    {"m", {"mm", "um", "cm"}},
+    {"m^2", {"mm^2", "cm^2"}},
+    {"kg", {"g", "mg"}},
+    {"s", {"ms", "us", "ns"}},
+    {"rad", {"deg", "mrad"}},
+    {"m/s", {"mm/s", "um/s"}},
+    {"rad/s", {"rpm"}},
+    {"N", {"kN", "MN"}},
+    {"Pa", {"GPa", "MPa"}},
+    {"N/m", {"kN/mm", "N/mm", "MN/m"}},
+    {"N*m", {"kN*m", "N*mm"}},
+}};
+
+/// A product of units, while it is read.
+struct Product {
+    Dimension dimension;
+    int decimal_halves = 0;
+    double numerator = 1.0;
+    double denominator = 1.0;
+};
+
+std::optional<Unit> find_unit(std::string_view symbol) {
+    const auto known = [](std::string_view name) {
+        return std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.symbol == name; });
+    };
+    if (const auto unit = known(symbol); unit != units.end()) return *unit;
+    if (symbol.size() < 2) return std::nullopt;
+    const auto unit = known(symbol.substr(1));
+    const auto prefix = std::find_if(prefixes.begin(), prefixes.end(), [&](const auto& p) { return p.first == symbol.front(); });
+    if (unit == units.end() || !unit->takes_prefix || prefix == prefixes.end()) return std::nullopt;
+    Unit scaled = *unit;
+    scaled.decimal += prefix->second;
+    return scaled;
+}
+
+std::string unknown_unit(std::string_view symbol) {
+    std::vector<std::string> known;
+    for (const Unit& unit : units) {
+        if (unit.symbol == "1") continue;
+        known.emplace_back(unit.symbol);
+        for (const auto& prefix : prefixes)
+            if (unit.takes_prefix) known.push_back(prefix.first + std::string(unit.symbol));
+    }
+    return fmt::format("has the unknown unit \"{}\"{}", symbol, engine::did_you_mean(engine::closest(symbol, known)));
+}
+
+/// Multiplies `product` by unit^(halves/2).
+void multiply(Product& product, const Unit& unit, int halves) {
+    product.dimension.length += unit.dimension.length * halves / 2;
+    product.dimension.mass += unit.dimension.mass * halves / 2;
+    product.dimension.time += unit.dimension.time * halves / 2;
+    product.dimension.angle += unit.dimension.angle * halves / 2;
+    product.decimal_halves += unit.decimal * halves;
+    const double power = 0.5 * std::abs(halves);
+    const double up = power == 1.0 ? unit.numerator : model::portable_pow(unit.numerator, power);
+    const double down = power == 1.0 ? unit.denominator : model::portable_pow(unit.denominator, power);
+    product.numerator *= halves > 0 ? up : down;
+    product.denominator *= halves > 0 ? down : up;
+}
+
+/// Reads the exponent after ^ in halves. Empty if it is no multiple of a half within ±8.
+std::optional<int> exponent_halves(std::string_view text) {
+    double exponent = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), exponent);
+    const bool whole = error == std::errc{} && end == text.data() + text.size();
+    if (!whole || !(std::abs(exponent) <= 8.0) || exponent == 0.0 || 2.0 * exponent != std::floor(2.0 * exponent)) return std::nullopt;
+    return static_cast<int>(2.0 * exponent);
+}
+
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t");
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// Reads one factor, "m" or "m^2", into `product`. Returns what is wrong, or nothing.
+std::string read_factor(std::string_view factor, int sign, Product& product) {
+    const auto caret = factor.find('^');
+    const std::string_view symbol = trimmed(factor.substr(0, caret));
+    if (symbol.empty()) return "has an incomplete unit";
+    const auto unit = find_unit(symbol);
+    if (!unit) return unknown_unit(symbol);
+    int halves = 2;
+    if (caret != std::string_view::npos) {
+        const auto exponent = exponent_halves(trimmed(factor.substr(caret + 1)));
+        if (!exponent) return fmt::format("has the unusable power \"{}\"", factor.substr(caret));
+        halves = *exponent;
+    }
+    multiply(product, *unit, sign * halves);
+    return {};
+}
+
+std::variant<Product, std::string> read_product(std::string_view unit) {
+    Product product;
+    int sign = 1;
+    while (true) {
+        const auto end = unit.find_first_of("*/");
+        if (std::string wrong = read_factor(unit.substr(0, end), sign, product); !wrong.empty()) return wrong;
+        if (end == std::string_view::npos) return product;
+        sign = unit[end] == '*' ? 1 : -1;
+        unit.remove_prefix(end + 1);
+    }
+}
+
+/// Replaces the signs that are not ASCII by their ASCII spelling.
+std::string in_ascii(std::string_view text) {
+    static constexpr std::array<std::pair<std::string_view, std::string_view>, 6> spellings{
+        {{"\u00b5", "u"}, {"\u03bc", "u"}, {"\u00b7", "*"}, {"\u00b2", "^2"}, {"\u00b3", "^3"}, {"\u00b0", "deg"}}};
+    std::string ascii(text);
+    for (const auto& [sign, spelling] : spellings)
+        for (auto at = ascii.find(sign); at != std::string::npos; at = ascii.find(sign)) ascii.replace(at, sign.size(), spelling);
+    return ascii;
+}
+
+/// The number in `digits` times 10^shift, correctly rounded: the shift is made in the text.
+double shifted(std::string_view digits, int shift) {
+    const auto e = digits.find_first_of("eE");
+    int exponent = 0;
+    if (e != std::string_view::npos) {
+        const std::size_t first = e + 1 + (digits[e + 1] == '+' ? 1 : 0);
+        std::from_chars(digits.data() + first, digits.data() + digits.size(), exponent);
+    }
+    const std::string text = fmt::format("{}e{}", digits.substr(0, e), exponent + shift);
+    double value = 0.0;
+    const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+    return result.ec == std::errc{} ? value : std::nan("");
+}
+
+}  // namespace
+
+std::variant<Quantity, std::string> parse_quantity(std::string_view text) {
+    const std::string ascii = in_ascii(text);
+    std::string_view rest = trimmed(ascii);
+    if (rest.starts_with('+')) rest.remove_prefix(1);
+    Quantity quantity;
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), quantity.number);
+    if (error == std::errc::invalid_argument) return std::string("does not begin with a number");
+    if (error != std::errc{} || !std::isfinite(quantity.number)) return std::string("is not a finite number");
+    const std::string_view digits = rest.substr(0, static_cast<std::size_t>(end - rest.data()));
+    const std::string_view unit = trimmed(rest.substr(digits.size()));
+    quantity.value = quantity.number;
+    if (unit.empty()) return quantity;
+    auto product = read_product(unit);
+    if (auto* wrong = std::get_if<std::string>(&product)) return std::move(*wrong);
+    const auto& factor = std::get<Product>(product);
+    quantity.has_unit = true;
+    quantity.dimension = factor.dimension;
+    const int whole = factor.decimal_halves / 2;
+    quantity.value = shifted(digits, whole) * factor.numerator / factor.denominator;
+    if (const int odd = factor.decimal_halves - 2 * whole; odd != 0) quantity.value *= model::portable_pow(10.0, 0.5 * odd);
+    if (!std::isfinite(quantity.value)) return std::string("is not a finite number");
+    return quantity;
+}
+
+Dimension dimension_of(std::string_view unit) {
+    const auto product = read_product(unit);
+    if (const auto* wrong = std::get_if<std::string>(&product)) throw std::invalid_argument(fmt::format("unit {} {}", unit, *wrong));
+    return std::get<Product>(product).dimension;
+}
+
+std::string_view dimension_name(const Dimension& dimension) {
+    for (const auto& named : named_dimensions)
+        if (const auto product = read_product(named.unit); std::get<Product>(product).dimension == dimension) return named.name;
+    return {};
+}
+
+std::vector<std::string_view> usual_units(std::string_view unit) {
+    for (const auto& row : usual_table) {
+        if (row.si != unit) continue;
+        std::vector<std::string_view> usual(row.usual.begin(), row.usual.end());
+        std::erase_if(usual, [](std::string_view symbol) { return symbol.empty(); });
+        return usual;
+    }
+    return {};
+}
+
+std::string number_text(double number) {
+    if (number == 0.0) return "0";
+    const auto written = [number](std::chars_format format) {
+        std::array<char, 400> buffer{};
+        return std::string(buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), number, format).ptr);
+    };
+    const double size = std::abs(number);
+    std::string scientific = written(std::chars_format::scientific);
+    const auto e = scientific.find('e');
+    if (e == std::string::npos) return scientific;  // inf, nan
+    scientific = fmt::format("{}e{}", scientific.substr(0, e), std::atoi(scientific.c_str() + e + 1));
+    std::string fixed = written(std::chars_format::fixed);
+    const bool plain = (size >= 0.1 && size < 1e4) || (size >= 1e4 && fixed.size() <= scientific.size());
+    return plain ? fixed : scientific;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,252 @@
+#include "tasks/scene/toml/value_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "engine/base/spelling.hpp"
+#include "tasks/scene/toml/units.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+/// What a number must be.
+struct Rule {
+    std::string_view key;
+    std::string_view unit;
+    double min;
+    double max;
+    double usual;  ///< guesses at a forgotten unit go for the value nearest to this one
+};
+
+/// " m", or nothing for a plain number.
+std::string suffix(std::string_view unit) { return unit == "1" ? std::string{} : fmt::format(" {}", unit); }
+
+std::string written(const Node& node) {
+    return std::visit(
+        [](const auto& value) -> std::string {
+            using T = std::decay_t<decltype(value)>;
+            if constexpr (std::is_same_v<T, Date>)
+                return "a date or time";
+            else if constexpr (std::is_same_v<T, bool>)
+                return value ? "true" : "false";
+            else if constexpr (std::is_same_v<T, std::int64_t>)
+                return std::to_string(value);
+            else if constexpr (std::is_same_v<T, double>)
+                return std::isfinite(value) ? number_text(value) : fmt::format("{}", value);
+            else if constexpr (std::is_same_v<T, std::string>)
+                return toml_text(value);
+            else if constexpr (std::is_same_v<T, Node::Array>)
+                return "a list";
+            else
+                return "a table";
+        },
+        node.value);
+}
+
+/// A number that shows that it is not an integer: 84.0.
+std::string real_text(double number) {
+    std::string text = number_text(number);
+    return text.find_first_of(".en") == std::string::npos ? text + ".0" : text;
+}
+
+/// The default of a number, list or table (its first value); 0 for other kinds.
+constexpr double usual_step = 1e-6;  ///< where a number may be automatic, that is of steps [s]
+
+double default_number(const Parameter& parameter) {
+    Scene scene;
+    const Slot slot = parameter.member(scene);
+    if (const auto* number = std::get_if<double*>(&slot)) return **number;
+    if (const auto* list = std::get_if<std::vector<double>*>(&slot)) return (*list)->front();
+    if (const auto* table = std::get_if<model::TimeTable*>(&slot)) return (*table)->value.front();
+    if (std::holds_alternative<AutoNumber*>(slot)) return usual_step;
+    return 0.0;
+}
+
+/// How far apart two sizes are, in powers of e.
+double remoteness(double value, double usual) { return usual == 0.0 || value == 0.0 ? 0.0 : std::abs(std::log(std::abs(value / usual))); }
+
+class Reader {
+public:
+    Reader(const Parameter& parameter, std::vector<Problem>& problems) : parameter_(parameter), problems_(problems) {}
+
+    void read(const Node& node, double& member) {
+        if (const auto value = number(node, rule())) member = *value;
+    }
+
+    void read(const Node& node, AutoNumber& member) {
+        const auto* text = std::get_if<std::string>(&node.value);
+        if (text && *text == "auto")
+            member = AutoNumber();
+        else if (const auto value = number(node, rule()))
+            member = *value;
+    }
+
+    template <class Integer>
+    requires(std::is_integral_v<Integer> && !std::is_same_v<Integer, bool>) void read(const Node& node, Integer& member) {
+        const auto* value = std::get_if<std::int64_t>(&node.value);
+        const bool real = std::holds_alternative<double>(node.value);
+        if (!value) return refuse(node, "{} is not an integer", real ? real_text(std::get<double>(node.value)) : written(node));
+        const auto min = static_cast<std::int64_t>(parameter_.min);
+        const auto max = static_cast<std::int64_t>(parameter_.max);
+        if (*value < min || *value > max) return refuse(node, "{} is outside [{}, {}]", *value, min, max);
+        member = static_cast<Integer>(*value);
+    }
+
+    void read(const Node& node, bool& member) {
+        const auto* value = std::get_if<bool>(&node.value);
+        if (!value) return refuse(node, "{} is neither true nor false", written(node));
+        member = *value;
+    }
+
+    void read(const Node& node, std::string& member) {
+        const auto* value = std::get_if<std::string>(&node.value);
+        if (!value) return refuse(node, "{} is not a text", written(node));
+        member = *value;
+    }
+
+    void read(const Node& node, std::vector<std::string>& member) {
+        const auto* list = std::get_if<Node::Array>(&node.value);
+        if (list && list->size() > most_points) return refuse(node, "{} texts are more than {}", list->size(), most_points);
+        std::vector<std::string> values(list ? list->size() : 1);
+        const std::size_t before = problems_.size();
+        for (std::size_t i = 0; i < values.size(); ++i) read(list ? (*list)[i] : node, values[i]);
+        if (problems_.size() == before) member = std::move(values);
+    }
+
+    template <class Choice>
+    requires std::is_enum_v<Choice>
+    void read(const Node& node, Choice& member) {
+        const auto* value = std::get_if<std::string>(&node.value);
+        const auto& choices = parameter_.choices;
+        const auto chosen = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
+        if (chosen == choices.end()) {
+            const std::string near = value ? engine::closest(*value, {choices.begin(), choices.end()}) : std::string{};
+            return refuse(node, "{} is not one of {}{}", written(node), fmt::join(choices, ", "), engine::did_you_mean(near));
+        }
+        member = static_cast<Choice>(chosen - choices.begin());
+    }
+
+    void read(const Node& node, std::vector<double>& member) {
+        const auto* list = std::get_if<Node::Array>(&node.value);
+        std::vector<double> values;
+        if (list && !has_points(node, *list)) return;
+        const std::size_t wanted = list ? list->size() : 1;
+        for (std::size_t i = 0; i < wanted; ++i)
+            if (const auto value = number(list ? (*list)[i] : node, rule())) values.push_back(*value);
+        if (values.size() == wanted) member = std::move(values);
+    }
+
+    void read(const Node& node, model::TimeTable& member) {
+        const auto* list = std::get_if<Node::Array>(&node.value);
+        if (!list) {
+            if (const auto value = number(node, rule())) member = model::TimeTable(*value);
+            return;
+        }
+        if (!has_points(node, *list)) return;
+        model::TimeTable table({}, {});
+        for (const Node& point : *list) read_point(point, table);
+        if (table.time.size() == list->size()) member = std::move(table);
+    }
+
+private:
+    [[nodiscard]] Rule rule() const {
+        return {parameter_.key, parameter_.unit, parameter_.min, parameter_.max, default_number(parameter_)};
+    }
+
+    static std::string range(const Rule& rule) {
+        return fmt::format("[{}, {}]{}", number_text(rule.min), number_text(rule.max), suffix(rule.unit));
+    }
+
+    template <class... Args>
+    void refuse(const Node& node, fmt::format_string<Args...> text, Args&&... args) {
+        problems_.push_back({node.position, fmt::format("{}: {}", parameter_.key, fmt::format(text, std::forward<Args>(args)...))});
+    }
+
+    bool has_points(const Node& node, const Node::Array& list) {
+        if (list.empty()) refuse(node, "the list is empty");
+        if (list.size() > most_points) refuse(node, "{} points are more than {}", list.size(), most_points);
+        return !list.empty() && list.size() <= most_points;
+    }
+
+    /// Appends [time, value] to `table` if it is good and later than what is there.
+    void read_point(const Node& point, model::TimeTable& table) {
+        const auto* pair = std::get_if<Node::Array>(&point.value);
+        if (!pair || pair->size() != 2) return refuse(point, "{} is not a pair [time, value]", pair ? "this list" : written(point));
+        const auto time = number((*pair)[0], {parameter_.key, "s", 0.0, latest_time, 0.0});
+        const auto value = number((*pair)[1], rule());
+        if (!time || !value) return;
+        if (!table.time.empty() && *time <= table.time.back())
+            return refuse((*pair)[0], "time {} s does not come after {} s", number_text(*time), number_text(table.time.back()));
+        table.time.push_back(*time);
+        table.value.push_back(*value);
+    }
+
+    /// The number of `node` in SI, checked against `rule`.
+    std::optional<double> number(const Node& node, const Rule& rule) {
+        if (const auto* text = std::get_if<std::string>(&node.value)) return quantity(node, *text, rule);
+        double value = 0.0;
+        if (const auto* integer = std::get_if<std::int64_t>(&node.value))
+            value = static_cast<double>(*integer);
+        else if (const auto* real = std::get_if<double>(&node.value))
+            value = *real;
+        else
+            return refuse(node, "{} is not a number", written(node)), std::nullopt;
+        if (!std::isfinite(value)) return refuse(node, "{} is not a finite number", written(node)), std::nullopt;
+        return in_range(node, value, value, written(node) + suffix(rule.unit), rule);
+    }
+
+    std::optional<double> quantity(const Node& node, const std::string& text, const Rule& rule) {
+        const auto parsed = parse_quantity(text);
+        if (const auto* wrong = std::get_if<std::string>(&parsed)) return refuse(node, "\"{}\" {}", text, *wrong), std::nullopt;
+        const auto& quantity = std::get<Quantity>(parsed);
+        const Dimension expected = dimension_of(rule.unit);
+        const auto unit = rule.unit == "1" ? "" : fmt::format(" ({})", rule.unit);
+        const auto expectation = fmt::format("expected {}{}", dimension_name(expected), unit);
+        if (!quantity.has_unit && rule.unit != "1") return refuse(node, "\"{}\" has no unit, {}", text, expectation), std::nullopt;
+        if (!(quantity.dimension == expected)) {
+            const auto name = dimension_name(quantity.dimension);
+            const auto found = name.empty() ? std::string("has another dimension") : fmt::format("is {}", name);
+            return refuse(node, "{} {}, {}", text, found, expectation), std::nullopt;
+        }
+        return in_range(node, quantity.value, quantity.number, text, rule);
+    }
+
+    std::optional<double> in_range(const Node& node, double value, double as_written, const std::string& text, const Rule& rule) {
+        if (value >= rule.min && value <= rule.max) return value;
+        refuse(node, "{} is outside {}{}", text, range(rule), engine::did_you_mean(likely_unit(as_written, text, rule)));
+        return std::nullopt;
+    }
+
+    /// A number in another usual unit, if that would be in range: "8.12 mm" for 8.12 m.
+    static std::string likely_unit(double as_written, const std::string& text, const Rule& rule) {
+        std::string likely;
+        double least = 0.0;
+        for (const auto unit : usual_units(rule.unit)) {
+            auto candidate = fmt::format("{} {}", number_text(as_written), unit);
+            const auto parsed = parse_quantity(candidate);
+            const auto* quantity = std::get_if<Quantity>(&parsed);
+            if (!quantity || candidate == text || quantity->value < rule.min || quantity->value > rule.max) continue;
+            const double remote = remoteness(quantity->value, rule.usual);
+            if (!likely.empty() && remote >= least) continue;
+            likely = std::move(candidate);
+            least = remote;
+        }
+        return likely;
+    }
+
+    const Parameter& parameter_;
+    std::vector<Problem>& problems_;
+};
+
+}  // namespace
+
+void read_value(const Parameter& parameter, const Node& node, Scene& scene, std::vector<Problem>& problems) {
+    std::visit([&](auto* member) { Reader(parameter, problems).read(node, *member); }, parameter.member(scene));
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,161 @@
+#include "tools/program/arguments/scene_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <sstream>
+
+#include "engine/base/spelling.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml/units.hpp"
+#include "tools/program/arguments/ready_scenes.hpp"
+#include "tools/program/guard.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+std::vector<std::string> state_values(const tasks::Scene& scene) {
+    std::vector<std::string> values;
+    for (const std::string_view key : tasks::state_keys()) values.push_back(tasks::value_text(*tasks::find_parameter(key), scene));
+    return values;
+}
+
+/// "detail.order = 0 (was 3), …"; empty if nothing changed.
+std::string changes(const std::vector<std::string>& before, const std::vector<std::string>& now) {
+    std::vector<std::string> texts;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        if (before[i] != now[i]) texts.push_back(fmt::format("{} = {} (was {})", tasks::state_keys()[i], now[i], before[i]));
+    }
+    return fmt::format("{}", fmt::join(texts, ", "));
+}
+
+constexpr std::string_view tolerance_key = "run.tolerance";
+/// What a tolerance on the command line sets beside itself.
+constexpr std::string_view by_tolerance = "run.step_control=error";
+
+/// Says a problem in the words of the command line: shortcuts were turned into settings.
+std::string in_words_given(const std::string& message, const SceneArguments& arguments) {
+    std::istringstream lines(message);
+    std::vector<std::string> rewritten;
+    for (std::string line; std::getline(lines, line);) {
+        for (const Shortcut& shortcut : arguments.shortcuts) {
+            if (!shortcut.value) continue;
+            const bool beside = shortcut.key == tolerance_key && line.starts_with(fmt::format("--set {}: ", by_tolerance));
+            const std::string as_setting =
+                beside ? fmt::format("--set {}: ", by_tolerance) : fmt::format("--set {}={}: ", shortcut.key, *shortcut.value);
+            if (!line.starts_with(as_setting)) continue;
+            std::string problem = line.substr(as_setting.size());
+            if (problem.starts_with(shortcut.key + ": ")) problem.erase(0, shortcut.key.size() + 2);
+            line = fmt::format("{} {}: {}", shortcut.option, *shortcut.value, problem);
+        }
+        rewritten.push_back(line);
+    }
+    return fmt::format("{}", fmt::join(rewritten, "\n"));
+}
+
+/// A tolerance on the command line means that it shall count, unless something else is said.
+bool asks_for_tolerance_only(const SceneArguments& arguments) {
+    const auto given = [&](const Shortcut& shortcut) { return shortcut.key == tolerance_key && shortcut.value; };
+    const auto controls = [](const std::string& setting) { return setting.starts_with("run.step_control="); };
+    return std::any_of(arguments.shortcuts.begin(), arguments.shortcuts.end(), given) &&
+           std::none_of(arguments.settings.begin(), arguments.settings.end(), controls);
+}
+
+void apply_settings(tasks::Scene& scene, const SceneArguments& arguments) {
+    std::vector<std::string> settings = arguments.settings;
+    for (const Shortcut& shortcut : arguments.shortcuts) {
+        if (shortcut.value) settings.push_back(shortcut.key + "=" + *shortcut.value);
+    }
+    if (arguments.settle) settings.emplace_back("start.state=");
+    if (asks_for_tolerance_only(arguments)) settings.emplace_back(by_tolerance);
+    try {
+        tasks::set_values(scene, settings);
+    } catch (const tasks::SceneError& error) {
+        throw UsageError(in_words_given(error.what(), arguments));
+    }
+}
+
+void apply_preset(tasks::Scene& scene, const std::string& preset) {
+    try {
+        tasks::apply_detail(scene, preset);
+    } catch (const tasks::SceneError& error) {
+        throw UsageError(fmt::format("--{}", error.what()));
+    }
+}
+
+}  // namespace
+
+void require_method(const std::string& method) {
+    if (tasks::plan_for(method)) return;
+    throw UsageError(tasks::no_method(method));
+}
+
+namespace {
+
+/// What a family of methods does not have is known when the method is made.
+void require_member(const tasks::Scene& scene, const std::string& own_method, const SceneArguments& arguments) {
+    const std::string& method = scene.run.method;
+    if (tasks::plan_for(method)) return;
+    const std::string problem = scene.method_place + "run.method: " + tasks::no_method(method);
+    if (method == own_method) throw tasks::SceneError(problem);
+    throw UsageError(in_words_given(problem, arguments));
+}
+
+}  // namespace
+
+void declare_scene(CLI::App& app, SceneArguments& arguments) {
+    app.add_option("SCENE", arguments.scene, "Scene file, or name of a ready scene (cvtflow list scenes)")->required()->type_name("");
+    declare_changes(app, arguments);
+}
+
+void declare_changes(CLI::App& app, SceneArguments& arguments) {
+    app.add_option("--set", arguments.settings, "Change a key of the scene; may be repeated (cvtflow list keys)")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--detail", arguments.detail, "Level of detail (cvtflow list detail)")->type_name("PRESET");
+}
+
+void declare_fresh_start(CLI::App& app, SceneArguments& arguments) {
+    app.add_flag("--settle", arguments.settle, "Begin with the geometric start and settle it, even if the scene names a state file");
+}
+
+void declare_shortcut(CLI::App& app, SceneArguments& arguments, std::string option, std::string key, const std::string& type) {
+    Shortcut& shortcut = arguments.shortcuts.emplace_back(Shortcut{std::move(option), std::move(key), {}});
+    const std::string meaning(tasks::find_parameter(shortcut.key)->meaning);
+    app.add_option(shortcut.option, shortcut.value, fmt::format("{} ({})", meaning, shortcut.key))
+        ->type_name(type)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+}
+
+double seconds_of(const std::string& option, const std::string& text) {
+    const auto parsed = tasks::parse_quantity(text);
+    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
+    const bool time = quantity != nullptr && quantity->has_unit && quantity->dimension == tasks::dimension_of("s");
+    if (!time || !(quantity->value > 0.0))
+        throw UsageError(fmt::format("{} {}: expected a time such as \"30 s\" or \"10 min\"", option, text));
+    return quantity->value;
+}
+
+LoadedScene load_scene(const SceneArguments& arguments) {
+    const auto start = arguments.settle ? tasks::StartState::ignored : tasks::StartState::required;
+    LoadedScene loaded{tasks::read_scene(find_scene(arguments.scene), start), {}};
+    tasks::Scene& scene = loaded.scene;
+    const std::string own_state = scene.state_file, own_method = scene.run.method;
+    const std::vector<std::string> before = state_values(scene);
+    if (!arguments.detail.empty()) apply_preset(scene, arguments.detail);
+    apply_settings(scene, arguments);
+    const std::string changed = changes(before, state_values(scene));
+    if (!changed.empty() && !own_state.empty() && scene.state_file == own_state) {
+        tasks::set_value(scene, "start.state=");
+        loaded.notice = fmt::format("{}: the state in {} does not fit any more, the run settles anew", changed, own_state);
+    }
+    require_member(scene, own_method, arguments);
+    return loaded;
+}
+
+}  // namespace cvtflow::tools

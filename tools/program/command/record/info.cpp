@@ -1,0 +1,119 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+
+#include "engine/base/hash.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "tools/program/command/command.hpp"
+#include "tools/program/text/attribute_text.hpp"
+#include "tools/program/text/scene_text.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+std::string last_text(const std::vector<double>& last) {
+    if (last.empty()) return "";
+    const auto [low, high] = std::minmax_element(last.begin(), last.end());
+    return last.size() == 1 ? fmt::format("{:.6g}", last.front()) : fmt::format("{:.6g} ... {:.6g}", *low, *high);
+}
+
+std::string channels_text(const engine::RunReader& run) {
+    Table table({{"channel"}, {"unit"}, {"shape", Align::right}, {"last"}});
+    for (const engine::ChannelInfo& channel : run.channels()) {
+        const std::string shape = channel.width > 1 ? fmt::format("{} x {}", run.rows(), channel.width) : fmt::format("{}", run.rows());
+        table.add({channel.name, channel.unit, shape, last_text(run.last(channel.name))});
+    }
+    return "\n" + table.text(2);
+}
+
+std::string tables_text(const engine::RunReader& run) {
+    Table table({{"table"}, {"rows", Align::right}, {"columns"}, {"description"}});
+    for (const engine::TableInfo& info : run.tables()) {
+        std::vector<std::string> columns;
+        for (const engine::TableColumn& column : info.columns) columns.push_back(column.name);
+        table.add(
+            {info.name, fmt::format("{}", run.table(info.name).size()), fmt::format("{}", fmt::join(columns, " ")), info.description});
+    }
+    return run.tables().empty() ? "" : "\n" + table.text(2);
+}
+
+std::string span_text(const std::vector<double>& times) {
+    const std::string count = count_text(static_cast<long>(times.size()));
+    return times.empty() ? count : fmt::format("{}, t = {} to {}", count, time_text(times.front()), time_text(times.back()));
+}
+
+std::string run_text(const std::string& path, const engine::RunReader& run) {
+    const std::vector<engine::Attribute>& all = run.attributes();
+    const auto of = [&](std::string_view name) { return text_of(all, name); };
+    const bool running = run.status() == "running";
+    std::string text = fmt::format("{}: record of a run, {}\n", path, size_text(static_cast<double>(std::filesystem::file_size(path))));
+    text += field("status", running ? "running (being written now, or left by a run that was killed)" : run.status());
+    text += field("seal", run.sealed() ? "whole: every byte is what the run wrote" : "none, so that numbers are not checked");
+    text += field("scene", of("scene"));
+    if (const auto scene = scene_in(all, "parameters")) text += field("detail", detail_text(*scene));
+    text += field("method", fmt::format("{}, step {} s, seed {}", of("method"), of("step"), of("seed")));
+    text += field("program", fmt::format("cvtflow {} ({}), {} {}, {}, HDF5 {}", of("program_version"), of("commit"), of("compiler"),
+                                         of("build_type"), of("instruction_set"), of("hdf5_version")));
+    text += field("machine", fmt::format("{}, {} cores, {}", of("cpu"), of("cores"), of("os")));
+    text += field("date", of("date"));
+    if (!running) text += field("wall time", of("wall_seconds") + " s") + field("state hash", of("state_hash"));
+    text += field("rows", span_text(run.times()));
+    text += field("states", span_text(run.state_times()));
+    return text + channels_text(run) + tables_text(run);
+}
+
+std::string state_text(const std::string& path, const engine::SavedState& saved) {
+    const std::string hash =
+        engine::Hash().add(std::span<const double>(saved.state)).add(std::span<const std::uint8_t>(saved.phases)).hex();
+    const auto touching = std::count_if(saved.phases.begin(), saved.phases.end(), [](std::uint8_t phase) { return phase != 0; });
+    std::string text = fmt::format("{}: state, {}\n", path, size_text(static_cast<double>(std::filesystem::file_size(path))));
+    text += field("time", time_text(saved.time));
+    text += field("unknowns", count_text(static_cast<long>(saved.state.size())));
+    text += field("tips", fmt::format("{}, {} of them not free", saved.phases.size(), touching));
+    text += field("state hash", hash);
+    text += field("fingerprint", saved.fingerprint);
+    const auto scene = scene_in(saved.attributes, "scene");
+    if (!scene) return text + field("settled with", "a scene that this program cannot read");
+    text += field("settled with", fmt::format("scene {}, {} pins", scene->name, scene->parameters.chain.pins));
+    text += field("", detail_text(*scene));
+    text += field("", fmt::format("{} with step {}, {} of settling", scene->run.method,
+                                  scene->run.step.automatic() ? "auto" : time_text(scene->run.step),
+                                  time_text(scene->parameters.start.settling_time)));
+    return text;
+}
+
+[[nodiscard]] bool other_kind(const engine::RecordError& error) {
+    return std::string_view(error.what()).find("an HDF5 file, but not a ") != std::string_view::npos;
+}
+
+ExitStatus info(const std::string& path) {
+    try {
+        fmt::print("{}", run_text(path, engine::RunReader(path)));
+        return ExitStatus::finished;
+    } catch (const engine::RecordError& error) {
+        if (!other_kind(error)) throw;
+    }
+    try {
+        fmt::print("{}", state_text(path, engine::read_state(path)));
+    } catch (const engine::RecordError& error) {
+        if (!other_kind(error)) throw;
+        throw engine::RecordError(path + ": an HDF5 file, but neither a record nor a state of cvtflow");
+    }
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_info(CLI::App& app) {
+    const auto path = std::make_shared<std::string>();
+    app.add_option("FILE", *path, "Record (also FILE.part of a run that goes on or was killed) or state file")->required()->type_name("");
+    return [path] { return info(*path); };
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,124 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "tools/program/command/command.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output/output_place.hpp"
+#include "tools/program/output/raster.hpp"
+#include "tools/program/output/text_file.hpp"
+#include "tools/program/view/run_plots.hpp"
+#include "tools/program/view/sweep_plots.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+struct PlotArguments {
+    std::vector<std::string> words;
+    std::string output, x, y, colour;
+    std::vector<std::string> where;
+    bool orders = false, round = false, losses = false;
+};
+
+/// Words that name files come first; the others name channels.
+struct PlotWords {
+    std::vector<std::string> files, channels;
+};
+
+PlotWords sorted_words(const std::vector<std::string>& words) {
+    PlotWords sorted;
+    for (const std::string& word : words) {
+        std::error_code unknown;
+        const bool file = sorted.files.empty() || (sorted.channels.empty() && std::filesystem::exists(word, unknown));
+        (file ? sorted.files : sorted.channels).push_back(word);
+    }
+    return sorted;
+}
+
+std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords& words) {
+    if (!arguments.x.empty() || !arguments.y.empty() || !arguments.colour.empty() || !arguments.where.empty())
+        throw UsageError("--x, --y, --colour and --where are for sweeps; " + words.files.front() + " is none");
+    std::vector<RecordedRun> runs;
+    for (const std::string& file : words.files) runs.emplace_back(file);
+    if (arguments.round) return {round_plot(runs)};
+    if (arguments.orders) return order_plots(runs, words.channels);
+    if (!arguments.losses) return time_plots(runs, words.channels);
+    std::vector<Plot> plots;
+    for (const RecordedRun& run : runs) plots.push_back(loss_plot(run));
+    return plots;
+}
+
+std::vector<Plot> plots_of_sweeps(const PlotArguments& arguments, const PlotWords& words) {
+    if (arguments.orders || arguments.round || arguments.losses || !words.channels.empty())
+        throw UsageError("channels, --orders, --round and --losses are for records; " + words.files.front() + " is a sweep");
+    if (arguments.x.empty() || arguments.y.empty())
+        throw UsageError("a sweep needs --x COLUMN and --y COLUMN; cvtflow table shows its columns");
+    std::vector<Plot> plots;
+    for (const std::string& file : words.files) {
+        SweepView sweep = read_sweep(file);
+        for (const std::string& condition : arguments.where) sweep.keep(condition);
+        plots.push_back(arguments.colour.empty() ? sweep_curves(sweep, arguments.x, arguments.y)
+                                                 : sweep_map(sweep, arguments.x, arguments.y, arguments.colour));
+        for (const std::string& condition : arguments.where) plots.back().subtitle += ", " + condition;
+    }
+    return plots;
+}
+
+/// Beside what is drawn, unless the user says where.
+std::string picture_path(const PlotArguments& arguments, const std::string& file) {
+    if (!arguments.output.empty()) return arguments.output;
+    std::filesystem::path path(file);
+    if (std::filesystem::is_directory(path)) return (path / "plot.svg").string();
+    return path.replace_extension(".svg").string();
+}
+
+ExitStatus plot(const PlotArguments& arguments) {
+    const PlotWords words = sorted_words(arguments.words);
+    const std::string path = picture_path(arguments, words.files.front());
+    const std::string kind = std::filesystem::path(path).extension().string();
+    if (kind != ".svg" && kind != ".png" && kind != ".csv")
+        throw UsageError(fmt::format("-o {}: expected FILE.svg, FILE.png or FILE.csv", path));
+    require_no_input(path, {words.files.begin(), words.files.end()});
+    const std::vector<Plot> plots = is_sweep(words.files.front()) ? plots_of_sweeps(arguments, words) : plots_of_runs(arguments, words);
+    if (plots.empty()) throw UsageError("nothing to draw: name a channel (cvtflow info " + words.files.front() + ")");
+    if (kind == ".png")
+        write_png(path, svg(plots));
+    else
+        write_text(path, kind == ".csv" ? csv(plots) : svg(plots));
+    fmt::print("{}\n", path);
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_plot(CLI::App& app) {
+    const auto arguments = std::make_shared<PlotArguments>();
+    app.add_option("FILE", arguments->words, "Records or sweeps, then channels or groups of channels (default: channels without a group)")
+        ->required()
+        ->type_name("... [CHANNEL ...]");
+    app.add_option("-o,--output", arguments->output,
+                   "Picture or table to write, by its ending .svg, .png or .csv (default: beside FILE, .svg)")
+        ->type_name("FILE");
+    app.add_flag("--orders", arguments->orders, "Amplitudes over frequency, with the frequency at which pins pass and its multiples");
+    app.add_flag("--round", arguments->round, "The way of the followed pin");
+    app.add_flag("--losses", arguments->losses, "Losses by kind, with means and shares");
+    app.add_option("--x", arguments->x, "Sweeps: column along the horizontal axis")->type_name("COLUMN");
+    app.add_option("--y", arguments->y, "Sweeps: column along the vertical axis")->type_name("COLUMN");
+    app.add_option("--colour", arguments->colour, "Sweeps: column drawn as a map with contours")->type_name("COLUMN");
+    app.add_option("--where", arguments->where, "Sweeps: only cases with that value; may be repeated")
+        ->type_name("COLUMN=VALUE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.footer(
+        "cvtflow plot run.h5 slip efficiency          cvtflow plot a.h5 b.h5 shaft_1/speed   (both in one picture)\n"
+        "cvtflow plot run.h5 'tips/axial_force[7]'    cvtflow plot run.h5 tight_tension --orders -o orders.png\n"
+        "cvtflow plot SWEEP --x load.torque --y start.ratio --colour slip_mean --where clamping.driven=20000\n"
+        "Of channels with more than four numbers the least, the mean and the largest are drawn. PNG needs rsvg-convert (librsvg2-bin).");
+    return [arguments] { return plot(*arguments); };
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,182 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <set>
+
+#include "engine/base/spelling.hpp"
+#include "engine/executor/catalogue.hpp"
+#include "engine/executor/runtimes.hpp"
+#include "engine/method/analysis/stability.hpp"
+#include "engine/method/catalogue.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/run/channels/channels.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml/units.hpp"
+#include "tools/program/arguments/ready_scenes.hpp"
+#include "tools/program/command/command.hpp"
+#include "tools/program/text/method_text.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+std::string methods() {
+    Table table({{"method"},
+                 {"stages", Align::right},
+                 {"order", Align::right},
+                 {"real", Align::right},
+                 {"imaginary", Align::right},
+                 {"description"}});
+    for (const engine::StagePlan& plan : engine::methods()) {
+        table.add({plan.name, fmt::format("{}", plan.stages.size()), order_text(plan), fmt::format("{:.3f}", engine::real_stability(plan)),
+                   fmt::format("{:.3f}", engine::imaginary_stability(plan)), plan.description});
+    }
+    for (const tasks::MethodProgram& program : tasks::method_programs()) {
+        table.add({program.name, program.evaluations > 0 ? fmt::format("{}", program.evaluations) : "", fmt::format("{}", program.order),
+                   "", "", program.description});
+    }
+    std::string families;
+    for (const engine::MethodFamily& family : engine::method_families())
+        families += fmt::format("\n  {}\n    {}: {}", family.form, family.description, family.limits);
+    return table.text() + "\nAny member of these families by its name:" + families +
+           "\n\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution. More: "
+           "cvtflow method NAME.\n";
+}
+
+std::string detail() {
+    Table table({{"detail"},
+                 {"pins"},
+                 {"order", Align::right},
+                 {"plates"},
+                 {"joint points", Align::right},
+                 {"cost", Align::right},
+                 {"tensions", Align::right},
+                 {"slip", Align::right},
+                 {"meaning"}});
+    for (const tasks::DetailPreset& preset : tasks::detail_presets()) {
+        table.add({std::string(preset.name), preset.pins == model::PinDetail::whole ? "whole" : "halves", fmt::format("{}", preset.order),
+                   preset.plates == model::PlateDetail::each ? "each" : "lumped", fmt::format("{}", preset.joint_points),
+                   fmt::format("{:.2g}", preset.cost), fmt::format("{:.2g} %", 100.0 * preset.tension_error),
+                   fmt::format("{:.2g} %", 100.0 * preset.slip_error), std::string(preset.meaning)});
+    }
+    return table.text() +
+           "\ncost: processor time of a simulated second over that of \"fine\", each with the default method and its own step.\n"
+           "tensions, slip: typical errors against the finest level at a quarter of its step; half of seven operating points lie below. "
+           "The\n"
+           "slip of \"coarse\" and \"medium\" is off by 10 to 28 % at low ratio and at a quarter of the load. What it is at a scene of "
+           "yours:\n"
+           "cvtflow detail SCENE --rungs; cvtflow tune SCENE chooses by it.\n";
+}
+
+std::string channels() {
+    Table table({{"channel"}, {"unit"}, {"per"}, {"description"}});
+    for (const tasks::Channel& channel : tasks::channels())
+        table.add({std::string(channel.name), std::string(channel.unit), std::string(channel.axis), std::string(channel.description)});
+    return table.text();
+}
+
+std::string scenes() {
+    Table table({{"scene"}, {"pins", Align::right}, {"description"}});
+    std::set<std::string> folders;
+    for (const ReadyScene& ready : ready_scenes()) {
+        folders.insert(ready.path.parent_path().string());
+        try {
+            const tasks::Scene scene = tasks::read_scene(ready.path, tasks::StartState::ignored);
+            table.add({ready.name, fmt::format("{}", scene.parameters.chain.pins), scene.description});
+        } catch (const tasks::SceneError&) {
+            table.add({ready.name, "", "(has errors, see cvtflow check)"});
+        }
+    }
+    if (folders.empty()) return "none: no folder of ready scenes can be read; the environment variable CVTFLOW_SCENES names further ones\n";
+    return table.text() + fmt::format("\nFrom {}. Further folders: environment variable CVTFLOW_SCENES.\n", fmt::join(folders, ", "));
+}
+
+std::string executors() {
+    Table table({{"executor"}, {"threads"}, {"description"}});
+    for (const engine::ExecutorRow& row : engine::executors())
+        table.add({std::string(row.name), row.parallel ? "many" : "one", std::string(row.description)});
+    std::string absent;
+    for (const engine::ExecutorRow& row : engine::absent_executors())
+        absent += fmt::format("  {:<12}{}\n  {:<12}needs {}\n", row.name, row.description, "", row.needs);
+    return table.text() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) +
+           (absent.empty() ? "" : fmt::format("\nNot in this program:\n{}", absent));
+}
+
+std::string keys() {
+    const tasks::Scene defaults;
+    Table table({{"key"}, {"default"}, {"unit"}, {"meaning"}});
+    for (const tasks::Parameter& parameter : tasks::parameter_table()) {
+        table.add({std::string(parameter.key), tasks::value_text(parameter, defaults), std::string(parameter.unit),
+                   std::string(parameter.meaning)});
+    }
+    return table.text();
+}
+
+std::string units() {
+    Table table({{"quantity"}, {"SI"}, {"also"}, {"example"}});
+    std::set<std::string_view> seen{""};
+    for (const tasks::Parameter& parameter : tasks::parameter_table()) {
+        if (!seen.insert(parameter.unit).second) continue;
+        const std::string quantity(tasks::dimension_name(tasks::dimension_of(parameter.unit)));
+        table.add({quantity, std::string(parameter.unit), fmt::format("{}", fmt::join(tasks::usual_units(parameter.unit), ", ")),
+                   std::string(parameter.key)});
+    }
+    return table.text() +
+           "\nAny product of m cm g s min h rad deg rpm Hz N Pa bar % with prefixes n u m k M G and powers will do: \"5.7e4 N/mm\", "
+           "\"2.5e10 N/m^1.5\".\n";
+}
+
+struct Listing {
+    std::string_view name;
+    std::string_view description;
+    std::string (*text)();
+};
+
+constexpr std::array listings{
+    Listing{"methods", "Integration methods: stages, order, stability", methods},
+    Listing{"detail", "Levels of detail, coarsest first", detail},
+    Listing{"channels", "Recorded quantities", channels},
+    Listing{"scenes", "Ready scenes", scenes},
+    Listing{"executors", "Ways to run the task graph", executors},
+    Listing{"keys", "All keys of scenes", keys},
+    Listing{"units", "Units of quantities", units},
+};
+
+const Listing* find_listing(const std::string& name) {
+    const auto found = std::find_if(listings.begin(), listings.end(), [&](const Listing& listing) { return listing.name == name; });
+    return found == listings.end() ? nullptr : &*found;
+}
+
+/// What is wrong with a name, empty: nothing. (CLI11's form of a check.)
+std::string refusal(const std::string& name) {
+    if (find_listing(name) != nullptr) return {};
+    std::vector<std::string> names;
+    for (const Listing& listing : listings) names.emplace_back(listing.name);
+    const std::string near = engine::closest(name, names);
+    return near.empty() ? fmt::format("no list '{}', only {}", name, fmt::join(names, ", "))
+                        : fmt::format("no list '{}', did you mean '{}'?", name, near);
+}
+
+ExitStatus list(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : "\n") + find_listing(name)->text();
+    fmt::print("{}", text);
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_list(CLI::App& app) {
+    const auto names = std::make_shared<std::vector<std::string>>();
+    app.add_option("WHAT", *names, "One or more of the names below")->required()->type_name("")->check(CLI::Validator(refusal, ""));
+    std::string footer = "Lists:";
+    for (const Listing& listing : listings) footer += fmt::format("\n  {:<12}{}", listing.name, listing.description);
+    app.footer(footer);
+    return [names] { return list(*names); };
+}
+
+}  // namespace cvtflow::tools

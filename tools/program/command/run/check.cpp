@@ -1,0 +1,106 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+
+#include "tasks/method/auto_step.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/command/command.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/text/scene_text.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+/// Steps that cover a span without transitions, when the step divides the interval of outputs.
+long steps_over(double span, double interval, double step) {
+    const double per_interval = std::max(1.0, std::ceil(interval / step * (1.0 - 1e-12)));
+    return std::lround(std::ceil(span / interval * per_interval * (1.0 - 1e-12)));
+}
+
+std::string size_line(const model::ChainLayout& at) {
+    return fmt::format("{} ({} links x {}{}), {} unknowns", plural(at.coordinates(), "coordinate"), at.links, at.link_size(),
+                       at.pulley_size == 0 ? "" : fmt::format(" + pulleys {}", at.pulley_size), count_text(at.size()));
+}
+
+std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simulation) {
+    if (!scene.state_file.empty()) return "state file " + scene.state_file;
+    const model::Start& start = scene.parameters.start;
+    if (start.layout == model::StartLayout::ring) return fmt::format("geometric ring at {:.4g} rad/s", start.ring_speed);
+    const std::string geometric = fmt::format("geometric at ratio {:.4g}", start.ratio);
+    return simulation.needs_settling() ? fmt::format("{}, settles for {}", geometric, time_text(start.settling_time))
+                                       : geometric + ", no settling";
+}
+
+/// Evaluations of the right-hand side: every step takes its stages, every transition one or two steps more.
+/// @param step run.step, or the automatic one at the start [s]
+std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
+    const tasks::RunSettings& run = scene.run;
+    const long stages = static_cast<long>(tasks::evaluations_per_step(run.method));
+    const long running = steps_over(run.until, run.output_interval, step);
+    const long settling = simulation.needs_settling() ? steps_over(scene.parameters.start.settling_time, run.output_interval, step) : 0;
+    const std::string length = run.step.automatic() ? "auto, " + time_text(step) + " at the start" : time_text(step);
+    std::string text = field("run", fmt::format("until {}, {} with step {}", time_text(run.until), run.method, length));
+    text += field("schedule",
+                  fmt::format("{}, {}", run.schedule, run.segments == 0 ? "which chooses the segments" : plural(run.segments, "segment")));
+    text += field("steps",
+                  settling == 0 ? count_text(running) : fmt::format("{} + {} for settling", count_text(running), count_text(settling)));
+    text += field("evaluations", stages == 0 ? "as many as the method's iterations ask for"
+                                             : fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));
+    const long outputs = std::lround(std::floor(run.until / run.output_interval * (1.0 + 1e-12))) + 1;
+    const long states = std::lround(std::floor(run.until / run.state_interval * (1.0 + 1e-12))) + 1;
+    text += field("record", fmt::format("{} every {}, {} every {}", plural(outputs, "row"), time_text(run.output_interval),
+                                        plural(states, "state"), time_text(run.state_interval)));
+    return text;
+}
+
+/// Of the state that the run begins with; empty where that has yet to settle.
+/// @param step as above [s]
+std::string stability_line(const tasks::Scene& scene, const tasks::Simulation& simulation, double step) {
+    if (simulation.needs_settling()) return "";
+    const tasks::StepLimit limit =
+        tasks::predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, tasks::frozen_start(simulation));
+    std::string text = tasks::text_of(limit);
+    if (step > limit.step)
+        text += scene.run.step.automatic()
+                    ? fmt::format("; \"auto\" is beyond: run.step = \"{}\" or less", time_text(tasks::AutoStep::margin * limit.step))
+                    : "; run.step is beyond";
+    return field("stable to", text);
+}
+
+ExitStatus check(const SceneArguments& arguments) {
+    const LoadedScene loaded = load_scene(arguments);
+    const tasks::Scene& scene = loaded.scene;
+    const tasks::Simulation simulation(scene);
+    if (!loaded.notice.empty()) print_error(loaded.notice);
+    std::string text = fmt::format("{}: {}\n", scene.name, scene.description.empty() ? "no description" : scene.description);
+    text += field("file", scene.path.string());
+    text += field("detail", detail_text(scene));
+    text += field("size", size_line(simulation.variator().layout()));
+    text += field("start", start_line(scene, simulation));
+    for (const std::string& difference : simulation.start_differences()) text += field("", difference);
+    const double step = scene.run.step.value_or(simulation.automatic_step());
+    fmt::print("{}{}{}", text, cost_lines(scene, simulation, step), stability_line(scene, simulation, step));
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_check(CLI::App& app) {
+    const auto arguments = std::make_shared<SceneArguments>();
+    declare_scene(app, *arguments);
+    declare_shortcut(app, *arguments, "--method", "run.method", "NAME");
+    declare_shortcut(app, *arguments, "--step", "run.step", "TIME");
+    declare_shortcut(app, *arguments, "--until", "run.until", "TIME");
+    declare_fresh_start(app, *arguments);
+    app.footer("Exit status: 0 the scene is good, 1 it is not (all problems are printed).");
+    return [arguments] { return check(*arguments); };
+}
+
+}  // namespace cvtflow::tools

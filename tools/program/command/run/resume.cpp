@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "tasks/run/checkpoint.hpp"
+#include "tasks/run/run.hpp"
+#include "tools/program/arguments/ready_scenes.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/command/command.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output/interrupt.hpp"
+#include "tools/program/output/output_place.hpp"
+#include "tools/program/output/progress.hpp"
+#include "tools/program/text/batch_text.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+struct ResumeArguments {
+    std::string what;
+    std::string scene;
+    std::string until;
+    std::string output;
+    std::optional<std::string> every;
+    std::vector<std::string> settings;
+    bool quiet = false;
+};
+
+tasks::Scene scene_to_go_on(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
+    tasks::Scene scene =
+        arguments.scene.empty() ? tasks::scene_of(checkpoint) : tasks::read_scene(find_scene(arguments.scene), tasks::StartState::ignored);
+    std::vector<std::string> settings = arguments.settings;
+    if (!arguments.until.empty()) settings.push_back("run.until=" + arguments.until);
+    tasks::set_values(scene, settings);
+    return scene;
+}
+
+/// All of a sweep that is not done. A folder with shards only: each of them is run by whoever runs shards.
+ExitStatus go_on_sweep(const ResumeArguments& arguments) {
+    tasks::BatchOptions options;
+    options.folder = arguments.what;
+    while (options.folder.size() > 1 && options.folder.back() == '/') options.folder.pop_back();
+    if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
+    tasks::Shard shard;
+    const std::filesystem::path folder(options.folder);
+    if (std::sscanf(folder.filename().c_str(), "shard-%9d-of-%9d", &shard.number, &shard.of) == 2 && shard.valid()) {
+        options.folder = folder.parent_path().string();
+        options.shard = shard;
+    }
+    return run_sweep(load_sweep(sweep_of(arguments.what)), options, arguments.quiet);
+}
+
+ExitStatus go_on(const ResumeArguments& arguments) {
+    if (std::filesystem::is_directory(arguments.what)) return go_on_sweep(arguments);
+    const tasks::Checkpoint checkpoint = tasks::read_checkpoint(arguments.what);
+    const tasks::Scene scene = scene_to_go_on(arguments, checkpoint);
+    ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
+    tasks::RunOptions options;
+    options.file = arguments.output.empty() ? checkpoint.record : arguments.output == "none" ? "" : arguments.output;
+    require_output(options.file, {arguments.what, scene.path, scene.state_file});
+    options.cancel = &catch_interrupts();
+    options.checkpoint = arguments.what;
+    options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.value_or("60 s"));
+    options.from = &checkpoint;
+    if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
+    if (!arguments.quiet) print_error(fmt::format("{} goes on from t = {}", scene.name, time_text(checkpoint.integration.time)));
+    const tasks::RunReport report = tasks::run_scene(scene, options);
+    if (!arguments.quiet) {
+        fmt::print("{}: {}{}", scene.name, tasks::summary(report), field("record", options.file.empty() ? "none" : options.file));
+    } else if (report.fault) {
+        print_error(report.fault.message());
+    }
+    return exit_status(report);
+}
+
+}  // namespace
+
+Action declare_resume(CLI::App& app) {
+    const auto arguments = std::make_shared<ResumeArguments>();
+    app.add_option("FILE", arguments->what, "Checkpoint of a run, or folder of a sweep")->required()->type_name("");
+    app.add_option("SCENE", arguments->scene, "Scene that the checkpoint is expected to belong to (default: the one that it holds)")
+        ->type_name("");
+    app.add_option("--until", arguments->until, "End of the run, if it is to be another one")->type_name("TIME");
+    app.add_option("--set", arguments->settings, "Change a key that no result depends on: run.threads, run.max_wall, …")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("-o,--output", arguments->output, "Record to go on with (default: the run's); none: no record")->type_name("FILE");
+    app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints (default: 60 s)")->type_name("TIME");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.footer("The run goes on bit for bit as if it had not stopped. A checkpoint of another scene, method or model is refused.\n\n" +
+               std::string(exit_status_help));
+    return [arguments] { return go_on(*arguments); };
+}
+
+}  // namespace cvtflow::tools

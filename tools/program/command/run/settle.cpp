@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "tasks/run/run.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/command/command.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output/interrupt.hpp"
+#include "tools/program/output/output_place.hpp"
+#include "tools/program/output/progress.hpp"
+#include "tools/program/output/replacing.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+struct SettleArguments {
+    SceneArguments scene;
+    std::string output;
+    bool force = false, quiet = false;
+};
+
+double simulate(const SettleArguments& arguments, const tasks::Scene& scene, const std::string& file) {
+    ProgressDisplay display(progress_style(arguments.quiet), 0.0);
+    tasks::RunOptions options;
+    options.cancel = &catch_interrupts();
+    options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
+    return tasks::settle_scene(scene, file, options);
+}
+
+ExitStatus settle(SettleArguments& arguments) {
+    arguments.scene.settle = true;
+    const tasks::Scene scene = load_scene(arguments.scene).scene;
+    const std::string file = arguments.output.empty() ? scene.path.stem().string() + "_state.h5" : arguments.output;
+    const model::Start& start = scene.parameters.start;
+    if (start.layout != model::StartLayout::belt || start.settling_time <= 0.0) {
+        throw tasks::SceneError(fmt::format("{}: nothing to settle, start.layout and start.settling_time say so", scene.name));
+    }
+    require_output(file, {scene.path});  // before the settling what would fail after it
+    const std::string replaced = replacing(file, !arguments.output.empty(), arguments.force);
+    if (!replaced.empty() && !arguments.quiet) print_error(replaced);
+    const double suspicion = simulate(arguments, scene, file);
+    const ExitStatus status = suspicion <= 1.0 ? ExitStatus::finished : ExitStatus::unreliable;
+    if (status == ExitStatus::unreliable) {
+        print_error(
+            fmt::format("{}: unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; runs from this state "
+                        "are called unreliable",
+                        scene.name, suspicion));
+    }
+    if (arguments.quiet) return status;
+    fmt::print("{}: settled for {}\n{}", scene.name, time_text(start.settling_time), field("state file", file));
+    fmt::print("{}", field("to use it", fmt::format("state = \"{}\" in [start] of the scene, or --set start.state={}",
+                                                    std::filesystem::path(file).filename().string(), file)));
+    return status;
+}
+
+}  // namespace
+
+Action declare_settle(CLI::App& app) {
+    const auto arguments = std::make_shared<SettleArguments>();
+    declare_scene(app, arguments->scene);
+    app.add_option("-o,--output", arguments->output,
+                   "State file to write, which must not be there yet (default: SCENE_state.h5, replaced with a notice)")
+        ->type_name("STATE.h5");
+    app.add_flag("--force", arguments->force, force_meaning);
+    declare_shortcut(app, arguments->scene, "--time", "start.settling_time", "TIME");
+    declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
+    declare_shortcut(app, arguments->scene, "--threads", "run.threads", "N");
+    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.footer(
+        "A scene's start.state counts from the folder of the scene file, --set start.state from the working directory.\n"
+        "Exit status as for run.");
+    return [arguments] { return settle(*arguments); };
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,167 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "tasks/batch/bench.hpp"
+#include "tasks/schedule/schedule.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/command/command.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/text/batch_text.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+constexpr long shown_cases = 20;
+
+struct BatchArguments {
+    std::string sweep, folder;
+    std::optional<std::string> shard, grace, every;  ///< an empty one was given, and is wrong
+    std::vector<std::string> retry;
+    int threads = 0, bench = 0;
+    bool dry = false, pin = false, quiet = false;
+};
+
+tasks::Shard shard_of(const std::string& text) {
+    const std::size_t slash = text.find('/');
+    tasks::Shard shard;
+    const auto number = [&](std::size_t first, std::size_t last, int& to) {
+        const auto [end, error] = std::from_chars(text.data() + first, text.data() + last, to);
+        return error == std::errc{} && end == text.data() + last;
+    };
+    if (slash != std::string::npos && number(0, slash, shard.number) && number(slash + 1, text.size(), shard.of) && shard.valid())
+        return shard;
+    throw UsageError(fmt::format("--shard {}: expected I/N with 1 <= I <= N <= {}, e.g. 3/8", text, tasks::most_shards));
+}
+
+std::string cases_text(const tasks::Sweep& sweep, const std::vector<long>& cases) {
+    std::vector<Table::Column> columns{{"case", Align::right}};
+    for (const tasks::Axis& axis : sweep.axes) {
+        for (const tasks::Parameter* key : axis.keys)
+            columns.push_back({key->unit.empty() || key->unit == "1" ? std::string(key->key) : fmt::format("{} [{}]", key->key, key->unit),
+                               Align::right});
+    }
+    Table table(columns);
+    for (std::size_t i = 0; i < cases.size() && static_cast<long>(i) < shown_cases; ++i) {
+        std::vector<std::string> cells{std::to_string(cases[i])};
+        for (std::size_t a = 0; a < sweep.axes.size(); ++a) {
+            const tasks::Axis& axis = sweep.axes[a];
+            for (std::size_t k = 0; k < axis.keys.size(); ++k)
+                cells.push_back(tasks::axis_text(*axis.keys[k], axis.at(sweep.row(cases[i], a), k)));
+        }
+        table.add(cells);
+    }
+    const long more = static_cast<long>(cases.size()) - shown_cases;
+    return table.text(2) + (more > 0 ? fmt::format("  … and {} more\n", more) : "");
+}
+
+ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int threads) {
+    const std::vector<long> cases = tasks::shard_cases(sweep, shard);
+    const tasks::BatchEstimate cost = tasks::estimate(sweep, shard, 0.6);
+    fmt::print("{}: {}{}\n{}", sweep.name, plural(static_cast<long>(cases.size()), "case"),
+               shard.of > 1 ? fmt::format(" of shard {}/{}", shard.number, shard.of) : "", cases_text(sweep, cases));
+    std::vector<std::string> scalars;
+    for (const tasks::Scalar& scalar : sweep.scalars) scalars.push_back(scalar.text);
+    fmt::print("{}", field("scalars", fmt::format("{}", fmt::join(scalars, ", "))));
+    if (cost.bad > 0) fmt::print("{}", field("bad parameters", plural(cost.bad, "case")));
+    const std::string one =
+        fmt::format("{} on one thread, {} on {}", clock_text(cost.total), clock_text(cost.total / threads), plural(threads, "thread"));
+    const std::string none =
+        cost.bad == cost.cases ? "none: no case has parameters that agree" : "none: no case could be tried: " + cost.untried;
+    fmt::print("{}", field("estimate", cost.measured == 0 ? none
+                                                          : fmt::format("{} (measured on {}, without settling of shared starts)", one,
+                                                                        plural(cost.measured, "case"))));
+    if (cost.stable_step > 0.0 && std::isfinite(cost.stable_step))
+        fmt::print("{}", field("stable to", fmt::format("{} at the start of the cases tried{}", time_text(cost.stable_step),
+                                                        cost.beyond > 1.0 ? "; run.step is beyond" : "")));
+    return ExitStatus::finished;
+}
+
+/// One line per way of running: wall and CPU time, cases a second, parallel efficiency or what it costs over the bare loop.
+ExitStatus bench(const tasks::Sweep& sweep, const std::string& folder, int threads, int rounds) {
+    std::vector<int> counts{1};
+    if (threads > 1) counts.push_back(threads);
+    const tasks::BatchBench result = tasks::bench_batch(sweep, folder, counts, rounds);
+    Table table({{"", Align::left},
+                 {"wall [s]", Align::right},
+                 {"cpu [s]", Align::right},
+                 {"cases/s", Align::right},
+                 {"cpu over bare", Align::right},
+                 {"efficiency", Align::right}});
+    for (const tasks::BatchTiming& t : result.timings) {
+        const tasks::BatchTiming &bare = result.timings[0], &one = result.timings[1];
+        table.add({t.threads == 0 ? "bare step loop" : plural(t.threads, "thread"), fmt::format("{:.3f}", t.wall),
+                   fmt::format("{:.3f}", t.cpu), fmt::format("{:.3g}", static_cast<double>(result.cases) / t.wall),
+                   t.threads == 0 ? "" : fmt::format("{:+.2f} %", 100.0 * (t.cpu / bare.cpu - 1.0)),
+                   t.threads < 2 ? "" : fmt::format("{:.3f}", one.wall / t.wall / t.threads)});
+    }
+    fmt::print("{}: {}, {} evaluations, medians of {}\n{}", sweep.name, plural(result.cases, "case"), count_text(result.evaluations),
+               plural(rounds, "round"), table.text(2));
+    fmt::print("{}{}", field("peak memory", size_text(result.peak_memory)), field("results hash", result.results_hash));
+    return ExitStatus::finished;
+}
+
+ExitStatus batch(const BatchArguments& arguments) {
+    const tasks::Sweep sweep = load_sweep(arguments.sweep);
+    tasks::BatchOptions options;
+    options.folder = arguments.folder.empty() ? "results/" + sweep.path.stem().string() : arguments.folder;
+    options.threads = arguments.threads > 0 ? arguments.threads : tasks::usable_threads();
+    options.pin = arguments.pin;
+    if (arguments.shard) options.shard = shard_of(*arguments.shard);
+    options.retry = arguments.retry;
+    require_statuses("--retry", arguments.retry);
+    if (arguments.grace) options.grace = seconds_of("--grace", *arguments.grace);
+    if (arguments.every) options.checkpoint_every = seconds_of("--checkpoint-every", *arguments.every);
+    if (arguments.bench > 0)
+        return bench(sweep, arguments.folder.empty() ? "results/bench_batch" : options.folder, options.threads, arguments.bench);
+    if (arguments.dry) return dry_run(sweep, options.shard, options.threads);
+    if (arguments.folder.empty()) {
+        std::error_code reported_later;
+        std::filesystem::create_directories("results", reported_later);
+    }
+    return run_sweep(sweep, options, arguments.quiet);
+}
+
+}  // namespace
+
+Action declare_batch(CLI::App& app) {
+    const auto arguments = std::make_shared<BatchArguments>();
+    app.add_option("SWEEP", arguments->sweep, "Sweep file (SWEEP.toml), or name of a ready sweep in scenes/sweeps")
+        ->required()
+        ->type_name("");
+    app.add_option("-o,--output", arguments->folder,
+                   "Folder for the results (default: results/SWEEP); if it holds some of this sweep, it goes on")
+        ->type_name("DIR");
+    app.add_flag("--dry-run", arguments->dry, "Print the cases and an estimate of the time, run nothing");
+    app.add_option("--bench", arguments->bench,
+                   "Measure instead: so many rounds of the bare step loop, one thread, all threads, in DIR/bench")
+        ->type_name("ROUNDS")
+        ->check(CLI::Range(1, 10000));
+    app.add_option("--threads", arguments->threads, "Cases side by side (default: as many as this process may use)")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1024));
+    app.add_flag("--pin", arguments->pin, "Keep every worker on a processor of its own");
+    app.add_option("--shard", arguments->shard, "Run only share I of N; join them with cvtflow merge")->type_name("I/N");
+    app.add_option("--grace", arguments->grace,
+                   "After SIGTERM, cases that end within this time do, others leave a checkpoint (default: 30 s)")
+        ->type_name("TIME");
+    app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints of a running case (default: 60 s)")
+        ->type_name("TIME");
+    app.add_option("--retry", arguments->retry, "Run cases again that ended so, e.g. budget; may be repeated")
+        ->type_name("STATUS")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
+    app.footer("Results do not depend on threads, shards, or where a sweep was stopped. cvtflow table DIR shows them.\n\n" +
+               std::string(exit_status_help));
+    return [arguments] { return batch(*arguments); };
+}
+
+}  // namespace cvtflow::tools

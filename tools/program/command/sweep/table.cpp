@@ -1,0 +1,162 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "tasks/batch/results/results.hpp"
+#include "tasks/scene/toml/units.hpp"
+#include "tools/program/command/command.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/report/rainflow_report.hpp"
+#include "tools/program/text/batch_text.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+struct TableArguments {
+    std::string folder;
+    std::vector<std::string> columns;
+    std::string status;
+    std::vector<std::string> rainflow;
+    int classes = 16;
+    std::string from, until;
+    bool csv = false, json = false;
+};
+
+std::string heading(const engine::CaseColumn& column) {
+    return column.unit.empty() || column.unit == "1" ? column.name : fmt::format("{} [{}]", column.name, column.unit);
+}
+
+std::string short_cell(const engine::CaseTable& table, std::size_t row, std::size_t column) {
+    if (table.layout.columns()[column].type != engine::CaseColumnType::real) return table.layout.cell(table.row(row), column);
+    const double value = table.layout.real(table.row(row), column);
+    return std::isnan(value) ? "-" : fmt::format("{:.6g}", value);
+}
+
+/// Columns that were asked for; else all but the counters.
+std::vector<std::size_t> chosen_columns(const engine::RowLayout& layout, const std::vector<std::string>& names) {
+    constexpr std::string_view quiet[] = {"start",   "steps", "evaluations", "transitions", "truncated", "settling_evaluations",
+                                          "threads", "hash"};
+    std::vector<std::size_t> chosen;
+    for (const std::string& name : names) {
+        if (!layout.has(name)) throw UsageError(fmt::format("--column {}: the table has no such column", name));
+        chosen.push_back(layout.column(name));
+    }
+    for (std::size_t i = 0; names.empty() && i < layout.columns().size(); ++i) {
+        if (std::find(std::begin(quiet), std::end(quiet), layout.columns()[i].name) == std::end(quiet)) chosen.push_back(i);
+    }
+    return chosen;
+}
+
+std::string table_text(const engine::CaseTable& table, const std::vector<std::size_t>& chosen) {
+    std::vector<Table::Column> columns;
+    for (const std::size_t c : chosen)
+        columns.push_back({heading(table.layout.columns()[c]),
+                           table.layout.columns()[c].type == engine::CaseColumnType::text ? Align::left : Align::right});
+    Table text(columns);
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        std::vector<std::string> cells;
+        for (const std::size_t c : chosen) cells.push_back(short_cell(table, row, c));
+        text.add(cells);
+    }
+    return text.text();
+}
+
+void keep_status(engine::CaseTable& table, const std::string& status) {
+    std::vector<std::byte> kept;
+    for (std::size_t row = 0; row < table.size(); ++row) {
+        if (table.layout.text(table.row(row), table.layout.column("status")) == status)
+            kept.insert(kept.end(), table.row(row).begin(), table.row(row).end());
+    }
+    table.rows = std::move(kept);
+}
+
+ExitStatus show(const TableArguments& arguments) {
+    const std::string file = std::filesystem::is_directory(arguments.folder) ? arguments.folder + "/cases.h5" : arguments.folder;
+    engine::CaseTable table = tasks::read_results(file);
+    tasks::sort_rows(table);
+    const std::string hash = tasks::results_hash(table);
+    if (!arguments.status.empty()) require_statuses("--status", {arguments.status});
+    if (!arguments.status.empty()) keep_status(table, arguments.status);
+    if (arguments.csv) {
+        fmt::print("{}", tasks::csv_text(table));
+        return ExitStatus::finished;
+    }
+    fmt::print("{}\n", table_text(table, chosen_columns(table.layout, arguments.columns)));
+    fmt::print("{}: {} of {} cases, {}, results hash {}\n", table.attribute("sweep"), table.size(), table.attribute("cases"),
+               table.attribute("status"), hash);
+    if (const std::string error = table.attribute("continuation_error"); !error.empty()) fmt::print("continuation changes, in {}\n", error);
+    return ExitStatus::finished;
+}
+
+/// A time in SI or with a unit. @throws UsageError
+double instant_of(const std::string& option, const std::string& text) {
+    const auto parsed = tasks::parse_quantity(text);
+    const auto* time = std::get_if<tasks::Quantity>(&parsed);
+    if (time == nullptr || (time->has_unit && !(time->dimension == tasks::dimension_of("s"))))
+        throw UsageError(fmt::format("{} {}: not a time", option, text));
+    return time->value;
+}
+
+ExitStatus show_rainflow(const TableArguments& arguments) {
+    if (!arguments.columns.empty() || !arguments.status.empty())
+        throw UsageError("--column and --status are of sweeps, --rainflow of a record");
+    if (arguments.csv && arguments.json) throw UsageError("--csv or --json, not both");
+    RainflowRequest request{arguments.folder, arguments.rainflow};
+    request.classes = arguments.classes;
+    if (!arguments.from.empty()) request.from = instant_of("--from", arguments.from);
+    if (!arguments.until.empty()) request.until = instant_of("--until", arguments.until);
+    request.form = arguments.csv ? RainflowForm::csv : arguments.json ? RainflowForm::json : RainflowForm::text;
+    fmt::print("{}", rainflow_report(request));
+    return ExitStatus::finished;
+}
+
+/// Options that --rainflow has to itself.
+void require_no_record(const TableArguments& arguments) {
+    if (arguments.json || !arguments.from.empty() || !arguments.until.empty())
+        throw UsageError("--json, --from and --until go with --rainflow");
+}
+
+void declare_rainflow(CLI::App& app, TableArguments& arguments) {
+    app.add_option("--rainflow", arguments.rainflow,
+                   "DIR is the record of a run: cycles of this channel, or of its elements NAME[3], NAME[*] (ASTM E1049); may be repeated")
+        ->type_name("CHANNEL")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    app.add_option("--classes", arguments.classes, "Classes of ranges")
+        ->check(CLI::Range(1, 10000))
+        ->type_name("COUNT")
+        ->capture_default_str();
+    app.add_option("--from", arguments.from, "Count from this time on")->type_name("TIME");
+    app.add_option("--until", arguments.until, "Count up to this time")->type_name("TIME");
+    app.add_flag("--json", arguments.json, "Cycles and classes as JSON, with provenance");
+}
+
+}  // namespace
+
+Action declare_table(CLI::App& app) {
+    const auto arguments = std::make_shared<TableArguments>();
+    app.add_option("DIR", arguments->folder,
+                   "Folder of a sweep, or its cases.h5; also while the sweep goes on. With --rainflow: the record of a run")
+        ->required()
+        ->type_name("");
+    app.add_flag("--csv", arguments->csv, "All columns, comma separated, numbers with all digits");
+    app.add_option("--column", arguments->columns, "Show this column; may be repeated")
+        ->type_name("NAME")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    declare_rainflow(app, *arguments);
+    app.add_option("--status", arguments->status, "Only cases that ended so")->type_name("STATUS");
+    app.footer("In Python: h5py.File(\"DIR/cases.h5\")[\"cases\"][:] is a NumPy table; pandas.DataFrame takes it.");
+    return
+        [arguments] { return arguments->rainflow.empty() ? (require_no_record(*arguments), show(*arguments)) : show_rainflow(*arguments); };
+}
+
+}  // namespace cvtflow::tools

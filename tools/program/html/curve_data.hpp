@@ -1,0 +1,27 @@
+#pragma once
+/// Curves and the chain's motion as data for the scripts of a page.
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "tools/program/view/chain_motion.hpp"
+#include "tools/program/view/recorded_run.hpp"
+
+namespace cvtflow::tools {
+
+/// Rows in stretches of which the least and the largest value stay, in their order.
+struct Stretches {
+    std::size_t rows, count;  ///< count: 0: every row stays
+
+    [[nodiscard]] std::size_t begin(std::size_t number) const noexcept { return number * rows / count; }
+    /// Times that values() belong to.
+    [[nodiscard]] std::vector<double> times(const std::vector<double>& all) const;
+    [[nodiscard]] std::vector<float> values(const std::vector<double>& all) const;
+};
+
+/// All curves of a record, at most about so many bytes of text. {"label", "rows", "shown", "t", "curves": [{"n", "u", "d", "v" or "c"}]}
+[[nodiscard]] nlohmann::json curve_data(const RecordedRun& run, std::size_t most_bytes);
+
+[[nodiscard]] nlohmann::json motion_data(const ChainMotion& motion);
+
+}  // namespace cvtflow::tools

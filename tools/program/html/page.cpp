@@ -1,0 +1,88 @@
+#include "tools/program/html/page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "tools/program/html/assets.hpp"
+#include "tools/program/text/markup.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+std::string base64(std::span<const std::byte> bytes) {
+    static constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t at = 0; at < bytes.size(); at += 3) {
+        std::uint32_t group = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            group = group << 8U | (at + k < bytes.size() ? std::to_integer<std::uint32_t>(bytes[at + k]) : 0U);
+        for (std::size_t k = 0; k < 4; ++k) text += at + k > bytes.size() ? '=' : letters[group >> (18U - 6U * k) & 63U];
+    }
+    return text;
+}
+
+/// JSON as it may stand in a script element.
+std::string in_script(const nlohmann::json& json) {
+    std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos; at += 6) text.replace(at, 1, "\\u003c");
+    return text;
+}
+
+std::string script(std::string_view name) { return fmt::format("<script>\n{}\n</script>\n", asset(name)); }
+
+/// Of the library that draws curves, where it is used.
+std::string_view style_of(const Page& page) {
+    static constexpr std::string_view library = "dygraph.min.js";
+    const bool used = std::find(page.scripts.begin(), page.scripts.end(), library) != page.scripts.end();
+    return used ? asset("dygraph.min.css") : std::string_view{};
+}
+
+}  // namespace
+
+std::string packed(std::span<const float> values) { return base64(std::as_bytes(values)); }
+std::string packed(std::span<const double> values) { return base64(std::as_bytes(values)); }
+
+nlohmann::json quantised(std::span<const float> values) {
+    float from = INFINITY, to = -INFINITY;
+    for (const float value : values) {
+        if (std::isfinite(value)) from = std::min(from, value), to = std::max(to, value);
+    }
+    if (!(from <= to)) from = to = 0.0F;
+    std::vector<std::uint16_t> whole;
+    whole.reserve(values.size());
+    for (const float value : values) {
+        const float share = to > from && std::isfinite(value) ? (value - from) / (to - from) : 0.0F;
+        whole.push_back(static_cast<std::uint16_t>(std::lround(65535.0F * share)));
+    }
+    return {{"from", from}, {"to", to}, {"v", base64(std::as_bytes(std::span<const std::uint16_t>(whole)))}};
+}
+
+std::string definition_table(const std::vector<std::pair<std::string, std::string>>& rows) {
+    std::string text = "<table class=\"pairs\"><tbody>\n";
+    for (const auto& [heading, cell] : rows) text += fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", html(heading), cell);
+    return text + "</tbody></table>\n";
+}
+
+std::string text_of(const Page& page) {
+    std::string text = fmt::format(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+        "content=\"width=device-width, initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
+        "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:\">\n<link rel=\"icon\" href=\"data:,\">\n"
+        "<title>{}</title>\n<style>\n{}\n{}\n</style>\n</head>\n<body>\n<header>\n<h1>{}</h1>\n{}<nav aria-label=\"Sections\">",
+        html(page.title), style_of(page), asset("report.css"), html(page.title), page.lead);
+    for (const Section& section : page.sections) text += fmt::format("<a href=\"#{}\">{}</a> ", section.id, html(section.title));
+    text += "<button type=\"button\" id=\"theme\" aria-pressed=\"false\">dark</button></nav>\n</header>\n<main>\n";
+    for (const Section& section : page.sections)
+        text += fmt::format("<section id=\"{}\" aria-labelledby=\"{}-title\">\n<h2 id=\"{}-title\">{}</h2>\n{}</section>\n", section.id,
+                            section.id, section.id, html(section.title), section.body);
+    text += fmt::format("</main>\n<script type=\"application/json\" id=\"data\">{}</script>\n", in_script(page.data));
+    for (const std::string& name : page.scripts) text += script(name);
+    return text + "</body>\n</html>\n";
+}
+
+}  // namespace cvtflow::tools

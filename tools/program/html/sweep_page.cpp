@@ -1,0 +1,131 @@
+#include "tools/program/html/sweep_page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "tools/program/guard.hpp"
+#include "tools/program/html/page.hpp"
+#include "tools/program/text/attribute_text.hpp"
+#include "tools/program/text/markup.hpp"
+#include "tools/program/view/sweep_plots.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+std::string endings(const SweepView& sweep) {
+    const std::size_t status = sweep.column("status");
+    std::map<std::string, std::size_t> counts;
+    for (const auto& row : sweep.cells) ++counts[row[status]];
+    std::string items;
+    for (const auto& [name, count] : counts)
+        items += fmt::format("<li class=\"{}\"><b>{}</b>: {} of {} cases</li>\n", name == "ok" ? "good" : "bad", html(name), count,
+                             sweep.cells.size());
+    return fmt::format("<ul class=\"status\">\n{}</ul>\n", items);
+}
+
+std::string cases_table(const SweepView& sweep) {
+    std::string text = "<div class=\"wide\"><table class=\"sortable\" id=\"cases-table\"><thead><tr>";
+    for (const SweepColumn& column : sweep.columns)
+        text += fmt::format("<th title=\"{}\">{}{}</th>", html(column.description), html(column.name),
+                            column.unit.empty() || column.unit == "1" ? "" : " [" + html(column.unit) + "]");
+    text += "</tr></thead><tbody>\n";
+    for (std::size_t row = 0; row < sweep.cells.size(); ++row) {
+        text += "<tr>";
+        for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
+            const std::string& cell = sweep.cells[row][c];
+            const double number = sweep.number(row, c);
+            text += sweep.columns[c].number ? fmt::format("<td class=\"number\" data-value=\"{}\">{:.6g}</td>", html(cell), number)
+                                            : fmt::format("<td>{}</td>", html(cell));
+        }
+        text += "</tr>\n";
+    }
+    return text + "</tbody></table></div>\n";
+}
+
+nlohmann::json data_of(const SweepView& sweep) {
+    nlohmann::json data{{"columns", nlohmann::json::array()}, {"cases", nlohmann::json::array()}};
+    for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
+        const SweepColumn& column = sweep.columns[c];
+        if (!column.number) continue;
+        nlohmann::json values = nlohmann::json::array();
+        for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.push_back(sweep.number(row, c));
+        data["columns"].push_back(
+            {{"n", column.name}, {"u", column.unit == "1" ? "" : column.unit}, {"axis", column.axis}, {"v", std::move(values)}});
+    }
+    const std::size_t status = sweep.column("status");
+    for (const auto& row : sweep.cells) data["cases"].push_back(row[status]);
+    return {{"sweep", std::move(data)}};
+}
+
+/// Values of a column that differ.
+std::set<std::string> values_of(const SweepView& sweep, std::size_t column) {
+    std::set<std::string> values;
+    for (const auto& row : sweep.cells) values.insert(row[column]);
+    return values;
+}
+
+/// Maps of results over the first and the last axis; nothing where the cases form no grid of those.
+std::string maps(const SweepView& sweep) {
+    constexpr std::size_t most = 6;
+    std::vector<std::string> axes, results;
+    for (std::size_t c = 0; c < sweep.columns.size(); ++c) {
+        const SweepColumn& column = sweep.columns[c];
+        const std::size_t values = column.number ? values_of(sweep, c).size() : 0;
+        if (column.axis && values > 1) axes.push_back(column.name);
+        if (!column.axis && values > 1 && column.name != "case" && results.size() < most) results.push_back(column.name);
+    }
+    if (axes.size() < 2) return "";
+    std::string text;
+    try {
+        for (const std::string& result : results) {
+            const Plot plot = sweep_map(sweep, axes.back(), axes.front(), result);
+            if (!plot.fields.empty()) text += "<figure>" + svg(plot) + "</figure>\n";
+        }
+    } catch (const UsageError&) {  // several cases at one point: the picture above shows them all
+        return "";
+    }
+    return text;
+}
+
+std::string origin(const SweepView& sweep) {
+    if (sweep.attributes.empty())
+        return "<p>A CSV says nothing of where it comes from: make the report of the sweep's folder to see it.</p>\n";
+    std::vector<std::pair<std::string, std::string>> rows;
+    std::string texts;
+    for (const engine::Attribute& each : sweep.attributes) {
+        const std::string value = value_text(each);
+        if (value.find('\n') == std::string::npos)
+            rows.emplace_back(each.name, html(value));
+        else
+            texts += fmt::format("<details><summary>{}</summary><pre>{}</pre></details>\n", html(each.name), html(value));
+    }
+    return definition_table(rows) + texts;
+}
+
+}  // namespace
+
+std::string sweep_page(const SweepView& sweep) {
+    Page page;
+    page.title = "cvtflow: sweep " + sweep.name;
+    page.lead = endings(sweep);
+    page.data = data_of(sweep);
+    page.scripts = {"report.js", "sweep.js"};
+    const std::string grid = maps(sweep);
+    const std::string description = text_of(sweep.attributes, "description", "");
+    page.sections = {
+        {"map", "Picture",
+         (description.empty() ? "" : "<p>" + html(description) + "</p>\n") +
+             "<div id=\"map-tools\"><label>x <select id=\"map-x\"></select></label> <label>y <select id=\"map-y\"></select></label> "
+             "<label>colour <select id=\"map-colour\"></select></label></div>\n<figure id=\"map-view\"></figure>\n"
+             "<p class=\"small\">Cases that did not end well are left out. Maps with contours: cvtflow plot SWEEP --x --y --colour.</p>\n"},
+        {"cases", "Cases", cases_table(sweep)},
+        {"provenance", "Provenance", origin(sweep)}};
+    if (!grid.empty()) page.sections.insert(page.sections.begin() + 1, {"maps", "Maps", grid});
+    return text_of(page);
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,111 @@
+#include "tools/program/output/fmu/model_description.hpp"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "engine/base/provenance.hpp"
+#include "tasks/scene/toml/units.hpp"
+#include "tools/program/text/markup.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+std::string number(double value) { return fmt::format("{:.17g}", value); }
+
+/// ` unit="N*m"`; nothing for pure numbers.
+std::string unit_attribute(const FmuVariable& row) { return row.unit == "1" ? "" : fmt::format(" unit=\"{}\"", html(row.unit)); }
+
+/// Of units of channels, too, which scenes do not know.
+tasks::Dimension dimension_of(const std::string& unit) {
+    if (unit == "J") return tasks::dimension_of("N*m");
+    if (unit == "W") return tasks::dimension_of("N*m/s");
+    return tasks::dimension_of(unit);
+}
+
+/// Units in use with their exponents of kg, m, s, rad; those with halves go without.
+std::string unit_definitions(const std::vector<FmuVariable>& variables) {
+    std::set<std::string> names;
+    for (const FmuVariable& row : variables) {
+        if (row.unit != "1") names.insert(row.unit);
+    }
+    std::string text = "  <UnitDefinitions>\n";
+    for (const std::string& name : names) {
+        const tasks::Dimension d = dimension_of(name);
+        text += fmt::format("    <Unit name=\"{}\">", html(name));
+        if ((d.mass | d.length | d.time | d.angle) % 2 == 0)
+            text += fmt::format("<BaseUnit kg=\"{}\" m=\"{}\" s=\"{}\" rad=\"{}\"/>", d.mass / 2, d.length / 2, d.time / 2, d.angle / 2);
+        text += "</Unit>\n";
+    }
+    return text + "  </UnitDefinitions>\n";
+}
+
+std::string head(const FmuFacts& facts, const char* version, const char* token) {
+    return fmt::format(
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"{}\" modelName=\"{}\" {}=\"{}\" description=\"{}\" "
+        "generationTool=\"cvtflow {}\" variableNamingConvention=\"flat\">\n",
+        version, html(facts.name), token, facts.token, html(facts.description), engine::current_provenance().version);
+}
+
+std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
+    std::string text = unit_definitions(variables) + "  <LogCategories>\n";
+    for (const char* category : {"logStatusError", "logStatusWarning"}) text += fmt::format("    <Category name=\"{}\"/>\n", category);
+    return text + fmt::format("  </LogCategories>\n  <DefaultExperiment startTime=\"0\" stopTime=\"{}\" stepSize=\"{}\"/>\n",
+                              number(facts.until), number(facts.step));
+}
+
+/// Attributes that both versions give a variable.
+std::string causality(const FmuVariable& row) {
+    const bool parameter = row.kind == "parameter";
+    return fmt::format("name=\"{}\" valueReference=\"{}\" causality=\"{}\" variability=\"{}\" description=\"{}\"", html(row.name),
+                       row.reference, row.kind == "time" ? "independent" : row.kind, parameter ? "fixed" : "continuous",
+                       html(row.description));
+}
+
+std::string start_attribute(const FmuVariable& row) {
+    return row.kind == "input" || row.kind == "parameter" ? fmt::format(" start=\"{}\"", number(row.start)) : "";
+}
+
+}  // namespace
+
+std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
+    std::string text = head(facts, "2.0", "guid");
+    text += fmt::format(
+        "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUstate=\"true\" "
+        "canSerializeFMUstate=\"true\"/>\n",
+        facts.identifier);
+    text += middle(facts, variables) + "  <ModelVariables>\n";
+    std::string unknowns;
+    for (std::size_t index = 0; index < variables.size(); ++index) {
+        const FmuVariable& row = variables[index];
+        text +=
+            fmt::format("    <ScalarVariable {}><Real{}{}/></ScalarVariable>\n", causality(row), start_attribute(row), unit_attribute(row));
+        if (row.kind == "output") unknowns += fmt::format("      <Unknown index=\"{}\"/>\n", index + 1);
+    }
+    return text + fmt::format(
+                      "  </ModelVariables>\n  <ModelStructure>\n    <Outputs>\n{0}    </Outputs>\n    <InitialUnknowns>\n{0}    "
+                      "</InitialUnknowns>\n  </ModelStructure>\n</fmiModelDescription>\n",
+                      unknowns);
+}
+
+std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
+    std::string text = head(facts, "3.0", "instantiationToken");
+    text += fmt::format(
+        "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"true\" canGetAndSetFMUState=\"true\" "
+        "canSerializeFMUState=\"true\" providesIntermediateUpdate=\"true\" mightReturnEarlyFromDoStep=\"true\" "
+        "canReturnEarlyAfterIntermediateUpdate=\"true\"/>\n",
+        facts.identifier);
+    text += middle(facts, variables) + "  <ModelVariables>\n";
+    std::string outputs, initial;
+    for (const FmuVariable& row : variables) {
+        const std::string dimension = row.width > 1 ? fmt::format("<Dimension start=\"{}\"/>", row.width) : "";
+        text += fmt::format("    <Float64 {}{}{}>{}</Float64>\n", causality(row), start_attribute(row), unit_attribute(row), dimension);
+        if (row.kind != "output") continue;
+        outputs += fmt::format("    <Output valueReference=\"{}\"/>\n", row.reference);
+        initial += fmt::format("    <InitialUnknown valueReference=\"{}\"/>\n", row.reference);
+    }
+    return text + "  </ModelVariables>\n  <ModelStructure>\n" + outputs + initial + "  </ModelStructure>\n</fmiModelDescription>\n";
+}
+
+}  // namespace cvtflow::tools

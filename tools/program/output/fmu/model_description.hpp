@@ -1,0 +1,22 @@
+#pragma once
+/// modelDescription.xml of an FMU, for both versions of the standard.
+
+#include <string>
+#include <vector>
+
+#include "tools/program/output/fmu/fmu_variables.hpp"
+
+namespace cvtflow::tools {
+
+struct FmuFacts {
+    std::string name;                ///< of the scene
+    std::string identifier;          ///< of the library inside: a name in C
+    std::string token;               ///< that tells this FMU from others
+    std::string description;         ///< one line
+    double until = 0.0, step = 0.0;  ///< of the default experiment [s]
+};
+
+[[nodiscard]] std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
+[[nodiscard]] std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVariable>& variables);
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,159 @@
+#include "tools/program/plot/field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "tools/program/plot/axis_scale.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+constexpr int parts = 12;  ///< of a cell, either way, that have a colour of their own
+
+struct Range {
+    double least = INFINITY, largest = -INFINITY;
+    [[nodiscard]] double share(double value) const { return largest > least ? (value - least) / (largest - least) : 0.5; }
+};
+
+Range range_of(const Field& field) {
+    Range range;
+    for (const double value : field.values) {
+        if (!std::isfinite(value)) continue;
+        range.least = std::min(range.least, value);
+        range.largest = std::max(range.largest, value);
+    }
+    return range;
+}
+
+/// One cell: its corners at the lower left, lower right, upper right, upper left.
+struct Cell {
+    double x[2], y[2];
+    std::array<double, 4> corners;
+
+    [[nodiscard]] bool whole() const {
+        return std::all_of(corners.begin(), corners.end(), [](double value) { return std::isfinite(value); });
+    }
+    [[nodiscard]] double at(double a, double b) const {
+        return (1.0 - b) * ((1.0 - a) * corners[0] + a * corners[1]) + b * ((1.0 - a) * corners[3] + a * corners[2]);
+    }
+    [[nodiscard]] Point corner(int number) const { return {x[number == 1 || number == 2 ? 1 : 0], y[number >= 2 ? 1 : 0]}; }
+    /// Where the side from corner `number` to the next has the value.
+    [[nodiscard]] Point crossing(int number, double level) const {
+        const int next = (number + 1) % 4;
+        const double a = corners[static_cast<std::size_t>(number)], b = corners[static_cast<std::size_t>(next)];
+        const double share = (level - a) / (b - a);
+        const Point from = corner(number), to = corner(next);
+        return {from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)};
+    }
+};
+
+std::vector<Cell> cells_of(const Field& field) {
+    const std::size_t columns = field.x.size(), rows = field.y.size();
+    if (columns < 2 || rows < 2 || field.values.size() != columns * rows)
+        throw std::invalid_argument(fmt::format("{} values over a grid of {} x {} points", field.values.size(), columns, rows));
+    std::vector<Cell> cells;
+    const auto value = [&](std::size_t row, std::size_t column) { return field.values[row * columns + column]; };
+    for (std::size_t j = 0; j + 1 < rows; ++j) {
+        for (std::size_t i = 0; i + 1 < columns; ++i) {
+            const Cell cell{{field.x[i], field.x[i + 1]},
+                            {field.y[j], field.y[j + 1]},
+                            {value(j, i), value(j, i + 1), value(j + 1, i + 1), value(j + 1, i)}};
+            if (cell.whole()) cells.push_back(cell);
+        }
+    }
+    return cells;
+}
+
+std::string colours(const std::vector<Cell>& cells, const Range& range, const Place& x, const Place& y) {
+    std::string made = "<g shape-rendering=\"crispEdges\">\n";
+    for (const Cell& cell : cells) {
+        const double left = x(cell.x[0]), width = (x(cell.x[1]) - left) / parts;
+        const double bottom = y(cell.y[0]), height = (bottom - y(cell.y[1])) / parts;
+        for (int row = 0; row < parts; ++row) {
+            for (int column = 0; column < parts; ++column) {
+                const double value = cell.at((column + 0.5) / parts, (row + 0.5) / parts);
+                made +=
+                    fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>\n", left + column * width,
+                                bottom - (row + 1) * height, width + 0.6, height + 0.6, heat_colour(range.share(value)));
+            }
+        }
+    }
+    return made + "</g>\n";
+}
+
+double level_step(const std::vector<double>& levels) { return levels.size() > 1 ? levels[1] - levels[0] : std::abs(levels.front()); }
+
+}  // namespace
+
+std::vector<double> contour_levels(const Field& field) {
+    const Range range = range_of(field);
+    if (!(range.largest > range.least)) return {};
+    std::vector<double> levels;
+    for (const Tick& tick : AxisScale({"", Scale::linear, 1.0, range.least, range.largest}, {}).ticks(8)) levels.push_back(tick.value);
+    return levels;
+}
+
+std::vector<Segment> contour(const Field& field, double level) {
+    std::vector<Segment> segments;
+    for (const Cell& cell : cells_of(field)) {
+        std::vector<Point> crossings;
+        for (int side = 0; side < 4; ++side) {
+            const bool here = cell.corners[static_cast<std::size_t>(side)] >= level;
+            const bool there = cell.corners[static_cast<std::size_t>((side + 1) % 4)] >= level;
+            if (here != there) crossings.push_back(cell.crossing(side, level));
+        }
+        // Four crossings are a saddle: they are on sides 0, 1, 2, 3. Where its middle is on the side of corner 0, that corner and the
+        // opposite one are joined, and the crossings around corners 1 and 3 belong together: sides 0 and 1, 2 and 3; else 3 and 0, 1 and 2.
+        if (crossings.size() == 4 && (cell.at(0.5, 0.5) >= level) != (cell.corners[0] >= level))
+            std::rotate(crossings.begin(), crossings.begin() + 3, crossings.end());
+        for (std::size_t k = 0; k + 1 < crossings.size(); k += 2) segments.push_back({crossings[k], crossings[k + 1]});
+    }
+    return segments;
+}
+
+std::string heat_colour(double share) {
+    static constexpr std::array<std::array<double, 3>, 6> colours{
+        {{68, 1, 84}, {65, 68, 135}, {42, 120, 142}, {34, 168, 132}, {122, 209, 81}, {253, 231, 37}}};
+    const double at = std::clamp(share, 0.0, 1.0) * (colours.size() - 1);
+    const std::size_t below = std::min(static_cast<std::size_t>(at), colours.size() - 2);
+    const double part = at - static_cast<double>(below);
+    const auto mixed = [&](std::size_t k) {
+        return static_cast<int>(std::lround((1.0 - part) * colours[below][k] + part * colours[below + 1][k]));
+    };
+    return fmt::format("#{:02x}{:02x}{:02x}", mixed(0), mixed(1), mixed(2));
+}
+
+std::vector<std::pair<std::string, std::string>> field_legend(const Field& field) {
+    const Range range = range_of(field);
+    const std::vector<double> levels = contour_levels(field);
+    std::vector<std::pair<std::string, std::string>> legend;
+    for (const double level : levels) legend.emplace_back(tick_label(level, level_step(levels)), heat_colour(range.share(level)));
+    std::reverse(legend.begin(), legend.end());
+    return legend;
+}
+
+std::string field_svg(const Field& field, const Place& x, const Place& y) {
+    std::string made = colours(cells_of(field), range_of(field), x, y);
+    const std::vector<double> levels = contour_levels(field);
+    for (const double level : levels) {
+        const std::vector<Segment> segments = contour(field, level);
+        if (segments.empty()) continue;
+        std::string path;
+        for (const Segment& piece : segments)
+            path += fmt::format("M{:.1f} {:.1f}L{:.1f} {:.1f}", x(piece.from.x), y(piece.from.y), x(piece.to.x), y(piece.to.y));
+        made += fmt::format("<path class=\"contour\" d=\"{}\" stroke=\"#fff\" stroke-width=\"1.3\" fill=\"none\"/>\n", path);
+        const Segment& middle = segments[segments.size() / 2];
+        made += fmt::format(
+            "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" font-size=\"11\" stroke=\"#222\" stroke-width=\"2.5\" "
+            "paint-order=\"stroke\" fill=\"#fff\">{}</text>\n",
+            x(0.5 * (middle.from.x + middle.to.x)), y(0.5 * (middle.from.y + middle.to.y)) + 4.0, tick_label(level, level_step(levels)));
+    }
+    return made;
+}
+
+}  // namespace cvtflow::tools

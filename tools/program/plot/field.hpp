@@ -1,0 +1,36 @@
+#pragma once
+/// Draws a field: colours between its points, contours at round values.
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/program/plot/plot.hpp"
+
+namespace cvtflow::tools {
+
+/// Where a value lies in the picture [px].
+using Place = std::function<double(double value)>;
+
+/// Round values between the least and the largest of the field, ascending: contours are drawn at them.
+[[nodiscard]] std::vector<double> contour_levels(const Field& field);
+
+/// A piece of a contour, in the field's coordinates.
+struct Segment {
+    Point from, to;
+};
+/// Where the field, linear along the sides of its cells, has that value.
+[[nodiscard]] std::vector<Segment> contour(const Field& field, double level);
+
+/// Colours and contours as SVG.
+/// @throws std::invalid_argument for a grid of less than 2 x 2 points, or another number of values than it has points
+[[nodiscard]] std::string field_svg(const Field& field, const Place& x, const Place& y);
+
+/// Values with their colours, largest first.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> field_legend(const Field& field);
+
+/// From dark blue (0) over green to yellow (1), as bright as it is large: told apart by the colour-blind and in grey.
+[[nodiscard]] std::string heat_colour(double share);
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,280 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+
+#include "engine/base/hash.hpp"
+#include "tools/program/plot/axis_scale.hpp"
+#include "tools/program/plot/field.hpp"
+#include "tools/program/plot/plot.hpp"
+#include "tools/program/text/markup.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+constexpr double letter = 6.9;  ///< mean width of a character at 12 px, to leave room [px]
+
+/// A text as it may stand in the picture.
+std::string escaped(std::string text) {
+    std::erase_if(text, [](char c) { return static_cast<unsigned char>(c) < 0x20; });  // XML knows no control characters
+    return html(text);
+}
+
+/// Characters of a text in UTF-8.
+double letters(const std::string& text) {
+    return static_cast<double>(
+        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+/// A tenth of a pixel is enough.
+std::string px(double value) {
+    std::string text = fmt::format("{:.1f}", value);
+    if (text.ends_with(".0")) text.erase(text.size() - 2);
+    return text == "-0" ? "0" : text;
+}
+
+std::string mark_path(Mark mark, double x, double y) {
+    switch (mark) {
+        case Mark::none: return "";
+        case Mark::dot:
+        case Mark::small_dot: return fmt::format("M{} {}h0", px(x), px(y));  // a round cap draws it
+        case Mark::ring: return fmt::format("M{} {}a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0", px(x - 3.5), px(y));
+        case Mark::square: return fmt::format("M{} {}h6v6h-6z", px(x - 3.0), px(y - 3.0));
+        case Mark::diamond: return fmt::format("M{} {}l4 4l-4 4l-4 -4z", px(x), px(y - 4.0));
+        case Mark::triangle: return fmt::format("M{} {}l4 7h-8z", px(x), px(y - 4.5));
+        case Mark::cross: return fmt::format("M{} {}l6 6m0 -6l-6 6", px(x - 3.0), px(y - 3.0));
+    }
+    return "";
+}
+
+std::string mark_style(Mark mark, const std::string& colour) {
+    if (mark == Mark::dot || mark == Mark::small_dot)
+        return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"", colour, mark == Mark::dot ? 6 : 3.5);
+    const bool open = mark == Mark::ring || mark == Mark::cross;
+    return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1.4\"", open ? "none" : colour, colour);
+}
+
+std::string line_style(const Series& series, const std::string& colour) {
+    return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}", colour, px(series.width),
+                       series.line == Line::dashed ? " stroke-dasharray=\"6 4\"" : "");
+}
+
+std::string text_at(double x, double y, const std::string& text, const std::string& more) {
+    return fmt::format("<text x=\"{}\" y=\"{}\" {}>{}</text>\n", px(x), px(y), more, escaped(text));
+}
+
+/// The legend of a plot: series and regions that have names.
+struct LegendEntry {
+    std::string name, drawing;  ///< drawn around the origin, 24 px wide
+};
+
+std::vector<double> all(const Plot& plot, double Point::*coordinate) {
+    std::vector<double> values;
+    for (const Series& series : plot.series) {
+        for (const Point& point : series.points) values.push_back(point.*coordinate);
+    }
+    const auto of_field = coordinate == &Point::x ? &Field::x : &Field::y;
+    for (const Field& field : plot.fields) values.insert(values.end(), (field.*of_field).begin(), (field.*of_field).end());
+    return values;
+}
+
+class Drawing {
+public:
+    explicit Drawing(const Plot& plot)
+        : plot_(plot), x_(plot.x, all(plot, &Point::x)), y_(plot.y, all(plot, &Point::y)), entries_(legend()) {
+        y_ticks_ = y_.ticks(static_cast<int>(plot.height / 60.0));
+        double widest = 0.0;
+        for (const Tick& tick : y_ticks_) widest = std::max(widest, letters(tick.label));
+        left_ = 44.0 + letter * widest;
+        top_ = plot.subtitle.empty() ? 44.0 : 62.0;
+        double names = 0.0;
+        for (const LegendEntry& entry : entries_) names = std::max(names, letters(entry.name));
+        right_ = plot.width - (entries_.empty() ? 20.0 : 56.0 + letter * names);
+        right_ = std::max(right_, left_ + 120.0);
+        bottom_ = std::max(plot.height - 52.0, top_ + 80.0);
+        x_ticks_ = x_.ticks(static_cast<int>((right_ - left_) / 90.0));
+    }
+
+    [[nodiscard]] std::string text() const {
+        std::string made = fmt::format(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
+            "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>{2}</title>\n"
+            "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n"
+            "<clipPath id=\"{7}\"><rect x=\"{3}\" y=\"{4}\" width=\"{5}\" height=\"{6}\"/></clipPath>\n",
+            px(plot_.width), px(plot_.height), escaped(plot_.title), px(left_), px(top_), px(right_ - left_), px(bottom_ - top_), name());
+        const std::string clipped = fmt::format("<g clip-path=\"url(#{})\">\n", name());
+        const auto x_of = [this](double value) { return at_x(value); };
+        const auto y_of = [this](double value) { return at_y(value); };
+        made += clipped;
+        for (const Region& region : plot_.regions) made += shade(region);
+        for (const Field& field : plot_.fields) made += field_svg(field, x_of, y_of);
+        made += grid() + "</g>\n" + frame() + clipped;
+        for (std::size_t k = 0; k < plot_.series.size(); ++k) made += draw(plot_.series[k], colour(k));
+        return made + "</g>\n" + headings() + drawn_legend() + "</svg>\n";
+    }
+
+private:
+    /// Of the frame: one document may hold several pictures.
+    [[nodiscard]] std::string name() const {
+        engine::Hash hash;
+        for (const std::string& part : {plot_.title, plot_.subtitle, plot_.x.label, plot_.y.label}) hash.add(std::string_view(part));
+        return "frame" + hash.hex();
+    }
+    [[nodiscard]] double at_x(double value) const { return left_ + x_.place(value) * (right_ - left_); }
+    [[nodiscard]] double at_y(double value) const { return bottom_ - y_.place(value) * (bottom_ - top_); }
+    [[nodiscard]] std::string colour(std::size_t k) const {
+        return plot_.series[k].colour.empty() ? palette(k) : escaped(plot_.series[k].colour);
+    }
+
+    [[nodiscard]] std::vector<LegendEntry> legend() const {
+        std::vector<LegendEntry> entries;
+        for (std::size_t k = 0; k < plot_.series.size(); ++k) {
+            const Series& series = plot_.series[k];
+            if (series.name.empty()) continue;
+            std::string drawing;
+            if (series.line != Line::none) drawing += fmt::format("<path d=\"M-12 0h24\" {}/>", line_style(series, colour(k)));
+            if (series.mark != Mark::none)
+                drawing += fmt::format("<path d=\"{}\" {}/>", mark_path(series.mark, 0.0, 0.0), mark_style(series.mark, colour(k)));
+            entries.push_back({series.name, drawing});
+        }
+        for (const Region& region : plot_.regions) {
+            if (!region.name.empty())
+                entries.push_back({region.name, fmt::format("<rect x=\"-12\" y=\"-6\" width=\"24\" height=\"12\" fill=\"{}\"/>",
+                                                            escaped(region.colour))});
+        }
+        for (const Field& field : plot_.fields) {
+            entries.push_back({field.label, ""});
+            for (const auto& [name, colour] : field_legend(field))
+                entries.push_back({name, fmt::format("<rect x=\"-12\" y=\"-10\" width=\"24\" height=\"20\" fill=\"{}\"/>", colour)});
+        }
+        return entries;
+    }
+
+    [[nodiscard]] std::string grid() const {
+        std::string strong, faint;
+        for (const Tick& tick : x_ticks_)
+            (tick.label.empty() ? faint : strong) += fmt::format("M{} {}V{}", px(at_x(tick.value)), px(top_), px(bottom_));
+        for (const Tick& tick : y_ticks_)
+            (tick.label.empty() ? faint : strong) += fmt::format("M{} {}H{}", px(left_), px(at_y(tick.value)), px(right_));
+        return fmt::format(
+            "<path d=\"{}\" stroke=\"#000\" stroke-opacity=\"0.05\" fill=\"none\"/>\n<path d=\"{}\" stroke=\"#000\" "
+            "stroke-opacity=\"0.14\" fill=\"none\"/>\n",
+            faint, strong);
+    }
+
+    [[nodiscard]] std::string frame() const {
+        std::string made = fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"none\" stroke=\"#666\"/>\n", px(left_),
+                                       px(top_), px(right_ - left_), px(bottom_ - top_));
+        double free_from = -INFINITY;
+        for (const Tick& tick : x_ticks_) {
+            const double half = 0.5 * letter * letters(tick.label);
+            if (tick.label.empty() || at_x(tick.value) - half < free_from) continue;  // labels do not touch
+            made += text_at(at_x(tick.value), bottom_ + 17.0, tick.label, "text-anchor=\"middle\" class=\"x\"");
+            free_from = at_x(tick.value) + half + 4.0;
+        }
+        double free_below = INFINITY;
+        for (const Tick& tick : y_ticks_) {
+            if (tick.label.empty() || at_y(tick.value) + 6.0 > free_below) continue;
+            made += text_at(left_ - 6.0, at_y(tick.value) + 4.0, tick.label, "text-anchor=\"end\" class=\"y\"");
+            free_below = at_y(tick.value) - 6.0;
+        }
+        return made;
+    }
+
+    [[nodiscard]] std::string headings() const {
+        std::string made = text_at(left_, 24.0, plot_.title, "font-size=\"16\" font-weight=\"bold\"");
+        if (!plot_.subtitle.empty()) made += text_at(left_, 44.0, plot_.subtitle, "fill=\"#555\"");
+        made += text_at(0.5 * (left_ + right_), bottom_ + 40.0, plot_.x.label, "text-anchor=\"middle\" font-size=\"13\"");
+        const double middle = 0.5 * (top_ + bottom_);
+        return made + text_at(16.0, middle, plot_.y.label,
+                              fmt::format("text-anchor=\"middle\" font-size=\"13\" transform=\"rotate(-90 16 {})\"", px(middle)));
+    }
+
+    [[nodiscard]] std::string drawn_legend() const {
+        std::string made;
+        double y = top_ + 10.0;
+        for (const LegendEntry& entry : entries_) {
+            made += fmt::format("<g transform=\"translate({} {})\">{}{}</g>\n", px(right_ + 26.0), px(y), entry.drawing,
+                                fmt::format("<text x=\"18\" y=\"4\" class=\"legend\">{}</text>", escaped(entry.name)));
+            y += 20.0;
+        }
+        return made;
+    }
+
+    [[nodiscard]] std::string draw(const Series& series, const std::string& colour) const {
+        std::string line, marks;
+        bool joined = false;
+        for (const Point& point : series.points) {
+            if (!x_.shows(point.x) || !y_.shows(point.y)) {
+                joined = false;
+                continue;
+            }
+            // Far outside is as good as just outside, and fits into the numbers that drawing programs take.
+            const double x = std::clamp(at_x(point.x), -1e4, 1e4), y = std::clamp(at_y(point.y), -1e4, 1e4);
+            line += fmt::format("{}{} {}", joined ? "L" : "M", px(x), px(y));
+            marks += mark_path(series.mark, x, y);
+            joined = true;
+        }
+        std::string made;
+        if (series.line != Line::none && !line.empty()) made += fmt::format("<path d=\"{}\" {}/>\n", line, line_style(series, colour));
+        if (!marks.empty()) made += fmt::format("<path d=\"{}\" {}/>\n", marks, mark_style(series.mark, colour));
+        return made;
+    }
+
+    /// Rows of 1.5 px; the ends of each run within a row are bisected.
+    [[nodiscard]] std::string shade(const Region& region) const {
+        constexpr double row = 1.5, column = 2.0;
+        std::string path;
+        for (double y = top_; y < bottom_; y += row) {
+            const double value = y_.value((bottom_ - y - 0.5 * row) / (bottom_ - top_));
+            const auto inside = [&](double x) { return region.inside(x_.value((x - left_) / (right_ - left_)), value); };
+            bool was = inside(left_);
+            double begin = left_, before = left_;
+            while (before < right_) {
+                const double x = std::min(before + column, right_);
+                const bool is = inside(x);
+                if (is != was) {
+                    const double edge = bisect(before, x, was, inside);
+                    if (was) path += run(begin, edge, y, row);
+                    begin = edge, was = is;
+                }
+                before = x;
+            }
+            if (was) path += run(begin, right_, y, row);
+        }
+        return fmt::format("<path class=\"region\" d=\"{}\" fill=\"{}\"/>\n", path, escaped(region.colour));
+    }
+
+    template <class Inside>
+    static double bisect(double from, double to, bool was, const Inside& inside) {
+        for (int halving = 0; halving < 5; ++halving) {
+            const double middle = 0.5 * (from + to);
+            (inside(middle) == was ? from : to) = middle;
+        }
+        return 0.5 * (from + to);
+    }
+
+    static std::string run(double from, double to, double y, double height) {
+        return fmt::format("M{} {}H{}V{}H{}z", px(from), px(y), px(to), px(y + height + 0.1), px(from));
+    }
+
+    const Plot& plot_;
+    const AxisScale x_, y_;
+    const std::vector<LegendEntry> entries_;
+    std::vector<Tick> x_ticks_, y_ticks_;
+    double left_ = 0.0, right_ = 0.0, top_ = 0.0, bottom_ = 0.0;  ///< of the frame [px]
+};
+
+}  // namespace
+
+std::string palette(std::size_t number) {
+    static constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#444444", "#8c6d1f"};
+    return colours[number % colours.size()];
+}
+
+std::string svg(const Plot& plot) { return Drawing(plot).text(); }
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,136 @@
+#include "tools/program/report/rainflow_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <optional>
+
+#include "engine/base/rainflow.hpp"
+#include "engine/base/spelling.hpp"
+#include "engine/record/run/run_reader.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+/// A load over time: one element of a channel.
+struct Load {
+    std::string name, unit;
+    std::vector<double> time, history;
+    std::vector<engine::RainflowCycle> cycles;
+};
+
+/// Which elements a request means. @throws UsageError
+std::vector<int> elements_of(const engine::ChannelInfo& channel, const std::string& request) {
+    const auto bracket = request.find('[');
+    if (bracket == std::string::npos) {
+        if (channel.width == 1) return {0};
+        throw UsageError(fmt::format("--rainflow {0}: it has {1} numbers; write {0}[0] ... {0}[{2}], or {0}[*]", channel.name,
+                                     channel.width, channel.width - 1));
+    }
+    const std::string_view index = std::string_view(request).substr(bracket);
+    if (index == "[*]") {
+        std::vector<int> all(static_cast<std::size_t>(channel.width));
+        for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<int>(k);
+        return all;
+    }
+    int element = -1;
+    const auto [stop, error] = std::from_chars(index.data() + 1, index.data() + index.size(), element);
+    const bool good = error == std::errc() && std::string_view(stop, index.data() + index.size()) == "]";
+    if (!good || element < 0 || element >= channel.width)
+        throw UsageError(fmt::format("--rainflow {}: there are the elements 0 to {}", request, channel.width - 1));
+    return {element};
+}
+
+const engine::ChannelInfo& channel_of(const engine::RunReader& run, const std::string& request) {
+    const std::string name = request.substr(0, request.find('['));
+    std::vector<std::string> names;
+    for (const engine::ChannelInfo& channel : run.channels()) {
+        if (channel.name == name) return channel;
+        names.push_back(channel.name);
+    }
+    throw UsageError(fmt::format("--rainflow {}: the record has no such channel{} (cvtflow info shows them; record.channels adds some)",
+                                 name, engine::did_you_mean(engine::closest(name, names))));
+}
+
+std::vector<Load> loads_of(const engine::RunReader& run, const RainflowRequest& request) {
+    std::vector<Load> loads;
+    const std::vector<double> times = run.times();
+    for (const std::string& wanted : request.channels) {
+        const engine::ChannelInfo& channel = channel_of(run, wanted);
+        const std::vector<double> values = run.channel(channel.name);
+        const std::size_t width = static_cast<std::size_t>(channel.width);
+        for (const int element : elements_of(channel, wanted)) {
+            Load load{width == 1 ? channel.name : fmt::format("{}[{}]", channel.name, element), channel.unit, {}, {}, {}};
+            for (std::size_t row = 0; row < times.size(); ++row) {
+                if (times[row] < request.from || times[row] > request.until) continue;
+                load.time.push_back(times[row]);
+                load.history.push_back(values[row * width + static_cast<std::size_t>(element)]);
+            }
+            load.cycles = engine::rainflow(load.history);
+            loads.push_back(std::move(load));
+        }
+    }
+    return loads;
+}
+
+std::string span_text(const Load& load) {
+    if (load.time.empty()) return "no outputs";
+    return fmt::format("{} outputs from {} to {}", load.time.size(), time_text(load.time.front()), time_text(load.time.back()));
+}
+
+std::string text_of(const Load& load, int classes) {
+    const auto column = [&](const char* name) { return Table::Column{fmt::format("{} [{}]", name, load.unit), Align::right}; };
+    Table table({column("range from"), column("to"), {"cycles", Align::right}, column("mean"), column("largest range")});
+    const auto number = [](double value) { return fmt::format("{:.6g}", value); };
+    for (const engine::RainflowClass& each : engine::rainflow_classes(load.cycles, classes)) {
+        if (each.count > 0.0) table.add({number(each.from), number(each.to), number(each.count), number(each.mean), number(each.largest)});
+    }
+    const std::string head = fmt::format("{}: rainflow counts (ASTM E1049) of {}\n", load.name, span_text(load));
+    return head + (load.cycles.empty() ? "  no cycles\n" : table.text(2));
+}
+
+std::string csv_of(const std::vector<Load>& loads) {
+    std::string text = "load,unit,range,mean,cycles,from_time,to_time\n";
+    for (const Load& load : loads) {
+        for (const engine::RainflowCycle& cycle : load.cycles)
+            text += fmt::format("{},{},{},{},{},{},{}\n", load.name, load.unit, cycle.range, cycle.mean, cycle.count,
+                                load.time[cycle.first], load.time[cycle.second]);
+    }
+    return text;
+}
+
+nlohmann::ordered_json json_of(const Load& load, int classes) {
+    auto cycles = nlohmann::ordered_json::array(), counts = nlohmann::ordered_json::array();
+    for (const engine::RainflowCycle& cycle : load.cycles)
+        cycles.push_back({{"range", cycle.range},
+                          {"mean", cycle.mean},
+                          {"count", cycle.count},
+                          {"from_time", load.time[cycle.first]},
+                          {"to_time", load.time[cycle.second]}});
+    for (const engine::RainflowClass& each : engine::rainflow_classes(load.cycles, classes))
+        counts.push_back({{"from", each.from}, {"to", each.to}, {"count", each.count}, {"mean", each.mean}, {"largest", each.largest}});
+    return {{"load", load.name}, {"unit", load.unit}, {"outputs", load.time.size()}, {"classes", counts}, {"cycles", cycles}};
+}
+
+}  // namespace
+
+std::string rainflow_report(const RainflowRequest& request) {
+    const std::vector<Load> loads = loads_of(engine::RunReader(request.record), request);
+    if (request.form == RainflowForm::csv) return csv_of(loads);
+    if (request.form == RainflowForm::json) {
+        auto all = nlohmann::ordered_json::array();
+        for (const Load& load : loads) all.push_back(json_of(load, request.classes));
+        return json_text(
+            {{"record", request.record}, {"method", "ASTM E1049 rainflow"}, {"loads", all}, {"provenance", provenance_json()}});
+    }
+    std::string text;
+    for (const Load& load : loads) text += (text.empty() ? "" : "\n") + text_of(load, request.classes);
+    return text;
+}
+
+}  // namespace cvtflow::tools

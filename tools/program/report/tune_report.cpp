@@ -1,0 +1,159 @@
+#include "tools/program/report/tune_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tools/program/plot/plot.hpp"
+#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+constexpr std::size_t shown_untried = 3, longest_reason = 160;
+constexpr double busy = 0.2;  ///< spread of costs from which on a machine is called busy [1]
+
+std::string percent_cell(double share) { return std::isfinite(share) ? fmt::format("{:.2g}", 100.0 * share) : "-"; }
+
+/// The first line of a reason, and not all of a long list.
+std::string brief(const std::string& reason) {
+    const std::string line = reason.substr(0, reason.find('\n'));
+    return line.size() <= longest_reason ? line : line.substr(0, line.rfind(',', longest_reason)) + ", …";
+}
+
+std::string detail_cell(const tasks::TuneChoice& choice) { return choice.detail.empty() ? "own" : choice.detail; }
+
+std::string step_cell(const tasks::TunedChoice& choice) {
+    if (choice.choice.share == 1.0) return "auto";
+    return choice.step > 0.0 ? time_text(choice.step) : fmt::format("auto/{:g}", 1.0 / choice.choice.share);
+}
+
+}  // namespace
+
+std::string tune_text(const tasks::TuneResult& result) {
+    std::vector<Table::Column> columns{{"detail"}, {"method"}, {"step", Align::right}, {"s/s", Align::right}, {"spread %", Align::right}};
+    for (const std::string& output : result.outputs) columns.push_back({output + " %", Align::right});
+    columns.push_back({"front"});
+    columns.push_back({"standing"});
+    Table table(columns);
+    double spread = 0.0;
+    std::size_t untried = 0;
+    for (const tasks::TunedChoice& c : result.choices) {
+        spread = std::max(spread, c.spread);
+        if (!c.tried && ++untried > shown_untried) continue;
+        std::vector<std::string> cells{detail_cell(c.choice), c.choice.method, step_cell(c), fmt::format("{:.3g}", c.seconds),
+                                       fmt::format("{:.0f}", 100.0 * c.spread)};
+        for (std::size_t i = 0; i < result.outputs.size(); ++i) cells.push_back(c.tried ? percent_cell(c.errors[i]) : "");
+        cells.insert(cells.end(), {c.front ? "*" : "", c.standing});
+        table.add(cells);
+    }
+    std::string text = fmt::format("{}: accuracy {:g} %, at {}\n{}", result.scene, 100.0 * result.accuracy,
+                                   plural(static_cast<long>(result.points.size()), "operating point"), table.text(2));
+    if (untried > shown_untried) text += fmt::format("  … and {} that were not tried (--csv, --json)\n", untried - shown_untried);
+    for (std::size_t i = 0; i < result.points.size(); ++i)
+        text += field(i == 0 ? "against" : "", result.points[i] + ": " + result.references[i]);
+    for (std::size_t i = 0; i < result.left_out.size(); ++i) text += field(i == 0 ? "left out" : "", brief(result.left_out[i]));
+    if (spread > busy)
+        text += field("busy machine",
+                      fmt::format("costs of one choice differ by up to {:.0f} %; what differs less is ranked by its work", 100.0 * spread));
+    const std::string margin = fmt::format("errors times {:g} are within the target", tasks::tuning_margin);
+    text += field("chosen", result.chosen ? fmt::format("{}: {:.3g} s/s, {}", result.choices[*result.chosen].choice.text(),
+                                                        result.choices[*result.chosen].seconds, margin)
+                                          : "none: no choice whose " + margin);
+    return text + field("took", clock_text(result.wall));
+}
+
+std::string tune_csv(const tasks::TuneResult& result) {
+    std::string text = "detail,method,share,step_s,seconds_per_second,spread,work_per_second";
+    for (const std::string& output : result.outputs) text += fmt::format(",\"error {}\"", output);
+    text += ",worst,front,standing\n";
+    for (const tasks::TunedChoice& c : result.choices) {
+        text += fmt::format("{},{},{:g},{:.6g},{:.6g},{:.3g},{:.6g}", c.choice.detail, c.choice.method, c.choice.share, c.step, c.seconds,
+                            c.spread, c.work);
+        for (std::size_t i = 0; i < result.outputs.size(); ++i)
+            text += c.tried && std::isfinite(c.errors[i]) ? fmt::format(",{:.6g}", c.errors[i]) : ",";
+        text += fmt::format(",\"{}\",{},\"{}\"\n", c.worst, c.front ? 1 : 0, c.standing);
+    }
+    return text;
+}
+
+std::string tune_json(const tasks::TuneResult& result, const std::vector<UnseenPoint>& unseen) {
+    using nlohmann::ordered_json;
+    auto rows = ordered_json::array(), points = ordered_json::array();
+    for (const tasks::TunedChoice& c : result.choices) {
+        rows.push_back({{"detail", c.choice.detail},
+                        {"method", c.choice.method},
+                        {"share", c.choice.share},
+                        {"step", c.step},
+                        {"seconds_per_second", c.seconds},
+                        {"spread", c.spread},
+                        {"work_per_second", c.work},
+                        {"tried", c.tried},
+                        {"errors", c.errors},
+                        {"worst", c.worst},
+                        {"front", c.front},
+                        {"standing", c.standing}});
+    }
+    for (const UnseenPoint& point : unseen) points.push_back({{"point", point.name}, {"errors", point.errors}, {"remark", point.remark}});
+    return json_text({{"scene", result.scene},
+                      {"provenance", provenance_json()},
+                      {"accuracy", result.accuracy},
+                      {"margin", tasks::tuning_margin},
+                      {"outputs", result.outputs},
+                      {"points", result.points},
+                      {"references", result.references},
+                      {"left_out", result.left_out},
+                      {"chosen", result.chosen ? ordered_json(*result.chosen) : ordered_json()},
+                      {"choices", rows},
+                      {"unseen", points},
+                      {"wall", result.wall}});
+}
+
+std::string tune_picture(const tasks::TuneResult& result) {
+    Plot plot;
+    plot.title = "Cost and error: " + result.scene;
+    plot.subtitle = fmt::format("largest error of {} at {}; what failed at a point was not tried at the others",
+                                fmt::join(result.outputs, ", "), plural(static_cast<long>(result.points.size()), "operating point"));
+    plot.x = {"processor time per simulated second [s]", Scale::logarithmic, 1.0, {}, {}};
+    plot.y = {"largest error [%]", Scale::logarithmic, 1.0, {}, {}};
+    double least = 1e300, most = 0.0;
+    for (const tasks::TunedChoice& c : result.choices) {
+        if (!c.tried || !std::isfinite(c.error())) continue;
+        least = std::min(least, c.seconds);
+        most = std::max(most, c.seconds);
+        const double error = std::max(100.0 * c.error(), 1e-6);
+        plot.series.push_back({.name = fmt::format("{}, {}, {}", detail_cell(c.choice), c.choice.method, step_cell(c)),
+                               .points = {{c.seconds, error}},
+                               .mark = c.standing == "chosen" ? Mark::square : Mark::dot,
+                               .colour = {}});
+    }
+    if (most > 0.0) {
+        const double allowed = 100.0 * result.accuracy / tasks::tuning_margin;
+        plot.series.push_back({.name = "allowed",
+                               .points = {{0.8 * least, allowed}, {1.25 * most, allowed}},
+                               .mark = Mark::none,
+                               .line = Line::dashed,
+                               .colour = "#666666"});
+    }
+    return svg(plot);
+}
+
+std::string unseen_text(const tasks::TuneResult& result, const std::vector<UnseenPoint>& unseen) {
+    std::vector<Table::Column> columns{{"point nobody had tried"}};
+    for (const std::string& output : result.outputs) columns.push_back({output + " %", Align::right});
+    columns.push_back({""});
+    Table table(columns);
+    for (const UnseenPoint& point : unseen) {
+        std::vector<std::string> cells{point.name};
+        for (std::size_t i = 0; i < result.outputs.size(); ++i) cells.push_back(point.errors.empty() ? "" : percent_cell(point.errors[i]));
+        cells.push_back(!point.remark.empty() ? point.remark : tasks::largest(point.errors) <= result.accuracy ? "" : "misses the target");
+        table.add(cells);
+    }
+    return table.text(2);
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,207 @@
+#include "tools/program/text/batch_text.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+
+#include "engine/record/table/torn_table.hpp"
+#include "tasks/batch/results/results.hpp"
+#include "tasks/batch/results/torn_results.hpp"
+#include "tasks/schedule/schedule.hpp"
+#include "tasks/tuning/verified_sweep.hpp"
+#include "tools/program/arguments/ready_scenes.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output/interrupt.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// A line on stderr: redrawn on a terminal, one every ten seconds elsewhere.
+class BatchDisplay {
+public:
+    explicit BatchDisplay(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+    ~BatchDisplay() {
+        if (drawn_) to_stderr("\r\x1b[K");
+    }
+    BatchDisplay(const BatchDisplay&) = delete;
+    BatchDisplay& operator=(const BatchDisplay&) = delete;
+
+    void show(const tasks::BatchProgress& p) {
+        const double since = std::chrono::duration<double>(Clock::now() - last_).count();
+        if (quiet_ || since < (terminal_ ? 0.1 : 10.0)) return;
+        last_ = Clock::now();
+        const double rate = static_cast<double>(p.done) / std::max(p.wall, 1e-9);
+        const double left = static_cast<double>(p.cases - p.before - p.done) / rate;
+        const std::string line = fmt::format("{} of {} cases, {:.3g} a second, {} left{}", p.before + p.done, p.cases, rate,
+                                             clock_text(left), p.failed > 0 ? fmt::format(", {} failed", p.failed) : "");
+        to_stderr(fmt::format("{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n"));
+        drawn_ = terminal_;
+    }
+
+    /// A line that stays.
+    void tell(const std::string& what) {
+        if (quiet_) return;
+        if (drawn_) to_stderr("\r\x1b[K");
+        drawn_ = false;
+        print_error(what);
+    }
+
+private:
+    bool quiet_, terminal_, drawn_ = false;
+    Clock::time_point last_{};
+};
+
+}  // namespace
+
+tasks::Sweep load_sweep(const std::string& path) {
+    std::error_code unreadable;
+    std::string file = path;
+    for (const auto& folder : scene_folders()) {  // a ready sweep by its name
+        if (path.find('/') != std::string::npos || path.ends_with(".toml") || std::filesystem::exists(file, unreadable)) break;
+        file = (folder / "sweeps" / (path + ".toml")).string();
+    }
+    return tasks::read_sweep(std::filesystem::exists(file, unreadable) ? file : path, find_scene);
+}
+
+std::string sweep_of(const std::string& folder) {
+    std::error_code unreadable;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder, unreadable)) {
+        if (entry.path().filename() != "cases.h5") continue;
+        const std::string file = entry.path().string();
+        try {
+            return engine::CaseReader(file).head().attribute("sweep_path");
+        } catch (const engine::RecordError& error) {
+            if (!engine::torn_while_growing(file, tasks::mark_of_a_sweep)) throw;
+            throw engine::RecordError(
+                fmt::format("{}\n  to go on with the rows that are whole: cvtflow batch SWEEP -o {}", error.what(), folder));
+        }
+    }
+    throw tasks::SimulationError(folder + ": no sweep has written into it");
+}
+
+void require_statuses(const std::string& option, const std::vector<std::string>& given) {
+    const auto names = tasks::status_names();
+    for (const std::string& name : given) {
+        if (std::find(names.begin(), names.end(), name) == names.end())
+            throw UsageError(fmt::format("{} {}: not one of {}", option, name, fmt::join(names, ", ")));
+    }
+}
+
+std::string statuses_text(const std::map<std::string, long>& statuses) {
+    std::vector<std::string> parts;
+    for (const auto& [status, count] : statuses) parts.push_back(fmt::format("{} {}", count, status));
+    return parts.empty() ? "none" : fmt::format("{}", fmt::join(parts, ", "));
+}
+
+namespace {
+
+void print_end(const tasks::Sweep& sweep, const tasks::BatchReport& report, const std::string& folder) {
+    const tasks::BatchProgress& p = report.progress;
+    fmt::print("{}: {}\n", sweep.name,
+               report.finished
+                   ? "finished"
+                   : fmt::format("stopped with {} of {} cases; to go on: cvtflow resume {}", p.before + p.done, p.cases, folder));
+    fmt::print("{}", field("cases", fmt::format("{} now in {:.2f} s on {}, {:.3g} a second{}", p.done, p.wall,
+                                                plural(report.threads, "thread"), static_cast<double>(p.done) / std::max(p.wall, 1e-9),
+                                                p.before > 0 ? fmt::format("; {} before", p.before) : "")));
+    fmt::print("{}{}{}", field("statuses", statuses_text(report.statuses)), field("results hash", report.results_hash),
+               field("table", report.folder + "/cases.h5"));
+    if (!report.continuation_error.empty()) fmt::print("{}", field("continuation error", report.continuation_error));
+}
+
+void say_unless(bool quiet, const std::string& what) {
+    if (!quiet) print_error(what);
+}
+
+/// Runs some cases again at reference quality, if the sweep asks for an accuracy. @return whether it has it
+bool verified(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchReport& report, bool quiet) {
+    if (!(asked.accuracy.target > 0.0) || catch_interrupts().requested()) return true;
+    const auto say = [quiet](const std::string& what) { say_unless(quiet, what); };
+    std::vector<std::string> remarks;
+    try {
+        remarks = tasks::verify_sweep(asked, tuned, report.folder, catch_interrupts(), say);
+    } catch (const tasks::SimulationError&) {
+        if (!catch_interrupts().requested()) throw;
+        return true;
+    }
+    for (const std::string& remark : remarks) print_error("not verified: " + remark);
+    const std::string file = report.folder + "/cases.h5";
+    report.results_hash = engine::CaseReader(file).head().attribute("results_hash");
+    return say_verdict(asked.name, file, quiet) && (remarks.empty() || tasks::sweep_verdict(file).verified > 0);
+}
+
+/// In the child.
+ExitStatus run_part(const tasks::Sweep& asked, const tasks::TunedSweep& tuned, tasks::BatchOptions options, bool quiet) {
+    const tasks::Sweep& sweep = tuned.sweep;
+    tasks::BatchReport report;
+    const engine::Cancellation& interrupted = catch_interrupts();
+    {
+        BatchDisplay display(quiet);
+        options.cancel = &interrupted;
+        options.progress = [&display](const tasks::BatchProgress& progress) { display.show(progress); };
+        options.notice = [&display](const std::string& what) { display.tell(what); };
+        if (options.part.only) options.threads = 1;
+        report = tasks::run_batch(sweep, options);
+    }
+    if (options.part.only && !interrupted.requested()) return ExitStatus::finished;
+    const bool accurate = !report.finished || verified(asked, tuned, report, quiet);
+    if (!quiet) {
+        print_end(sweep, report, options.folder);
+        print_notices();
+    }
+    if (!report.finished || interrupted.requested()) return ExitStatus::cancelled;
+    if (!accurate) return ExitStatus::inaccurate;
+    return report.statuses.size() == 1 && report.statuses.contains("ok") ? ExitStatus::finished : ExitStatus::incomplete;
+}
+
+}  // namespace
+
+bool say_verdict(const std::string& name, const std::string& file, bool quiet) {
+    const tasks::SweepVerdict verdict = tasks::sweep_verdict(file);
+    if (!(verdict.target > 0.0)) return true;
+    if (!quiet || !verdict.held()) print_error(fmt::format("{}: {}{}", name, verdict.held() ? "" : "misses its target: ", verdict.text()));
+    return verdict.held();
+}
+
+namespace {
+
+/// In the parent: once for all children.
+tasks::TunedSweep tuned_here(const tasks::Sweep& sweep, const std::string& folder, bool quiet) {
+    if (!(sweep.accuracy.target > 0.0)) return {sweep, {}, std::nullopt};
+    const auto say = [quiet](const std::string& what) { say_unless(quiet, what); };
+    tasks::TunedSweep tuned = tasks::tuned_sweep(sweep, folder, catch_interrupts(), say);
+    say(fmt::format("{}: {} for {:g} % (largest error at the corners: {:.2g} %){}", sweep.name, tuned.kept.choice.text(),
+                    100.0 * sweep.accuracy.target, 100.0 * tuned.kept.error,
+                    tuned.result ? fmt::format(", found in {}", clock_text(tuned.result->wall)) : ", as found before"));
+    return tuned;
+}
+
+}  // namespace
+
+ExitStatus run_sweep(const tasks::Sweep& sweep, tasks::BatchOptions options, bool quiet) try {
+    if (options.threads <= 0) options.threads = tasks::usable_threads();
+    const tasks::TunedSweep tuned = tuned_here(sweep, options.folder, quiet);
+    engine::SharedSlots journal(options.threads);
+    options.journal = &journal;
+    const auto work = [&](const tasks::SweepPart& part) {
+        tasks::BatchOptions here = options;
+        here.part = part;
+        return guarded([&] { return static_cast<int>(run_part(sweep, tuned, here, quiet)); });
+    };
+    return static_cast<ExitStatus>(tasks::supervise(journal, work, print_error));
+} catch (const tasks::AccuracyError& error) {
+    print_error(error.what());
+    return ExitStatus::inaccurate;
+} catch (const tasks::SimulationError&) {  // tuning that was interrupted
+    if (catch_interrupts().requested()) return ExitStatus::cancelled;
+    throw;
+}
+
+}  // namespace cvtflow::tools

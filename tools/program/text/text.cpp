@@ -1,0 +1,76 @@
+#include "tools/program/text/text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace cvtflow::tools {
+
+std::string time_text(double seconds) {
+    struct TimeUnit {
+        double size;
+        std::string_view unit;
+    };
+    constexpr std::array<TimeUnit, 3> scales{{{1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}}};
+    const double magnitude = std::abs(seconds);
+    if (magnitude == 0.0 || magnitude >= 0.99995) return fmt::format("{:.4g} s", seconds);
+    for (const TimeUnit& scale : scales) {
+        if (magnitude >= 0.99995 * scale.size) return fmt::format("{:.4g} {}", seconds / scale.size, scale.unit);
+    }
+    return fmt::format("{:.4g} s", seconds);
+}
+
+std::string clock_text(double seconds) {
+    if (!std::isfinite(seconds) || seconds > 1e9) return "?";
+    const long whole = std::lround(std::max(0.0, seconds));
+    const long hours = whole / 3600;
+    if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, whole / 60 % 60, whole % 60);
+    return fmt::format("{}:{:02}", whole / 60, whole % 60);
+}
+
+std::string size_text(double bytes) {
+    if (bytes < 1e3) return fmt::format("{:.0f} B", bytes);
+    if (bytes < 1e6) return fmt::format("{:.1f} kB", 1e-3 * bytes);
+    return bytes < 1e9 ? fmt::format("{:.1f} MB", 1e-6 * bytes) : fmt::format("{:.1f} GB", 1e-9 * bytes);
+}
+
+std::string count_text(long count) {
+    std::string digits = std::to_string(std::abs(count));
+    for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), " ");
+    return (count < 0 ? "-" : "") + digits;
+}
+
+std::string plural(long count, const std::string& noun) { return fmt::format("{} {}{}", count_text(count), noun, count == 1 ? "" : "s"); }
+
+void Table::add(std::vector<std::string> cells) {
+    cells.resize(columns_.size());
+    rows_.push_back(std::move(cells));
+}
+
+std::string Table::text(int indent) const {
+    std::vector<std::size_t> width;
+    for (const Column& column : columns_) width.push_back(column.heading.size());
+    for (const auto& row : rows_) {
+        for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], row[i].size());
+    }
+    std::string text;
+    const auto line = [&](const auto& cell) {
+        std::string made(static_cast<std::size_t>(indent), ' ');
+        for (std::size_t i = 0; i < columns_.size(); ++i) {
+            const std::string_view gap = i == 0 ? "" : "  ";
+            made += columns_[i].align == Align::right ? fmt::format("{}{:>{}}", gap, cell(i), width[i])
+                                                      : fmt::format("{}{:<{}}", gap, cell(i), width[i]);
+        }
+        text += made.substr(0, made.find_last_not_of(' ') + 1) + "\n";
+    };
+    line([&](std::size_t i) -> const std::string& { return columns_[i].heading; });
+    line([&](std::size_t i) { return std::string(width[i], '-'); });
+    for (const auto& row : rows_) line([&](std::size_t i) -> const std::string& { return row[i]; });
+    return text;
+}
+
+std::string field(const std::string& label, const std::string& value) { return fmt::format("  {:<19} {}\n", label, value); }
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,164 @@
+#include "tools/program/view/chain_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "model/parameters/chain_layout.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+using model::ChainLayout;
+
+/// Channels of the record that a picture of the chain needs: those with a number per tip, per link, per shaft.
+class MotionReader {
+public:
+    MotionReader(const RecordedRun& run, const ChainLayout& at) : run_(run), at_(at), times_(run.times()) {
+        for (const engine::ChannelInfo& channel : run.reader().channels()) {
+            if (channel.unit == "N" && channel.width == model::tips_per_link * at.links && tip_.empty()) tip_ = channel.name;
+            if (channel.unit == "N" && channel.width == at.links && channel.axis == "link" && link_.empty()) link_ = channel.name;
+            for (const int shaft : {0, 1}) {
+                if (channel.name == fmt::format("shaft_{}/angle", shaft + 1)) angle_[shaft] = channel.name;
+                if (channel.name == fmt::format("shaft_{}/speed", shaft + 1)) speed_[shaft] = channel.name;
+            }
+        }
+    }
+
+    void add(ChainMotion& motion, const engine::RecordedState& now) const {
+        const auto row = static_cast<std::size_t>(std::lower_bound(times_.begin(), times_.end(), now.time - 1e-12) - times_.begin());
+        const std::size_t at_row = std::min(row, times_.size() - 1);
+        motion.times.push_back(now.time);
+        const std::vector<double> tips = read(tip_, at_row), links = read(link_, at_row);
+        for (int pin = 0; pin < at_.links; ++pin) {
+            if (!tips.empty()) motion.force.push_back(static_cast<float>(of_pin(tips, pin)));
+            if (!links.empty()) motion.tension.push_back(static_cast<float>(links[static_cast<std::size_t>(pin)]));
+        }
+        std::array<double, 2> speed{}, sum{}, count{};
+        for (const std::size_t shaft : {0U, 1U}) {
+            speed[shaft] = number(speed_[shaft], at_row);
+            motion.angle[shaft].push_back(static_cast<float>(number(angle_[shaft], at_row)));
+        }
+        for (int pin = 0; pin < at_.links; ++pin) place(motion, now, pin, speed, sum, count);
+        for (const std::size_t shaft : {0U, 1U})
+            motion.radius[shaft].push_back(static_cast<float>(count[shaft] > 0.0 ? sum[shaft] / count[shaft] : 0.0));
+    }
+
+private:
+    [[nodiscard]] std::vector<double> read(const std::string& channel, std::size_t row) const {
+        return channel.empty() ? std::vector<double>{} : run_.reader().channel_rows(channel, row, 1);
+    }
+    [[nodiscard]] double number(const std::string& channel, std::size_t row) const {
+        return channel.empty() ? 0.0 : read(channel, row).front();
+    }
+    /// Its rear half is on its own link, its front half on the link before.
+    template <class Value>
+    [[nodiscard]] std::array<Value, 4> tips_of(const std::vector<Value>& tips, int pin) const {
+        const auto own = static_cast<std::size_t>(model::tips_per_link * pin);
+        const auto before = static_cast<std::size_t>(model::tips_per_link * at_.previous(pin));
+        return {tips[own], tips[own + 1], tips[before + 2], tips[before + 3]};
+    }
+    [[nodiscard]] double of_pin(const std::vector<double>& tips, int pin) const {
+        const auto mine = tips_of(tips, pin);
+        return 0.5 * (std::abs(mine[0] + mine[2]) + std::abs(mine[1] + mine[3]));  // signs tell the sides
+    }
+    void place(ChainMotion& motion, const engine::RecordedState& now, int pin, const std::array<double, 2>& speed,
+               std::array<double, 2>& sum, std::array<double, 2>& count) const {
+        const double* q = now.state.data() + at_.link_begin(pin);
+        const double* v = q + at_.link_size();
+        const int ix = at_.x(model::End::rear, 0), iy = at_.y(model::End::rear, 0);
+        motion.x.push_back(static_cast<float>(q[ix]));
+        motion.y.push_back(static_cast<float>(q[iy]));
+        motion.z.push_back(static_cast<float>(q[at_.z(model::End::rear)]));
+        const auto phases = tips_of(now.phases, pin);
+        const bool touches = std::any_of(phases.begin(), phases.end(), [](std::uint8_t phase) { return phase != 0; });
+        const std::size_t shaft = q[ix] > 0.5 * motion.centre_distance ? 1 : 0;
+        double slip = 0.0;
+        if (touches) {
+            const double dx = q[ix] - (shaft == 1 ? motion.centre_distance : 0.0), dy = q[iy];
+            const double squared = dx * dx + dy * dy;
+            if (speed[shaft] != 0.0) slip = 1.0 - (dx * v[iy] - dy * v[ix]) / squared / speed[shaft];
+            sum[shaft] += std::sqrt(squared), count[shaft] += 1.0;
+        }
+        motion.slip.push_back(static_cast<float>(slip));
+        motion.side.push_back(touches ? static_cast<float>(shaft + 1) : 0.0F);
+    }
+
+    const RecordedRun& run_;
+    const ChainLayout at_;
+    const std::vector<double>& times_;
+    std::string tip_, link_;
+    std::array<std::string, 2> angle_, speed_;
+};
+
+ChainMotion shape_of(const model::Parameters& parameters) {
+    ChainMotion motion;
+    motion.pins = parameters.chain.pins;
+    motion.centre_distance = parameters.pulley.centre_distance;
+    motion.pin_length = parameters.half.length;
+    motion.pin_width = parameters.half.width;
+    motion.flank = parameters.tip.angle;
+    motion.innermost = parameters.pulley.innermost;
+    motion.outermost = parameters.pulley.outermost;
+    motion.plates = parameters.plate.count;
+    motion.plate_span = parameters.plate.span;
+    motion.pulleys = parameters.detail.pulleys != model::PulleyDetail::absent;
+    return motion;
+}
+
+/// Least, mean and largest in 3° of angle.
+struct RoundBin {
+    double least = INFINITY, largest = -INFINITY, sum = 0.0, count = 0.0;
+};
+
+}  // namespace
+
+ChainMotion chain_motion(const RecordedRun& run, std::size_t most_states) {
+    const std::size_t recorded = run.reader().state_times().size();
+    if (!run.scene() || recorded == 0) return {};
+    const ChainLayout at = model::layout_of(run.scene()->parameters);
+    if (run.reader().last_state().state.size() != static_cast<std::size_t>(at.size())) return {};
+    ChainMotion motion = shape_of(run.scene()->parameters);
+    motion.recorded = recorded;
+    const MotionReader reader(run, at);
+    const std::size_t shown = std::min(recorded, most_states);
+    for (std::size_t k = 0; k < shown; ++k) reader.add(motion, run.reader().state(k * recorded / shown));
+    return motion;
+}
+
+Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions) {
+    constexpr int bins = 120;
+    Plot plot;
+    plot.title = "Axial force of the tips round the pulleys";
+    plot.subtitle = conditions + ", mean over all states; thin: least and largest";
+    plot.x.label = "angle about the shaft in its sense of turning, 0: away from the other shaft [°]",
+    plot.y.label = "force on each sheave [N]";
+    plot.x.from = -130.0, plot.x.to = 130.0;
+    for (const int shaft : {1, 2}) {
+        std::vector<RoundBin> round(bins);
+        for (std::size_t k = 0; k < motion.force.size(); ++k) {
+            if (motion.side[k] != static_cast<float>(shaft)) continue;
+            const double away = shaft == 2 ? motion.x[k] - motion.centre_distance : -static_cast<double>(motion.x[k]);
+            const double angle = std::atan2(shaft == 2 ? motion.y[k] : -static_cast<double>(motion.y[k]), away);
+            RoundBin& bin = round[static_cast<std::size_t>(std::clamp((angle / std::numbers::pi + 1.0) * 0.5 * bins, 0.0, bins - 1.0))];
+            bin.least = std::min<double>(bin.least, motion.force[k]), bin.largest = std::max<double>(bin.largest, motion.force[k]);
+            bin.sum += motion.force[k], bin.count += 1.0;
+        }
+        const std::string colour = palette(static_cast<std::size_t>(shaft - 1));
+        Series mean{shaft == 1 ? "driving sheaves" : "driven sheaves", {}, Mark::none, Line::solid, colour, 2.4}, low = mean, high = mean;
+        low.name.clear(), high.name.clear(), low.width = high.width = 0.8;
+        for (int k = 0; k < bins; ++k) {
+            const RoundBin& bin = round[static_cast<std::size_t>(k)];
+            const double angle = -180.0 + 360.0 * (k + 0.5) / bins, nothing = NAN;
+            mean.points.push_back({angle, bin.count > 0.0 ? bin.sum / bin.count : nothing});
+            low.points.push_back({angle, bin.least}), high.points.push_back({angle, bin.largest});
+        }
+        for (Series* series : {&mean, &low, &high}) plot.series.push_back(std::move(*series));
+    }
+    return plot;
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,126 @@
+#include "tools/program/view/recorded_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <numeric>
+
+#include "engine/base/spelling.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/text/attribute_text.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+constexpr int most_single = 4;  ///< numbers of a channel that are drawn each
+
+Curve element_of(const engine::ChannelInfo& channel, const std::vector<double>& all, int number) {
+    const auto width = static_cast<std::size_t>(channel.width);
+    Curve curve{channel.width == 1 ? channel.name : fmt::format("{}[{}]", channel.name, number), channel.unit, channel.description, {}};
+    for (std::size_t at = static_cast<std::size_t>(number); at < all.size(); at += width) curve.values.push_back(all[at]);
+    return curve;
+}
+
+/// Rows are read a few at a time: a long run has gigabytes of them.
+std::vector<Curve> envelope(const engine::RunReader& reader, const engine::ChannelInfo& channel) {
+    constexpr std::size_t most_rows = 8192;
+    std::vector<Curve> curves;
+    for (const char* name : {"least", "mean", "largest"})
+        curves.push_back({fmt::format("{} ({})", channel.name, name), channel.unit, channel.description, {}});
+    const auto width = static_cast<std::ptrdiff_t>(channel.width);
+    for (std::size_t first = 0; first < reader.rows(); first += most_rows) {
+        const std::vector<double> some = reader.channel_rows(channel.name, first, std::min(most_rows, reader.rows() - first));
+        for (auto row = some.begin(); row != some.end(); row += width) {
+            const auto [least, largest] = std::minmax_element(row, row + width);
+            curves[0].values.push_back(*least);
+            curves[1].values.push_back(std::accumulate(row, row + width, 0.0) / static_cast<double>(width));
+            curves[2].values.push_back(*largest);
+        }
+    }
+    return curves;
+}
+
+/// "links/tension[12]" taken apart; the number is -1 where there is none.
+std::pair<std::string, int> taken_apart(const std::string& word) {
+    const auto bracket = word.find('[');
+    int number = -1;
+    if (bracket == std::string::npos || !word.ends_with("]")) return {word, number};
+    const char *begin = word.data() + bracket + 1, *end = word.data() + word.size() - 1;
+    if (const auto [last, error] = std::from_chars(begin, end, number); error != std::errc() || last != end || number < 0)
+        throw UsageError(fmt::format("{}: not a number of a channel", word));
+    return {word.substr(0, bracket), number};
+}
+
+}  // namespace
+
+RecordedRun::RecordedRun(std::string path)
+    : path_(std::move(path)), reader_(path_), scene_(scene_in(reader_.attributes(), "parameters")), times_(reader_.times()) {
+    if (times_.empty()) throw engine::RecordError(path_ + ": the record has no rows yet");
+}
+
+std::string RecordedRun::conditions() const {
+    const auto& all = reader_.attributes();
+    const auto step = reader_.attribute("step");
+    const double* length = step ? std::get_if<double>(&step->value) : nullptr;
+    return fmt::format("{}, {}, step {}", text_of(all, "scene"), text_of(all, "method"),
+                       length == nullptr || *length == 0.0 ? "auto" : time_text(*length));
+}
+
+std::vector<Curve> RecordedRun::curves(const engine::ChannelInfo& channel) const {
+    if (channel.width > most_single) return envelope(reader_, channel);
+    const std::vector<double> all = reader_.channel(channel.name);
+    std::vector<Curve> made;
+    for (int number = 0; number < channel.width; ++number) made.push_back(element_of(channel, all, number));
+    return made;
+}
+
+std::vector<Curve> RecordedRun::group(const std::string& name) const {
+    std::vector<Curve> made;
+    for (const engine::ChannelInfo& channel : reader_.channels()) {
+        if (!channel.name.starts_with(name + "/")) continue;
+        for (Curve& curve : curves(channel)) made.push_back(std::move(curve));
+    }
+    return made;
+}
+
+std::vector<Curve> RecordedRun::find(const std::string& word) const {
+    const auto [name, number] = taken_apart(word);
+    std::vector<std::string> names;
+    for (const engine::ChannelInfo& channel : reader_.channels()) {
+        names.push_back(channel.name);
+        if (channel.name != name) continue;
+        if (number < 0) return curves(channel);
+        if (number >= channel.width) throw UsageError(fmt::format("{}: {} has {} numbers, from 0 on", word, name, channel.width));
+        return {element_of(channel, reader_.channel(name), number)};
+    }
+    std::vector<Curve> all = number < 0 ? group(name) : std::vector<Curve>{};
+    if (all.empty())
+        throw UsageError(
+            fmt::format("{}: neither a file nor a channel of {}{}", word, path_, engine::did_you_mean(engine::closest(name, names))));
+    return all;
+}
+
+std::vector<Curve> RecordedRun::overview() const {
+    std::vector<Curve> made;
+    for (const engine::ChannelInfo& channel : reader_.channels()) {
+        if (channel.width == 1 && channel.name.find('/') == std::string::npos) made.push_back(curves(channel).front());
+    }
+    return made;
+}
+
+std::optional<double> RecordedRun::pin_frequency() const {
+    if (!scene_) return {};
+    for (const engine::ChannelInfo& channel : reader_.channels()) {
+        if (channel.name != "chain_speed") continue;
+        const std::vector<double> speed = reader_.channel(channel.name);
+        const double mean = std::accumulate(speed.begin(), speed.end(), 0.0) / static_cast<double>(speed.size());
+        const model::Chain& chain = scene_->parameters.chain;
+        if (mean > 0.0) return mean * chain.pins / model::chain_length(chain);
+    }
+    return {};
+}
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,241 @@
+#include "tools/program/view/run_plots.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "tools/program/guard.hpp"
+#include "tools/program/view/order_spectrum.hpp"
+
+namespace cvtflow::tools {
+
+namespace {
+
+constexpr std::size_t columns_drawn = 1500;  ///< of pixels, or of half pixels
+
+std::string label_of(const std::string& quantity, const std::string& unit) {
+    return unit.empty() || unit == "1" ? quantity : fmt::format("{} [{}]", quantity, unit);
+}
+
+std::vector<Curve> chosen(const RecordedRun& run, const std::vector<std::string>& words) {
+    if (words.empty()) return run.overview();
+    std::vector<Curve> curves;
+    for (const std::string& word : words) {
+        for (Curve& curve : run.find(word)) curves.push_back(std::move(curve));
+    }
+    return curves;
+}
+
+std::string subtitle_of(const std::vector<RecordedRun>& runs) {
+    std::string text;
+    for (const RecordedRun& run : runs) text += (text.empty() ? "" : "; ") + run.conditions();
+    return text;
+}
+
+/// One number without a unit is a quantity of its own: ratio and efficiency share no axis.
+std::string kind_of(const Curve& curve) { return curve.unit == "1" ? curve.name : curve.unit; }
+
+/// "shaft_1/speed" of one run, "shaft_1/speed, other.h5" of several.
+std::string name_in(const std::vector<RecordedRun>& runs, const RecordedRun& run, const std::string& name) {
+    return runs.size() == 1 ? name : fmt::format("{}, {}", name, run.path());
+}
+
+struct Panel {
+    std::string kind;
+    Plot plot;
+};
+
+Plot& panel_of(std::vector<Panel>& panels, const Curve& curve) {
+    const std::string kind = kind_of(curve);
+    const auto found = std::find_if(panels.begin(), panels.end(), [&](const Panel& panel) { return panel.kind == kind; });
+    if (found != panels.end()) {
+        found->plot.title += found->plot.title.find(curve.name) == std::string::npos ? ", " + curve.name : "";
+        return found->plot;
+    }
+    panels.push_back({kind, {}});
+    panels.back().plot.title = curve.name;
+    return panels.back().plot;
+}
+
+/// Titles that say too much, and heights of several pictures below one another.
+std::vector<Plot> finished(std::vector<Panel>& panels, const std::string& subtitle) {
+    std::vector<Plot> plots;
+    for (Panel& panel : panels) {
+        Plot& plot = panel.plot;
+        if (plot.title.size() > 80) plot.title = fmt::format("{} channels", plot.series.size());
+        plot.subtitle = subtitle;
+        if (panels.size() > 1) plot.height = 300.0;
+        if (plot.series.size() == 1) plot.series.front().name.clear();
+        plots.push_back(std::move(plot));
+    }
+    return plots;
+}
+
+Series line_through(const std::string& name, const std::vector<double>& x, const std::vector<double>& y) {
+    std::vector<Point> points;
+    for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k) points.push_back({x[k], y[k]});
+    return {name, thinned(points, columns_drawn), Mark::none, Line::solid, "", 1.4};
+}
+
+std::vector<double> in_milliseconds(std::vector<double> times) {
+    for (double& time : times) time *= 1e3;
+    return times;
+}
+
+/// A dashed line at each multiple of a frequency.
+void add_multiples(Plot& plot, double frequency, double least, double largest, double end) {
+    Series lines{fmt::format("pins pass: {:.4g} Hz and multiples", frequency), {}, Mark::none, Line::dashed, "#999999", 1.0};
+    for (int multiple = 1; multiple * frequency < end && multiple <= 20; ++multiple) {
+        for (const double y : {least, largest, static_cast<double>(NAN)}) lines.points.push_back({multiple * frequency, y});
+    }
+    plot.series.insert(plot.series.begin(), std::move(lines));
+}
+
+/// Millimetres are as long in either direction.
+void equalise(Plot& plot) {
+    double x[2]{INFINITY, -INFINITY}, y[2]{INFINITY, -INFINITY};
+    for (const Series& series : plot.series) {
+        for (const Point& point : series.points) {
+            x[0] = std::min(x[0], point.x), x[1] = std::max(x[1], point.x);
+            y[0] = std::min(y[0], point.y), y[1] = std::max(y[1], point.y);
+        }
+    }
+    const double margin = 0.05 * std::max({x[1] - x[0], y[1] - y[0], 1e-6});
+    plot.x.from = x[0] - margin, plot.x.to = x[1] + margin;
+    plot.y.from = y[0] - margin, plot.y.to = y[1] + margin;
+    constexpr double beside = 90.0, above = 114.0;  // what the frame leaves of the picture, with labels and headings [px]
+    const double shape = (*plot.y.to - *plot.y.from) / (*plot.x.to - *plot.x.from);
+    plot.height = std::clamp(above + (plot.width - beside) * shape, 240.0, 1200.0);
+}
+
+double mean_of(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns) {
+    if (points.size() <= 2 * columns) return points;
+    std::vector<Point> kept;
+    const auto before = [](const Point& a, const Point& b) { return a.y < b.y; };
+    for (std::size_t column = 0; column < columns; ++column) {
+        const auto begin = points.begin() + static_cast<std::ptrdiff_t>(column * points.size() / columns);
+        const auto end = points.begin() + static_cast<std::ptrdiff_t>((column + 1) * points.size() / columns);
+        auto [first, second] = std::minmax_element(begin, end, before);
+        if (second < first) std::swap(first, second);
+        kept.push_back(*first);
+        if (first != second) kept.push_back(*second);
+    }
+    return kept;
+}
+
+std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {
+    std::vector<Panel> panels;
+    for (const RecordedRun& run : runs) {
+        const std::vector<double> times = in_milliseconds(run.times());
+        for (const Curve& curve : chosen(run, words)) {
+            Plot& plot = panel_of(panels, curve);
+            plot.x.label = "time [ms]";
+            plot.y.label = label_of(curve.unit == "1" ? curve.name : "", curve.unit);
+            plot.series.push_back(line_through(name_in(runs, run, curve.name), times, curve.values));
+        }
+    }
+    return finished(panels, subtitle_of(runs));
+}
+
+std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {
+    std::vector<Panel> panels;
+    double end = INFINITY;
+    for (const RecordedRun& run : runs) {
+        for (const Curve& curve : chosen(run, words)) {
+            const AmplitudeSpectrum spectrum = amplitude_spectrum(run.times(), curve.values);
+            if (spectrum.frequency.empty()) throw UsageError(run.path() + ": orders need 8 rows at least");
+            Plot& plot = panel_of(panels, curve);
+            plot.x.label = "frequency [Hz]";
+            plot.y = {label_of("amplitude", curve.unit), Scale::logarithmic, 1.0, {}, {}};
+            end = std::min(end, spectrum.frequency.back());
+            plot.series.push_back(line_through(name_in(runs, run, curve.name), spectrum.frequency, spectrum.amplitude));
+        }
+    }
+    const auto pins = runs.front().pin_frequency();
+    if (pins) end = std::min(end, 12.5 * *pins);
+    for (Panel& panel : panels) {
+        double largest = 1e-300;
+        for (const Series& series : panel.plot.series) {
+            for (const Point& point : series.points) largest = std::max(largest, point.y);
+        }
+        panel.plot.x.from = 0.0, panel.plot.x.to = end;
+        panel.plot.y.from = 1e-6 * largest, panel.plot.y.to = 2.0 * largest;
+        if (panel.plot.series.size() == 1) panel.plot.series.front().colour = palette(0);
+        for (std::size_t k = 0; k < panel.plot.series.size(); ++k) panel.plot.series[k].colour = palette(k);
+        if (pins) add_multiples(panel.plot, *pins, 1e-6 * largest, 2.0 * largest, end);
+    }
+    return finished(panels, subtitle_of(runs));
+}
+
+Plot round_plot(const std::vector<RecordedRun>& runs) {
+    Plot plot;
+    plot.title = "Round of the followed pin";
+    plot.subtitle = subtitle_of(runs);
+    plot.x.label = "x [mm]", plot.y.label = "y [mm]";
+    for (const RecordedRun& run : runs) {
+        const auto& channels = run.reader().channels();
+        const auto place = std::find_if(channels.begin(), channels.end(), [](const engine::ChannelInfo& channel) {
+            return channel.width == 3 && channel.unit == "m" && channel.axis == "axis";
+        });
+        if (place == channels.end()) throw UsageError(run.path() + ": the record has no channel with a place in space");
+        const std::vector<double> all = run.reader().channel(place->name);
+        Series series{runs.size() == 1 ? "" : run.path(), {}, Mark::none, Line::solid, "", 1.4};
+        for (std::size_t k = 0; k + 2 < all.size(); k += 3) series.points.push_back({1e3 * all[k], 1e3 * all[k + 1]});
+        plot.series.push_back(std::move(series));
+    }
+    equalise(plot);
+    return plot;
+}
+
+Plot loss_plot(const RecordedRun& run) {
+    std::vector<Curve> kinds = run.group("loss");
+    if (kinds.empty()) throw UsageError(run.path() + ": the record has no losses");
+    std::sort(kinds.begin(), kinds.end(), [](const Curve& a, const Curve& b) { return mean_of(a.values) > mean_of(b.values); });
+    double total = 0.0;
+    for (const Curve& kind : kinds) total += mean_of(kind.values);
+    Plot plot;
+    plot.title = fmt::format("Losses by kind: {:.4g} W on average", total);
+    plot.subtitle = run.conditions();
+    plot.x.label = "time [ms]", plot.y.label = "power dissipated [W]";
+    const std::vector<double> times = in_milliseconds(run.times());
+    for (const Curve& kind : kinds) {
+        const double mean = mean_of(kind.values);
+        const std::string share = total > 0.0 ? fmt::format(" ({:.1f} %)", 100.0 * mean / total) : "";
+        plot.series.push_back(line_through(fmt::format("{}: {:.4g} W{}", kind.name.substr(5), mean, share), times, kind.values));
+    }
+    return plot;
+}
+
+std::string csv(const std::vector<Plot>& plots) {
+    const bool fields = std::any_of(plots.begin(), plots.end(), [](const Plot& plot) { return !plot.fields.empty(); });
+    std::string text = fields ? "plot,series,x,y,value\n" : "plot,series,x,y\n";
+    const auto quoted = [](std::string cell) {
+        for (std::size_t at = 0; (at = cell.find('"', at)) != std::string::npos; at += 2) cell.insert(at, "\"");
+        return '"' + cell + '"';
+    };
+    for (const Plot& plot : plots) {
+        for (const Field& field : plot.fields) {
+            for (std::size_t k = 0; k < field.values.size(); ++k)
+                text += fmt::format("{},{},{:.9g},{:.9g},{:.9g}\n", quoted(plot.title), quoted(field.label), field.x[k % field.x.size()],
+                                    field.y[k / field.x.size()], field.values[k]);
+        }
+        for (const Series& series : plot.series) {
+            const std::string name = quoted(series.name.empty() ? plot.y.label : series.name);
+            for (const Point& point : series.points) {
+                if (std::isfinite(point.x) && std::isfinite(point.y))
+                    text += fmt::format("{},{},{:.9g},{:.9g}{}\n", quoted(plot.title), name, point.x, point.y, fields ? "," : "");
+            }
+        }
+    }
+    return text;
+}
+
+}  // namespace cvtflow::tools
