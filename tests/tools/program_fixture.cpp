@@ -105,9 +105,8 @@ Words Program::commands() const {
     Words names;
     bool listed = false;
     for (std::string line; std::getline(help, line);) {
-        if (listed && line.empty()) break;
         if (listed && line.starts_with("  ") && line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
-        listed = listed || line.starts_with("Subcommands:");
+        listed = line.starts_with("Commands ") || (listed && line.starts_with("  "));
     }
     return names;
 }

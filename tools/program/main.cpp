@@ -66,6 +66,7 @@ int execute(int argc, char** argv) {
     std::vector<Action> actions;
     for (const Command& command : commands()) {
         CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.description) + ".");
+        sub->group(std::string(command.group));
         sub->fallthrough();  // --isa may follow the command
         actions.push_back(command.declare(*sub));
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// The subcommands: a file in tools/program/command and a row in commands.cpp each.
+/// The subcommands: a file in a folder of tools/program/command and a row in commands.cpp each.
 
 #include <functional>
 #include <span>
@@ -18,6 +18,7 @@ using Action = std::function<ExitStatus()>;
 
 struct Command {
     std::string_view name;
+    std::string_view group;            ///< heading of the help text that it stands under: a folder of tools/program/command
     std::string_view description;      ///< one line
     Action (*declare)(CLI::App& app);  ///< declares arguments; they live in the returned action
 };
