@@ -7,7 +7,6 @@
 #include <cvtflow/cvtflow.hpp>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "engine/base/hash.hpp"
@@ -39,8 +38,11 @@ struct FmuArguments {
 
 std::string bytes_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
-    if (!file) throw engine::RecordError(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
-    return {std::istreambuf_iterator<char>(file), {}};
+    std::error_code error;
+    std::string bytes(file ? fs::file_size(path, error) : 0, '\0');  // in one piece: the library has some 12 MB
+    if (!file || error || !file.read(bytes.data(), static_cast<std::streamsize>(bytes.size())))
+        throw engine::RecordError(fmt::format("{}: cannot read: {}", path.string(), error ? error.message() : std::strerror(errno)));
+    return bytes;
 }
 
 /// What an FMU runs: beside the program as it was built, or in lib/cvtflow or lib/ARCHITECTURE/cvtflow of its installation.
