@@ -69,6 +69,7 @@ std::string tuning_key(const Scene& scene, const TuneSettings& settings) {
         hash.add(std::span<const double>(saved->state)).add(std::span<const std::uint8_t>(saved->phases));
     }
     for (const std::string& output : settings.outputs) hash.add(std::string_view(output)).add(std::string_view("\n"));
+    for (const std::string& method : settings.methods) hash.add(std::string_view(method)).add(std::string_view("\t"));
     const double numbers[] = {settings.accuracy, settings.budget, settings.same_everywhere ? 1.0 : 0.0, settings.times.settle,
                               settings.times.average};
     return hash.add(std::span<const double>(numbers)).hex();

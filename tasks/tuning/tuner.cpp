@@ -97,12 +97,14 @@ std::vector<std::string> joined_by_reason(const std::vector<std::pair<std::strin
     return lines;
 }
 
-/// The cheapest methods of the catalogue, each at its automatic step, by a short run with the scene's own detail.
+/// The cheapest methods of the catalogue, each at its automatic step, by a short run with the scene's own detail; those that are asked for.
 void Tuner::find_methods() {
+    methods_ = settings_.methods;
+    if (!methods_.empty()) return;
     const std::string usual = RunSettings{}.method;
     if (settings_.same_everywhere) {
         methods_ = {usual};
-        methods_left_out_ = {fmt::format("all methods but {}: which of them is cheapest depends on the machine", usual)};
+        left_out_ = {fmt::format("all methods but {}: which of them is cheapest depends on the machine", usual)};
         return;
     }
     say("methods");
@@ -120,7 +122,7 @@ void Tuner::find_methods() {
             objections.emplace_back(name, error.what());
         }
     }
-    methods_left_out_ = joined_by_reason(objections);
+    left_out_ = joined_by_reason(objections);
     std::stable_sort(costs.begin(), costs.end());
     std::vector<std::string> dear;
     for (const auto& [seconds, name] : costs) {
@@ -132,32 +134,50 @@ void Tuner::find_methods() {
             dear.push_back(fmt::format("{} ({:.3g})", name, over));
     }
     if (!dear.empty())
-        methods_left_out_.push_back(
-            fmt::format("methods that are so many times as dear as {}: {}", costs.front().second, fmt::join(dear, ", ")));
+        left_out_.push_back(fmt::format("methods that are so many times as dear as {}: {}", costs.front().second, fmt::join(dear, ", ")));
+}
+
+std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
+    std::vector<std::pair<TunedChoice, double>> bases;
+    std::vector<std::pair<std::string, std::string>> objections;
+    for (const std::string& level : levels_for(scene_)) {
+        for (const std::string& method : methods_) {
+            require_going_on();
+            TunedChoice base;
+            base.choice = {level, method};
+            try {
+                const PointRun run = points_.front().trial(base.choice, cost_trial);
+                base.work = run.work;
+                bases.emplace_back(base, run.seconds);
+            } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: whole pins
+                objections.emplace_back(fmt::format("{} at {}", method, level.empty() ? "the scene's own detail" : level), error.what());
+            }
+        }
+    }
+    for (const std::string& line : joined_by_reason(objections)) left_out_.push_back(line);
+    if (bases.empty()) throw SimulationError(fmt::format("{}: nothing can be tried:\n  {}", scene_.name, fmt::join(left_out_, "\n  ")));
+    return bases;
 }
 
 /// Every level with every method, in turns; shares of the step cost in proportion.
 void Tuner::find_costs() {
     say("costs");
-    std::vector<TunedChoice> bases;
-    for (const std::string& level : levels_for(scene_)) {
-        for (const std::string& method : methods_) bases.emplace_back().choice = {level, method};
-    }
-    std::vector<std::vector<double>> seconds(bases.size());
-    for (int round = 0; round < rounds; ++round) {
+    const auto bases = find_bases();
+    std::vector<std::vector<double>> seconds;
+    for (const auto& [base, first] : bases) seconds.push_back({first});
+    for (int round = 1; round < rounds; ++round) {
         for (std::size_t i = 0; i < bases.size(); ++i) {
             require_going_on();
-            const PointRun run = points_.front().trial(bases[i].choice, cost_trial);
-            seconds[i].push_back(run.seconds);
-            bases[i].work = run.work;
+            seconds[i].push_back(points_.front().trial(bases[i].first.choice, cost_trial).seconds);
         }
     }
     for (std::size_t i = 0; i < bases.size(); ++i) {
         const auto [least, most] = std::minmax_element(seconds[i].begin(), seconds[i].end());
-        bases[i].seconds = median_of(seconds[i]);
-        bases[i].spread = (*most - *least) / bases[i].seconds;
+        TunedChoice base = bases[i].first;
+        base.seconds = median_of(seconds[i]);
+        base.spread = (*most - *least) / base.seconds;
         for (const double share : shares) {
-            TunedChoice& made = ranked_.emplace_back(bases[i]);
+            TunedChoice& made = ranked_.emplace_back(base);
             made.choice.share = share;
             made.seconds /= share;
             made.work /= share;
@@ -241,7 +261,7 @@ TuneResult Tuner::tune(double accuracy) {
     for (const TunedOutput& output : outputs_) result.outputs.push_back(output.name);
     prepare();
     find_references(accuracy, result);
-    result.left_out.insert(result.left_out.end(), methods_left_out_.begin(), methods_left_out_.end());
+    result.left_out.insert(result.left_out.end(), left_out_.begin(), left_out_.end());
     for (const TunedChoice& ranked : ranked_) {
         TunedChoice& candidate = result.choices.emplace_back(ranked);
         if (result.chosen)

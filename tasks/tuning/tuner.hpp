@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tasks/tuning/point_measure.hpp"
@@ -24,6 +25,7 @@ inline constexpr double reference_share = 0.25;
 struct TuneSettings {
     double accuracy = 0.01;            ///< of every output [1]
     std::vector<std::string> outputs;  ///< figures or scalars; none: the usual figures
+    std::vector<std::string> methods;  ///< to choose from; none: the default method and the cheapest of the catalogue
     double budget = 0.0;               ///< wall time after which no further choice is tried; 0: no limit [s]
     /// Rank by work alone and by the default method, so that every machine and every run chooses the same.
     bool same_everywhere = false;
@@ -81,6 +83,8 @@ public:
 private:
     void prepare();
     void find_methods();
+    /// Every level with every method that can be used there, each with the seconds of a first run.
+    [[nodiscard]] std::vector<std::pair<TunedChoice, double>> find_bases();
     void find_costs();
     /// accuracy [1]
     void find_references(double accuracy, TuneResult& result);
@@ -96,7 +100,7 @@ private:
     std::string finest_;
     std::vector<TunedOutput> outputs_;
     std::deque<PointMeasure> points_;
-    std::vector<std::string> methods_, methods_left_out_;
+    std::vector<std::string> methods_, left_out_;
     std::vector<TunedChoice> ranked_;                               ///< cheapest first
     std::map<std::pair<std::string, std::size_t>, PointRun> runs_;  ///< by choice and point
     std::vector<std::size_t> judged_;                               ///< points that have a reference

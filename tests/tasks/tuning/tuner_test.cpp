@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "tests/tasks/settled_tiny_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -76,6 +78,21 @@ TEST(Tuner, SaysWhatItLeavesOutWhenItsBudgetIsUsedUp) {
     const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
     EXPECT_FALSE(result.chosen);
     for (const TunedChoice& choice : result.choices) EXPECT_EQ(choice.standing, "the budget was used up");
+}
+
+TEST(Tuner, LeavesOutMethodsWhereALevelOfDetailDoesNotTakeThem) {
+    TuneSettings settings = brief();
+    settings.methods = {"leapfrog-sdirk2", RunSettings{}.method};  // friction solved for wants halves of pins
+    const TuneResult result = Tuner(test::settled_tiny(), settings, undisturbed).tune(0.2);
+    EXPECT_THAT(result.left_out, testing::Contains(testing::HasSubstr("leapfrog-sdirk2 at coarse: ")));
+    const auto tried = [&](const char* detail, const std::string& method) {
+        return std::any_of(result.choices.begin(), result.choices.end(),
+                           [&](const TunedChoice& made) { return made.choice.detail == detail && made.choice.method == method; });
+    };
+    EXPECT_TRUE(tried("fine", "leapfrog-sdirk2"));
+    EXPECT_TRUE(tried("coarse", RunSettings{}.method));
+    EXPECT_FALSE(tried("coarse", "leapfrog-sdirk2"));
+    EXPECT_TRUE(result.chosen);
 }
 
 TEST(Tuner, EndsWhenItIsTold) {

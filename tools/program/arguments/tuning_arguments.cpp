@@ -11,6 +11,21 @@
 
 namespace cvtflow::tools {
 
+namespace {
+
+/// "a, b" as {"a", "b"}.
+std::vector<std::string> names_of(const std::string& list) {
+    std::vector<std::string> names;
+    std::istringstream rest(list);
+    for (std::string name; std::getline(rest, name, ',');) {
+        const auto first = name.find_first_not_of(' ');
+        if (first != std::string::npos) names.push_back(name.substr(first, name.find_last_not_of(' ') - first + 1));
+    }
+    return names;
+}
+
+}  // namespace
+
 void declare_tuning(CLI::App& app, TuningArguments& arguments) {
     std::vector<std::string> names;
     for (const tasks::Figure& figure : tasks::figures()) names.emplace_back(figure.name);
@@ -20,6 +35,9 @@ void declare_tuning(CLI::App& app, TuningArguments& arguments) {
            fmt::format(
                "Whose error, separated by commas: {}, or as in a sweep, \"slip median\" (default: slip, efficiency, tight_tension, tips)",
                fmt::join(names, ", ")))
+        ->type_name("LIST");
+    app.add_option("--methods", arguments.methods,
+                   "Methods to choose from, separated by commas (default: the default method and the cheapest of the catalogue)")
         ->type_name("LIST");
     app.add_option("--budget", arguments.budget, "Wall time after which no further choice is tried, e.g. \"2 min\"")->type_name("TIME");
     const tasks::PointTimes usual;
@@ -38,11 +56,9 @@ tasks::TuneSettings tune_settings(const TuningArguments& arguments, bool quiet) 
             throw UsageError(fmt::format("--accuracy {}: expected a share above 0 and up to 50 %, such as \"1 %\"", *arguments.accuracy));
         settings.accuracy = *accuracy;
     }
-    std::istringstream list(arguments.outputs);
-    for (std::string name; std::getline(list, name, ',');) {
-        const auto first = name.find_first_not_of(' ');
-        if (first != std::string::npos) settings.outputs.push_back(name.substr(first, name.find_last_not_of(' ') - first + 1));
-    }
+    settings.outputs = names_of(arguments.outputs);
+    settings.methods = names_of(arguments.methods);
+    for (const std::string& method : settings.methods) require_method(method);
     if (arguments.budget) settings.budget = seconds_of("--budget", *arguments.budget);
     if (arguments.settle) settings.times.settle = seconds_of("--settling", *arguments.settle);
     if (arguments.average) settings.times.average = seconds_of("--average", *arguments.average);

@@ -152,7 +152,7 @@ Action declare_run(CLI::App& app) {
     declare_fresh_start(app, scene);
     declare_tuning(app, arguments->tuning);
     for (const char* chosen : {"--method", "--step", "--tolerance", "--detail"}) app.get_option("--accuracy")->excludes(chosen);
-    for (const char* needs : {"--outputs", "--budget", "--settling", "--average"}) app.get_option(needs)->needs("--accuracy");
+    for (const char* needs : {"--outputs", "--methods", "--budget", "--settling", "--average"}) app.get_option(needs)->needs("--accuracy");
     app.add_option("--cache", arguments->cache,
                    "Where choices for --accuracy are kept (default: $XDG_CACHE_HOME/cvtflow or ~/.cache/cvtflow)")
         ->type_name("DIR")
