@@ -23,8 +23,14 @@ TEST(DetailPresets, SetFiveDialsAndKeepTheOthers) {
         scene.parameters.detail.smoothing = 0.25;
         scene.parameters.detail.stick_slip = true;
         apply_detail(scene, preset.name);
-        const model::Detail expected{
-            preset.pins, preset.order, preset.plates, preset.joint_points, preset.pulleys, model::FrictionLaw::smoothed, 0.25, true};
+        const model::Detail expected{.pins = preset.pins,
+                                     .order = preset.order,
+                                     .plates = preset.plates,
+                                     .joint_points = preset.joint_points,
+                                     .pulleys = preset.pulleys,
+                                     .friction = model::FrictionLaw::smoothed,
+                                     .smoothing = 0.25,
+                                     .stick_slip = true};
         EXPECT_EQ(scene.parameters.detail, expected) << preset.name;
         EXPECT_FALSE(preset.meaning.empty());
     }
