@@ -98,6 +98,7 @@ tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name,
                       fmt::format("detail.joint_points={}", v.joint_points),
                       v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
                       v.pins == model::PinDetail::whole ? "detail.pins=whole" : "detail.pins=halves",
+                      fmt::format("detail.mass_scaling={}", v.mass_scaling),
                       "run.method=" + arguments.method,
                       "run.step=" + arguments.step,
                       "run.until=" + until,
@@ -170,7 +171,7 @@ namespace {
 void require_free_dials(const std::vector<std::string>& settings) {
     for (const std::string& setting : settings) {
         const std::string key = setting.substr(0, setting.find('='));
-        for (const char* dial : {"detail.pins", "detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"}) {
+        for (const std::string_view dial : tasks::dial_keys()) {
             if (key == dial) throw UsageError(fmt::format("--set {}: {} is one of the dials that are compared", setting, key));
         }
     }
