@@ -127,9 +127,10 @@ void average(tasks::Simulation& simulation, double settle, double length, Detail
 
 std::string DetailVariant::name() const {
     if (!preset.empty()) return fmt::format("{}{}", preset, share == 1.0 ? "" : fmt::format(", 1/{:g} of its step", 1.0 / share));
-    return fmt::format("{}p={} {:6} {} pt {}", pins == model::PinDetail::whole ? "whole pins, " : "", order,
+    const std::string slowed = mass_scaling == 1.0 ? "" : fmt::format(", mass x {:g}", mass_scaling);
+    return fmt::format("{}p={} {:6} {} pt {}{}", pins == model::PinDetail::whole ? "whole pins, " : "", order,
                        plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
-                       pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid");
+                       pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", slowed);
 }
 
 std::vector<DetailVariant> detail_variants(bool all) {
@@ -149,7 +150,8 @@ std::vector<DetailVariant> detail_variants(bool all) {
                 {1, lumped, 1, rigid},
                 {0, lumped, 1, rigid},
                 {3, each, 8, elastic, whole},
-                {1, lumped, 1, elastic, whole}};
+                {1, lumped, 1, elastic, whole},
+                {.order = 1, .plates = lumped, .joint_points = 1, .pulleys = elastic, .pins = whole, .mass_scaling = 3.0}};
     }
     std::vector<DetailVariant> list{full_detail};
     for (int order = 3; order >= 0; --order) {
