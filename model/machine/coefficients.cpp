@@ -70,8 +70,9 @@ PointLanes<most_joint_lanes> joint_lanes(const Parameters& p) {
 
 BendingLanes bending_lanes(const Parameters& p, double rigidity) {
     const double cube = p.half.length * p.half.length * p.half.length;
-    const Spring second = damped_spring(144.0 * rigidity / cube, p.half.mass / 5.0, p.chain.damping_ratio);
-    const Spring third = damped_spring(1200.0 * rigidity / cube, p.half.mass / 7.0, p.chain.damping_ratio);
+    const double mass = p.detail.mass_scaling * p.half.mass;
+    const Spring second = damped_spring(144.0 * rigidity / cube, mass / 5.0, p.chain.damping_ratio);
+    const Spring third = damped_spring(1200.0 * rigidity / cube, mass / 7.0, p.chain.damping_ratio);
     const Spring lane1 = p.detail.order >= 3 ? third : second;  // order 2 has one mode per half
     return {{second.stiffness, lane1.stiffness, second.stiffness, third.stiffness},
             {second.damping, lane1.damping, second.damping, third.damping}};
@@ -80,7 +81,7 @@ BendingLanes bending_lanes(const Parameters& p, double rigidity) {
 LinkKind link_kind(const Parameters& p, double pitch) {
     const double length = pitch + p.half.width;
     const double stiffness = p.plate.count * p.plate.bending_stiffness / length;
-    const double tilt_inertia = 0.5 * p.half.mass / 3.0 * 0.25 * p.half.length * p.half.length;
+    const double tilt_inertia = p.detail.mass_scaling * 0.5 * p.half.mass / 3.0 * 0.25 * p.half.length * p.half.length;
     const double shear_inertia = p.detail.order >= 1 ? tilt_inertia : 0.25 * chain_mass(p) * length * length;
     const double zeta = p.chain.damping_ratio;
     return {length, 1.0 / length, damped_spring(stiffness, tilt_inertia, zeta), damped_spring(3.0 * stiffness, shear_inertia, zeta),
@@ -140,7 +141,8 @@ Coefficients::Coefficients(const Parameters& p)
       tip(tip_coefficients(p)),
       middle(0.5 * p.pulley.centre_distance),
       centre_distance(p.pulley.centre_distance) {
-    extension = damped_spring(4.0 * p.chain.young_modulus * p.half.area / p.half.length, p.half.mass / 3.0, p.chain.damping_ratio);
+    extension = damped_spring(4.0 * p.chain.young_modulus * p.half.area / p.half.length, p.detail.mass_scaling * p.half.mass / 3.0,
+                              p.chain.damping_ratio);
     travel = bending_lanes(p, p.half.bending_travel);
     height = bending_lanes(p, p.half.bending_height);
     std::vector<double> pitches;

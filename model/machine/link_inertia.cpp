@@ -56,6 +56,20 @@ struct AxisBasis {
     return basis;
 }
 
+/// Gives motion relative to the translations of `bodies` bodies `factor` times its inertia: the first basis value of each body moves it as
+/// a whole. Rows of translations stay, and with them momentum. (model/EQUATIONS.md section 2)
+void scale_relative(Eigen::MatrixXd& matrix, int bodies, double factor) {
+    if (factor == 1.0) return;
+    const auto size = static_cast<int>(matrix.rows()), each = size / bodies;
+    std::vector<int> whole, relative;
+    for (int k = 0; k < size; ++k) (k % each == 0 ? whole : relative).push_back(k);
+    if (relative.empty()) return;
+    const Eigen::MatrixXd coupling = matrix(whole, relative);
+    const Eigen::MatrixXd carried = coupling.transpose() * Eigen::MatrixXd(matrix(whole, whole)).llt().solve(coupling);
+    const Eigen::MatrixXd own = Eigen::MatrixXd(matrix(relative, relative)) - carried;
+    matrix(relative, relative) += 0.5 * (factor - 1.0) * (own + own.transpose());
+}
+
 [[nodiscard]] LinkInertia inertia_of(const Eigen::MatrixXd& b, const Eigen::MatrixXd& c) {
     LinkInertia inertia;
     inertia.lateral = invert(b);
@@ -89,6 +103,7 @@ LinkInertia link_inertia(const Parameters& p) {
             c += mass * basis.axial * basis.axial.transpose();
         }
     }
+    for (Eigen::MatrixXd* matrix : {&b, &c}) scale_relative(*matrix, bodies, p.detail.mass_scaling);
     return inertia_of(b, c);
 }
 

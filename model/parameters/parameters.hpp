@@ -45,6 +45,7 @@ struct Detail {
     int order = 3;                           ///< p, Legendre order of the axis of a pin half, 0…3
     PlateDetail plates = PlateDetail::each;  ///< every plate, or a lumped pack with the same moments
     int joint_points = 3;                    ///< Gauss-Legendre points along the rolling line of a joint, 1…16
+    double mass_scaling = 1.0;               ///< inertia of motions that tilt or deform a pin, over its own, ≥ 1 [1]
     PulleyDetail pulleys = PulleyDetail::elastic;
     FrictionLaw friction = FrictionLaw::piecewise;
     double smoothing = 0.1;   ///< half-width d of the smoothed law, in units of v0 [1]

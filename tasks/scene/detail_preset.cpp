@@ -16,15 +16,21 @@ std::span<const DetailPreset> detail_presets() noexcept {
     using model::PulleyDetail;
     static constexpr std::array presets{
         DetailPreset{"coarse", "whole pins that roll by constraint, with slope, lumped plates, elastic pulleys", whole, 1,
-                     PlateDetail::lumped, 1, PulleyDetail::elastic, 0.31, 0.02, 0.042},
+                     PlateDetail::lumped, 1, PulleyDetail::elastic, 1.0, 0.31, 0.02, 0.042},
         DetailPreset{"medium", "halves with slope, lumped plates, elastic pulleys", halves, 1, PlateDetail::lumped, 3,
-                     PulleyDetail::elastic, 0.67, 0.004, 0.029},
+                     PulleyDetail::elastic, 1.0, 0.67, 0.004, 0.029},
         DetailPreset{"fine", "bending halves, every plate, elastic pulleys", halves, 3, PlateDetail::each, 3, PulleyDetail::elastic, 1.0,
-                     0.0031, 0.0053},
-        DetailPreset{"full", "fine, with eight points per joint", halves, 3, PlateDetail::each, 8, PulleyDetail::elastic, 1.18, 2.1e-5,
+                     1.0, 0.0031, 0.0053},
+        DetailPreset{"full", "fine, with eight points per joint", halves, 3, PlateDetail::each, 8, PulleyDetail::elastic, 1.0, 1.18, 2.1e-5,
                      1.6e-4},
     };
     return presets;
+}
+
+std::span<const std::string_view> dial_keys() noexcept {
+    static constexpr std::array<std::string_view, 6> keys{"detail.pins",         "detail.order",   "detail.plates",
+                                                          "detail.joint_points", "detail.pulleys", "detail.mass_scaling"};
+    return keys;
 }
 
 std::span<const std::string_view> state_keys() noexcept {
@@ -46,6 +52,7 @@ void apply_detail(Scene& scene, std::string_view preset) {
     detail.order = chosen->order;
     detail.plates = chosen->plates;
     detail.joint_points = chosen->joint_points;
+    detail.mass_scaling = chosen->mass_scaling;
     if (detail.pulleys != model::PulleyDetail::absent) detail.pulleys = chosen->pulleys;
 }
 

@@ -99,7 +99,7 @@ void set_value(Scene& scene, std::string_view setting);
 /// Keys that decide what the state vector is made of, or what the same numbers mean: a state file is of one value of each.
 [[nodiscard]] std::span<const std::string_view> state_keys() noexcept;
 
-/// A level of detail: a name for five of the dials of [detail]. What it costs and how far it is off was measured at seven operating points
+/// A level of detail: a name for some of the dials of [detail]. What it costs and how far it is off was measured at seven operating points
 /// (docs/detail.md); errors are typical ones, half of the points lie below.
 struct DetailPreset {
     std::string_view name;
@@ -109,6 +109,7 @@ struct DetailPreset {
     model::PlateDetail plates;
     int joint_points;
     model::PulleyDetail pulleys;
+    double mass_scaling;   ///< [1]
     double cost;           ///< processor time of a simulated second over that of "fine", each with its own automatic step [1]
     double tension_error;  ///< of the strands' tensions, the larger one, against the finest level at a quarter of its step [1]
     double slip_error;     ///< likewise [1]
@@ -117,8 +118,10 @@ struct DetailPreset {
 /// All levels of detail, coarsest first.
 [[nodiscard]] std::span<const DetailPreset> detail_presets() noexcept;
 
-/// Sets pins, order, plates, joint_points and pulleys of a preset. Keeps the friction law, its smoothing and stick_slip, and pulleys =
-/// "absent".
+/// Keys that a level of detail sets.
+[[nodiscard]] std::span<const std::string_view> dial_keys() noexcept;
+
+/// Sets the dials of a preset. Keeps the friction law, its smoothing and stick_slip, and pulleys = "absent".
 /// @throws SceneError  unknown preset
 void apply_detail(Scene& scene, std::string_view preset);
 

@@ -30,7 +30,8 @@ double seconds_since(WallClock::time_point then) { return std::chrono::duration<
 /// The dials that a level of detail turns, as they are in a scene.
 auto dials(const Scene& scene) {
     const model::Detail& detail = scene.parameters.detail;
-    return std::tuple(detail.order, detail.plates, detail.joint_points, detail.pulleys, model::layout_of(scene.parameters));
+    return std::tuple(detail.order, detail.plates, detail.joint_points, detail.pulleys, detail.mass_scaling,
+                      model::layout_of(scene.parameters));
 }
 
 /// Levels of detail, the scene's own among them if it is none of those with a name.

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -18,6 +19,7 @@ TEST(Losses, AreNeverNegativeOnAnyState) {
     std::uint64_t seed = 900;
     std::vector<oracle::Case> cases = oracle::all_details(oracle::small_scene());
     for (const oracle::Case& whole : oracle::whole_pins(oracle::small_scene())) cases.push_back(whole);
+    for (const oracle::Case& slowed : oracle::slowed_pins(oracle::small_scene())) cases.push_back(slowed);
     for (const oracle::Case& one : cases) {
         const model::Variator variator(one.parameters);
         model::Observer observer(variator);
@@ -69,8 +71,9 @@ std::vector<double> link_force(const model::Variator& variator, int link, const 
 
 class Gradient {
 public:
-    explicit Gradient(const model::Parameters& p)
-        : variator_(p), observer_(variator_), random_(oracle::random_state(p, 21)), slope_(random_.state.size()) {
+    explicit Gradient(const model::Parameters& p) : Gradient(p, oracle::random_state(p, 21)) {}
+    Gradient(const model::Parameters& p, const oracle::RandomState& state)
+        : variator_(p), observer_(variator_), random_(state), slope_(random_.state.size()) {
         model::EvaluationScratch scratch(variator_.layout());
         model::right_hand_side(variator_, 0.0, random_.state.data(), random_.phases.data(), slope_.data(), scratch);
     }
@@ -137,6 +140,26 @@ TEST_P(ElasticForces, OnPulleysAreMinusTheGradientPlusInputs) {
                              (gradient.slope(at.pulley_begin() + at.pulley_size + k) - other[static_cast<std::size_t>(at.pulley_size + k)]);
         const double expected = gradient.minus_gradient(at.pulley_begin() + k, h);
         EXPECT_NEAR(force, expected, 5e-3 + 1e-6 * std::abs(expected)) << "coordinate " << k;
+    }
+}
+
+TEST_P(ElasticForces, AtRestAreTheSameWithMassScaling) {
+    model::Parameters p = at_level(oracle::small_scene(), GetParam());
+    oracle::RandomState still = oracle::random_state(p, 22);
+    const model::ChainLayout at = model::layout_of(p);
+    for (int link = 0; link < at.links; ++link)
+        std::fill_n(still.state.begin() + at.link_begin(link) + at.link_size(), at.link_size(), 0.0);
+    std::fill_n(still.state.begin() + at.pulley_begin() + at.pulley_size, at.pulley_size, 0.0);
+    const Gradient own(p, still);
+    p.detail.mass_scaling = 30.0;
+    const Gradient slowed(p, still);
+    for (int link = 0; link < at.links; ++link) {
+        const auto force = own.force(link), other = slowed.force(link);
+        const double largest =
+            std::abs(*std::max_element(force.begin(), force.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }));
+        // Through accelerations and back: matrices of a condition below 3000.
+        for (std::size_t k = 0; k < force.size(); ++k)
+            EXPECT_NEAR(other[k], force[k], 1e-12 * largest) << "link " << link << ", coordinate " << k;
     }
 }
 

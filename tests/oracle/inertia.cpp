@@ -68,8 +68,7 @@ Matrix pin_inertia(const System& system) {
     return matrix;
 }
 
-Matrix link_inertia(const System& system) {
-    if (system.layout.whole) return pin_inertia(system);
+Matrix half_inertia(const System& system) {
     const auto& layout = system.layout;
     const Real mass = system.parameters.half.mass;
     Matrix matrix(layout.link_size(), std::vector<Real>(layout.link_size(), 0.0L));
@@ -83,6 +82,32 @@ Matrix link_inertia(const System& system) {
     }
     for (const PlateSpring& plate : plate_springs(system.parameters)) {
         for (const Basis& basis : bases_at(layout, plate.xi)) add_plate_inertia(matrix, basis, plate.mass);
+    }
+    return matrix;
+}
+
+/// What is left of a matrix when the translations of pins or halves are eliminated is the inertia of motion relative to them: it counts
+/// `mass_scaling` times.
+Matrix link_inertia(const System& system) {
+    const auto& layout = system.layout;
+    Matrix matrix = layout.whole ? pin_inertia(system) : half_inertia(system);
+    std::vector<int> translations, others;
+    for (int k = 0; k < layout.link_size(); ++k) {
+        bool translation = false;
+        for (const End end : {End::rear, End::front})
+            translation = translation || k == layout.x(end, 0) || k == layout.y(end, 0) || k == layout.z(end);
+        (translation ? translations : others).push_back(k);
+    }
+    Matrix left = matrix;
+    for (const int pivot : translations) {
+        const std::vector<Real> row = left[pivot];
+        for (int r = 0; r < layout.link_size(); ++r) {
+            const Real factor = left[r][pivot] / row[pivot];
+            for (int c = 0; c < layout.link_size() && r != pivot; ++c) left[r][c] -= factor * row[c];
+        }
+    }
+    for (const int r : others) {
+        for (const int c : others) matrix[r][c] += (Real{system.parameters.detail.mass_scaling} - 1.0L) * left[r][c];
     }
     return matrix;
 }

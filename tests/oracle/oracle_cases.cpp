@@ -51,6 +51,19 @@ std::vector<Case> whole_pins(const model::Parameters& base) {
     return cases;
 }
 
+std::vector<Case> slowed_pins(const model::Parameters& base) {
+    std::vector<Case> cases;
+    for (const auto pins : {model::PinDetail::halves, model::PinDetail::whole}) {
+        for (Case one : whole_pins(base)) {
+            one.parameters.detail.pins = pins;
+            one.parameters.detail.mass_scaling = 7.0;
+            one.name = (pins == model::PinDetail::whole ? "slowed " : "slowed halves, not ") + one.name;
+            cases.push_back(one);
+        }
+    }
+    return cases;
+}
+
 void make_conservative(model::Parameters& p) {
     p.chain.damping_ratio = 0.0;
     p.pulley.damping_ratio = 0.0;

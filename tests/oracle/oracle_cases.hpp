@@ -21,6 +21,8 @@ model::Parameters small_scene();
 std::vector<Case> all_details(const model::Parameters& base);
 /// Whole pins with all combinations of order, plates and pulleys.
 std::vector<Case> whole_pins(const model::Parameters& base);
+/// Halves and whole pins with all combinations of order, plates and pulleys, with mass scaling.
+std::vector<Case> slowed_pins(const model::Parameters& base);
 /// No friction, no damping.
 void make_conservative(model::Parameters& parameters);
 

@@ -57,6 +57,14 @@ TEST(PowerBalance, EnergyChangesByWorksMinusLossesAndEveryLossIsPositive) {
     }
 }
 
+TEST(PowerBalance, HoldsWithMassScaling) {
+    std::uint64_t seed = 200;
+    for (const Case& one : slowed_pins(small_scene())) {
+        SCOPED_TRACE(one.name);
+        expect_balance(one.parameters, 0.0, seed++);
+    }
+}
+
 TEST(PowerBalance, HoldsWithDampingSoHeavyThatContactsLetGo) {
     model::Parameters base = small_scene();
     base.chain.damping_ratio = 50.0;

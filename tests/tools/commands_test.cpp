@@ -209,7 +209,8 @@ TEST_F(Commands, WriteAsJsonWhatTheyMeasure) {
     EXPECT_EQ(trade["choices"][0]["wall_seconds_per_second"].size(), 2u);
     const auto detail =
         json_of({"detail", "baseline", "--settle", "20us", "--average", "20us", "--control", "0 s"}, "detail_baseline.json");
-    EXPECT_EQ(detail["variants"].size(), 13u);
+    EXPECT_EQ(detail["variants"].size(), 14u);
+    EXPECT_EQ(detail["variants"].back()["mass_scaling"], 3.0);
     EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not looked for";
 }
 

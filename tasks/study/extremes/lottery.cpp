@@ -61,8 +61,7 @@ std::vector<std::string> lottery_machine(std::uint64_t seed, long number) {
     const DetailPreset& preset = urn.one_of(detail_presets());
     Scene scene;
     apply_detail(scene, preset.name);
-    for (const char* key : {"detail.pins", "detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"})
-        settings.push_back(fmt::format("{}={}", key, value_text(*find_parameter(key), scene)));
+    for (const std::string_view key : dial_keys()) settings.push_back(fmt::format("{}={}", key, value_text(*find_parameter(key), scene)));
     settings.push_back(urn.draw() < 0.5 ? "detail.friction=piecewise" : "detail.friction=smoothed");
     settings.push_back(urn.draw() < 0.5 ? "joint.law=linear" : "joint.law=palmgren");
     for (const Parameter& parameter : parameter_table()) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -135,6 +136,92 @@ TEST(LinkInertia, IsTheKineticEnergyOfItsMasses) {
         double energy = 0.0;
         for (std::size_t k = 0; k < v.size(); ++k) energy += 0.5 * v[k] * momentum[k];
         EXPECT_NEAR(energy, kinetic_energy(p, a, b), 1e-16);  // ~1e-2 J, some ten roundings
+    });
+}
+
+/// Inertia of one direction as it is and as it is with mass scaling; coordinates that move a pin or half as a whole come first of each.
+struct Scaled {
+    Eigen::MatrixXd own, slowed;
+    int bodies;
+
+    [[nodiscard]] int each() const { return static_cast<int>(own.rows()) / bodies; }
+    [[nodiscard]] std::vector<int> chosen(bool translations) const {
+        std::vector<int> list;
+        for (int k = 0; k < own.rows(); ++k) {
+            if ((k % each() == 0) == translations) list.push_back(k);
+        }
+        return list;
+    }
+};
+
+constexpr double factor = 30.0;
+
+/// Of x and y, and of z, at every level of detail.
+template <class Check>
+void for_every_direction(const Check& check) {
+    for (const PinDetail pins : {PinDetail::halves, PinDetail::whole}) {
+        for_every_detail([&]<int P>(Parameters p) {
+            p.detail.pins = pins;
+            const int bodies = layout_of(p).bodies();
+            const LinkInertia own = link_inertia(p);
+            p.detail.mass_scaling = factor;
+            const LinkInertia slowed = link_inertia(p);
+            const auto matrix = [](const double* rows, int size) {
+                return Eigen::MatrixXd(Eigen::Map<const Eigen::MatrixXd>(rows, size, size));
+            };
+            check(Scaled{matrix(own.lateral_matrix.data(), own.lateral.size), matrix(slowed.lateral_matrix.data(), own.lateral.size),
+                         bodies});
+            check(Scaled{matrix(own.axial_matrix.data(), own.axial.size), matrix(slowed.axial_matrix.data(), own.axial.size), bodies});
+        });
+    }
+}
+
+TEST(MassScaling, LeavesMomentumOfEveryTranslationToTheBit) {
+    for_every_direction([](const Scaled& of) {
+        EXPECT_LT((of.slowed - of.slowed.transpose()).norm(), 1e-15 * of.slowed.norm());
+        for (const int row : of.chosen(true)) EXPECT_EQ(of.slowed.row(row), of.own.row(row));
+    });
+}
+
+/// With momentum p_0 of the translations, energy is ½ p_0·M_00⁻¹ p_0 and that of motion without momentum.
+TEST(MassScaling, MultipliesTheEnergyOfMotionWithoutMomentum) {
+    std::mt19937_64 random(4);
+    std::uniform_real_distribution<double> any(-1.0, 1.0);
+    int compared = 0;
+    for_every_direction([&](const Scaled& of) {
+        const std::vector<int> translations = of.chosen(true), relative = of.chosen(false);
+        if (relative.empty()) return;
+        Eigen::VectorXd v = Eigen::VectorXd::NullaryExpr(of.own.rows(), [&] { return any(random); });
+        const Eigen::VectorXd momentum = of.own(translations, relative) * v(relative);
+        v(translations) = -Eigen::MatrixXd(of.own(translations, translations)).llt().solve(momentum);
+        const double expected = factor * v.dot(of.own * v);
+        EXPECT_NEAR(v.dot(of.slowed * v), expected, 1e-13 * expected);  // some tens of roundings
+        ++compared;
+    });
+    EXPECT_EQ(compared, 28);  // z at 16 levels, x and y at the 12 that are not of order 0
+}
+
+TEST(MassScaling, LowersFrequenciesOfAFreePinByItsSquareRoot) {
+    for_every_direction([](const Scaled& of) {
+        Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(of.own.rows(), of.own.rows());
+        for (const int k : of.chosen(false)) stiffness(k, k) = 1e8 * (1.0 + k);  // springs that hold the pin to itself
+        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> own(stiffness, of.own), slowed(stiffness, of.slowed);
+        const double largest = own.eigenvalues().maxCoeff();
+        for (Eigen::Index k = 0; k < of.own.rows(); ++k)
+            EXPECT_NEAR(factor * slowed.eigenvalues()(k), own.eigenvalues()(k), 1e-12 * largest);  // condition of the matrices: 1e3
+    });
+}
+
+TEST(MassScaling, IsInvertedAsExactlyAsTheMatrixItself) {
+    for_every_detail([&]<int P>(Parameters p) {
+        p.detail.mass_scaling = factor;
+        const LinkInertia inertia = link_inertia(p);
+        constexpr int size = 2 * (P + 1);
+        std::vector<double> a(2 * size + 4, 1.0);
+        accelerate<P>(inertia, a.data());
+        // Condition numbers are below 3000: a few thousand roundings of 1.
+        for (const double back : times(inertia.lateral_matrix.data(), size, a.data())) EXPECT_NEAR(back, 1.0, 1e-12);
+        for (const double back : times(inertia.axial_matrix.data(), 4, a.data() + 2 * size)) EXPECT_NEAR(back, 1.0, 1e-12);
     });
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -16,18 +17,46 @@
 namespace cvtflow::tasks {
 namespace {
 
-TEST(DetailPresets, SetFiveDialsAndKeepTheOthers) {
+TEST(DetailPresets, SetTheirDialsAndKeepTheOthers) {
     for (const DetailPreset& preset : detail_presets()) {
         Scene scene;
         scene.parameters.detail.friction = model::FrictionLaw::smoothed;
         scene.parameters.detail.smoothing = 0.25;
         scene.parameters.detail.stick_slip = true;
+        scene.parameters.detail.mass_scaling = 3.0;
         apply_detail(scene, preset.name);
-        const model::Detail expected{
-            preset.pins, preset.order, preset.plates, preset.joint_points, preset.pulleys, model::FrictionLaw::smoothed, 0.25, true};
+        const model::Detail expected{.pins = preset.pins,
+                                     .order = preset.order,
+                                     .plates = preset.plates,
+                                     .joint_points = preset.joint_points,
+                                     .mass_scaling = preset.mass_scaling,
+                                     .pulleys = preset.pulleys,
+                                     .friction = model::FrictionLaw::smoothed,
+                                     .smoothing = 0.25,
+                                     .stick_slip = true};
         EXPECT_EQ(scene.parameters.detail, expected) << preset.name;
         EXPECT_FALSE(preset.meaning.empty());
     }
+}
+
+TEST(DetailPresets, SetNothingButTheDialsAndNoneOfThemInVain) {
+    std::set<std::string_view> changed;
+    for (const DetailPreset& preset : detail_presets()) {
+        Scene before;
+        before.parameters.detail = {.pins = model::PinDetail::whole,
+                                    .order = 0,
+                                    .joint_points = 5,
+                                    .mass_scaling = 3.0,
+                                    .pulleys = model::PulleyDetail::rigid,
+                                    .friction = model::FrictionLaw::smoothed};
+        Scene after = before;
+        apply_detail(after, preset.name);
+        for (const Parameter& parameter : parameter_table()) {
+            if (value_text(parameter, before) != value_text(parameter, after)) changed.insert(parameter.key);
+        }
+    }
+    const auto dials = dial_keys();
+    EXPECT_EQ(changed, std::set<std::string_view>(dials.begin(), dials.end()));
 }
 
 TEST(DetailPresets, LeaveAbsentPulleysAbsent) {

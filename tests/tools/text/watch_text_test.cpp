@@ -72,7 +72,7 @@ TEST_F(WatchText, DetailLeavesOutOneVariantThatIsUnreliable) {
     EXPECT_EQ(outcome.status, 5);
     EXPECT_THAT(outcome.err, HasSubstr("cvtflow: baseline: p=3 each   8 pt rigid: unreliable: the energy balance is off by "));
     EXPECT_THAT(outcome.out, ContainsRegex("\n  p=3 each   8 pt rigid +1684 +- +- +- +- +- +- +- +- +- +- +unreliable\n"));
-    EXPECT_THAT(read("out/detail_baseline.csv"), HasSubstr("\nhalves,3,each,8,rigid,1684,,,,,,,,,,unreliable,,,,,,\n"));
+    EXPECT_THAT(read("out/detail_baseline.csv"), HasSubstr("\nhalves,3,each,8,rigid,1,1684,,,,,,,,,,unreliable,,,,,,\n"));
     EXPECT_THAT(read("out/detail_baseline.json"), HasSubstr("\"status\": \"unreliable\""));
 }
 

@@ -61,7 +61,7 @@ std::vector<LadderPoint> ladder_points(const DetailArguments& arguments) {
 }
 
 DetailVariant rung_variant(const tasks::DetailPreset& preset, double share) {
-    return {preset.order, preset.plates, preset.joint_points, preset.pulleys, preset.pins, preset.name, share};
+    return {preset.order, preset.plates, preset.joint_points, preset.pulleys, preset.pins, preset.name, share, preset.mass_scaling};
 }
 
 Ladder measure_ladder(const DetailArguments& arguments, const LadderPoint& point) {

@@ -98,6 +98,7 @@ tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name,
                       fmt::format("detail.joint_points={}", v.joint_points),
                       v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
                       v.pins == model::PinDetail::whole ? "detail.pins=whole" : "detail.pins=halves",
+                      fmt::format("detail.mass_scaling={}", v.mass_scaling),
                       "run.method=" + arguments.method,
                       "run.step=" + arguments.step,
                       "run.until=" + until,
@@ -126,9 +127,10 @@ void average(tasks::Simulation& simulation, double settle, double length, Detail
 
 std::string DetailVariant::name() const {
     if (!preset.empty()) return fmt::format("{}{}", preset, share == 1.0 ? "" : fmt::format(", 1/{:g} of its step", 1.0 / share));
-    return fmt::format("{}p={} {:6} {} pt {}", pins == model::PinDetail::whole ? "whole pins, " : "", order,
+    const std::string slowed = mass_scaling == 1.0 ? "" : fmt::format(", mass x {:g}", mass_scaling);
+    return fmt::format("{}p={} {:6} {} pt {}{}", pins == model::PinDetail::whole ? "whole pins, " : "", order,
                        plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
-                       pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid");
+                       pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", slowed);
 }
 
 std::vector<DetailVariant> detail_variants(bool all) {
@@ -148,7 +150,8 @@ std::vector<DetailVariant> detail_variants(bool all) {
                 {1, lumped, 1, rigid},
                 {0, lumped, 1, rigid},
                 {3, each, 8, elastic, whole},
-                {1, lumped, 1, elastic, whole}};
+                {1, lumped, 1, elastic, whole},
+                {.order = 1, .plates = lumped, .joint_points = 1, .pulleys = elastic, .pins = whole, .mass_scaling = 3.0}};
     }
     std::vector<DetailVariant> list{full_detail};
     for (int order = 3; order >= 0; --order) {
@@ -170,7 +173,7 @@ namespace {
 void require_free_dials(const std::vector<std::string>& settings) {
     for (const std::string& setting : settings) {
         const std::string key = setting.substr(0, setting.find('='));
-        for (const char* dial : {"detail.pins", "detail.order", "detail.plates", "detail.joint_points", "detail.pulleys"}) {
+        for (const std::string_view dial : tasks::dial_keys()) {
             if (key == dial) throw UsageError(fmt::format("--set {}: {} is one of the dials that are compared", setting, key));
         }
     }

@@ -26,7 +26,7 @@ struct DetailArguments {
     bool all = false, rungs = false;
 };
 
-/// A combination of the five dials.
+/// A combination of the dials.
 struct DetailVariant {
     int order;
     model::PlateDetail plates;
@@ -35,6 +35,7 @@ struct DetailVariant {
     model::PinDetail pins = model::PinDetail::halves;
     std::string_view preset{};  ///< its name as a level of detail; empty: it has none here
     double share = 1.0;         ///< of the automatic step; 1: automatic steps [1]
+    double mass_scaling = 1.0;  ///< [1]
     [[nodiscard]] std::string name() const;
 };
 inline constexpr DetailVariant full_detail{3, model::PlateDetail::each, 8, model::PulleyDetail::elastic};

@@ -50,22 +50,26 @@ void add_row(Table& table, const DetailOutcome& o, const DetailOutcome& referenc
 
 const char* pins_of(const DetailOutcome& o) { return o.variant.pins == model::PinDetail::whole ? "whole" : "halves"; }
 
+/// Cells of the variant's dials.
+std::string dials_csv(const DetailOutcome& o) {
+    return fmt::format("{},{},{},{},{},{:g}", pins_of(o), o.variant.order, o.variant.plates == model::PlateDetail::each ? "each" : "lumped",
+                       o.variant.joint_points, o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid",
+                       o.variant.mass_scaling);
+}
+
 std::string csv_of(const std::vector<DetailOutcome>& outcomes) {
     std::string text =
-        "pins,order,plates,joint_points,pulleys,coordinates,cost_s,tight_N,slack_N,pin_axial_N,slip,ratio,shift_per_s,thrust_ratio,drift,";
+        "pins,order,plates,joint_points,pulleys,mass_scaling,coordinates,cost_s,tight_N,slack_N,pin_axial_N,slip,ratio,shift_per_s,thrust_"
+        "ratio,drift,";
     text += watch_heading + std::string("\n");
     for (const DetailOutcome& o : outcomes) {
         if (!o.fault.empty()) {
-            text += fmt::format("{},{},{},{},{},{},,,,,,,,,,{},,,,,,\n", pins_of(o), o.variant.order,
-                                o.variant.plates == model::PlateDetail::each ? "each" : "lumped", o.variant.joint_points,
-                                o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", o.coordinates, o.status);
+            text += fmt::format("{},{},,,,,,,,,,{},,,,,,\n", dials_csv(o), o.coordinates, o.status);
             continue;
         }
-        text += fmt::format("{},{},{},{},{},{},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g},{}\n", pins_of(o),
-                            o.variant.order, o.variant.plates == model::PlateDetail::each ? "each" : "lumped", o.variant.joint_points,
-                            o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", o.coordinates, o.cost, o.tight,
-                            o.slack, o.tip, o.slip, o.ratio, o.shift, o.thrust == 0.0 ? "" : fmt::format("{:.6g}", o.thrust), o.drift,
-                            watch_csv({}, o.watch));
+        text += fmt::format("{},{},{:.4g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g},{},{:.3g},{}\n", dials_csv(o), o.coordinates, o.cost,
+                            o.tight, o.slack, o.tip, o.slip, o.ratio, o.shift, o.thrust == 0.0 ? "" : fmt::format("{:.6g}", o.thrust),
+                            o.drift, watch_csv({}, o.watch));
     }
     return text;
 }
@@ -76,6 +80,7 @@ nlohmann::ordered_json row_json(const DetailOutcome& o) {
                                {"plates", o.variant.plates == model::PlateDetail::each ? "each" : "lumped"},
                                {"joint_points", o.variant.joint_points},
                                {"pulleys", o.variant.pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid"},
+                               {"mass_scaling", o.variant.mass_scaling},
                                {"coordinates", o.coordinates}};
     if (!o.fault.empty()) {
         row["status"] = o.status;

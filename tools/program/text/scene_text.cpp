@@ -18,7 +18,7 @@ std::string_view preset_name(const model::Detail& detail) {
     for (const tasks::DetailPreset& preset : tasks::detail_presets()) {
         const bool pulleys = preset.pulleys == detail.pulleys || detail.pulleys == model::PulleyDetail::absent;
         if (preset.pins == detail.pins && preset.order == detail.order && preset.plates == detail.plates &&
-            preset.joint_points == detail.joint_points && pulleys)
+            preset.joint_points == detail.joint_points && preset.mass_scaling == detail.mass_scaling && pulleys)
             return preset.name;
     }
     return {};
@@ -35,8 +35,9 @@ std::string detail_text(const tasks::Scene& scene) {
     const std::string dials =
         fmt::format("order {}, {}, {}, {}", detail.order, detail.plates == model::PlateDetail::each ? "every plate" : "lumped plates",
                     joints, detail.pulleys == model::PulleyDetail::absent ? "no pulleys" : choice(scene, "detail.pulleys") + " pulleys");
+    const std::string slowed = detail.mass_scaling == 1.0 ? "" : fmt::format(", mass scaling {}", choice(scene, "detail.mass_scaling"));
     const std::string friction = choice(scene, "detail.friction") + " friction" + (detail.stick_slip ? " with stick and slip" : "");
-    return name.empty() ? fmt::format("{}; {}", dials, friction) : fmt::format("{} ({}); {}", name, dials, friction);
+    return name.empty() ? fmt::format("{}{}; {}", dials, slowed, friction) : fmt::format("{} ({}{}); {}", name, dials, slowed, friction);
 }
 
 }  // namespace cvtflow::tools

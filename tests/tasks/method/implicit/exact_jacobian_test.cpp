@@ -41,6 +41,7 @@ TEST(ExactJacobian, KnowsEveryLawAndKindOfPulley) {
         {"detail.stick_slip=true"},
         {"detail.pulleys=rigid"},
         {"detail.plates=each", "detail.joint_points=8"},
+        {"detail.mass_scaling=10"},
         {"control.enabled=true", "control.ratio=1.0", "record.ledger=true"},
         {"control.enabled=true", "control.driven=safety", "control.ratio=1.0", "record.ledger=true"}};
     for (const auto& extra : scenes) {
