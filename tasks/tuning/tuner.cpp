@@ -4,9 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
-#include "tasks/method/method_choice.hpp"
 #include "tasks/study/detail_state.hpp"
 #include "tasks/study/tradeoff/pareto.hpp"
 
@@ -16,45 +14,9 @@ namespace {
 
 using WallClock = std::chrono::steady_clock;
 
-constexpr double shares[] = {1.0, 0.5, 0.25};  ///< of the automatic step
-constexpr std::size_t most_methods = 3;
-constexpr double method_reach = 2.0;    ///< methods so many times as dear as the cheapest are left out
-constexpr double method_trial = 50e-6;  ///< [s]
-constexpr double cost_trial = 1e-3;     ///< [s]
-constexpr int rounds = 3;
-constexpr double alike = 1.1;              ///< costs within this factor are ranked by work
 constexpr double gained_by_halving = 4.0;  ///< at most, by a method of second order
 
 double seconds_since(WallClock::time_point then) { return std::chrono::duration<double>(WallClock::now() - then).count(); }
-
-/// The dials that a level of detail turns, as they are in a scene.
-auto dials(const Scene& scene) {
-    const model::Detail& detail = scene.parameters.detail;
-    return std::tuple(detail.order, detail.plates, detail.joint_points, detail.pulleys, detail.mass_scaling,
-                      model::layout_of(scene.parameters));
-}
-
-/// Levels of detail, the scene's own among them if it is none of those with a name.
-std::vector<std::string> levels_for(const Scene& scene) {
-    std::vector<std::string> levels;
-    bool named = false;
-    for (const DetailPreset& preset : detail_presets()) {
-        Scene at = scene;
-        apply_detail(at, preset.name);
-        named = named || dials(at) == dials(scene);
-        levels.emplace_back(preset.name);
-    }
-    if (!named) levels.emplace_back();
-    return levels;
-}
-
-double median_of(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
-
-/// Costs that differ by less than a tenth fall into one bin, or into neighbouring ones.
-long bin_of(double seconds) { return std::lround(std::log(seconds) / std::log(alike)); }
 
 }  // namespace
 
@@ -82,118 +44,6 @@ void Tuner::say(const std::string& what) const {
 
 void Tuner::require_going_on() const {
     if (cancel_.requested()) throw SimulationError("interrupted");
-}
-
-/// "rk4, heun: reason" of methods that the same speaks against, in their order. @param objections method, reason
-std::vector<std::string> joined_by_reason(const std::vector<std::pair<std::string, std::string>>& objections) {
-    std::vector<std::string> lines;
-    for (const auto& [name, reason] : objections) {
-        const auto ending = ": " + reason;
-        const auto same = std::find_if(lines.begin(), lines.end(), [&](const std::string& line) { return line.ends_with(ending); });
-        if (same == lines.end())
-            lines.push_back(name + ending);
-        else
-            same->insert(same->size() - ending.size(), ", " + name);
-    }
-    return lines;
-}
-
-/// The cheapest methods of the catalogue, each at its automatic step, by a short run with the scene's own detail; those that are asked for.
-void Tuner::find_methods() {
-    methods_ = settings_.methods;
-    if (!methods_.empty()) return;
-    const std::string usual = RunSettings{}.method;
-    if (settings_.same_everywhere) {
-        methods_ = {usual};
-        left_out_ = {fmt::format("all methods but {}: which of them is cheapest depends on the machine", usual)};
-        return;
-    }
-    say("methods");
-    std::vector<std::pair<double, std::string>> costs;
-    std::vector<std::pair<std::string, std::string>> objections;
-    for (const std::string& name : method_names()) {
-        require_going_on();
-        try {
-            const PointRun run = points_.front().trial({"", name}, method_trial);
-            if (run.objection.empty())
-                costs.emplace_back(run.seconds, name);
-            else
-                objections.emplace_back(name, run.objection);
-        } catch (const std::exception& error) {  // a method that cannot be used with the scene
-            objections.emplace_back(name, error.what());
-        }
-    }
-    left_out_ = joined_by_reason(objections);
-    std::stable_sort(costs.begin(), costs.end());
-    std::vector<std::string> dear;
-    for (const auto& [seconds, name] : costs) {
-        const double over = seconds / costs.front().first;
-        const bool taken = name == usual || (methods_.size() < most_methods && over <= method_reach);
-        if (taken)
-            methods_.push_back(name);
-        else
-            dear.push_back(fmt::format("{} ({:.3g})", name, over));
-    }
-    if (!dear.empty())
-        left_out_.push_back(fmt::format("methods that are so many times as dear as {}: {}", costs.front().second, fmt::join(dear, ", ")));
-}
-
-std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
-    std::vector<std::pair<TunedChoice, double>> bases;
-    std::vector<std::pair<std::string, std::string>> objections;
-    for (const std::string& level : levels_for(scene_)) {
-        for (const std::string& method : methods_) {
-            require_going_on();
-            TunedChoice base;
-            base.choice = {level, method};
-            try {
-                const PointRun run = points_.front().trial(base.choice, cost_trial);
-                base.work = run.work;
-                bases.emplace_back(base, run.seconds);
-            } catch (const std::exception& error) {  // a method that the scene's detail takes need not take every level: whole pins
-                objections.emplace_back(fmt::format("{} at {}", method, level.empty() ? "the scene's own detail" : level), error.what());
-            }
-        }
-    }
-    for (const std::string& line : joined_by_reason(objections)) left_out_.push_back(line);
-    if (bases.empty()) throw SimulationError(fmt::format("{}: nothing can be tried:\n  {}", scene_.name, fmt::join(left_out_, "\n  ")));
-    return bases;
-}
-
-/// Every level with every method, in turns; shares of the step cost in proportion.
-void Tuner::find_costs() {
-    say("costs");
-    const auto bases = find_bases();
-    std::vector<std::vector<double>> seconds;
-    for (const auto& [base, first] : bases) seconds.push_back({first});
-    for (int round = 1; round < rounds; ++round) {
-        for (std::size_t i = 0; i < bases.size(); ++i) {
-            require_going_on();
-            seconds[i].push_back(points_.front().trial(bases[i].first.choice, cost_trial).seconds);
-        }
-    }
-    for (std::size_t i = 0; i < bases.size(); ++i) {
-        const auto [least, most] = std::minmax_element(seconds[i].begin(), seconds[i].end());
-        TunedChoice base = bases[i].first;
-        base.seconds = median_of(seconds[i]);
-        base.spread = (*most - *least) / base.seconds;
-        for (const double share : shares) {
-            TunedChoice& made = ranked_.emplace_back(base);
-            made.choice.share = share;
-            made.seconds /= share;
-            made.work /= share;
-        }
-    }
-    std::stable_sort(ranked_.begin(), ranked_.end(), [this](const TunedChoice& a, const TunedChoice& b) {
-        if (settings_.same_everywhere) return a.work < b.work;
-        return std::pair(bin_of(a.seconds), a.work) < std::pair(bin_of(b.seconds), b.work);
-    });
-}
-
-void Tuner::prepare() {
-    if (!ranked_.empty()) return;
-    find_methods();
-    find_costs();
 }
 
 void Tuner::find_references(double accuracy, TuneResult& result) {
