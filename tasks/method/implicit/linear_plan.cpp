@@ -34,11 +34,14 @@ LinearPlan steihaug_wolfbrandt() {
 
 namespace {
 
-/// Table in increments u = Γ k from one in slopes k (α, Γ, b as in the literature).
+/// Table in increments u = Γ k from one in slopes k (α, Γ, b as in the literature). In long double, which has no vectors: the same bits
+/// however this is compiled.
 LinearPlan transformed(const Eigen::MatrixXd& alpha, const Eigen::MatrixXd& gamma, const Eigen::RowVectorXd& weights) {
-    const Eigen::MatrixXd inverse = gamma.inverse();
-    const Eigen::MatrixXd states = alpha * inverse;
-    const Eigen::RowVectorXd result = weights * inverse;
+    using Wide = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+    const Wide wide_inverse = Wide(gamma.cast<long double>()).inverse();
+    const Eigen::MatrixXd inverse = wide_inverse.cast<double>();
+    const Eigen::MatrixXd states = Wide(alpha.cast<long double>() * wide_inverse).cast<double>();
+    const Eigen::RowVectorXd result = Wide(weights.cast<long double>() * wide_inverse).cast<double>().row(0);
     LinearPlan plan;
     for (Eigen::Index i = 0; i < alpha.rows(); ++i) {
         LinearStage stage{gamma(i, i), {}, {}};
