@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tasks/method/method_choice.hpp"
+#include "tasks/scene/parameter_table.hpp"
 #include "tasks/tuning/tuner.hpp"
 
 namespace cvtflow::tasks {
@@ -20,13 +21,6 @@ constexpr double cost_trial = 1e-3;     ///< [s]
 constexpr int rounds = 3;
 constexpr double alike = 1.1;  ///< costs within this factor are ranked by work
 
-/// The dials that a level of detail turns, as they are in a scene.
-auto dials(const Scene& scene) {
-    const model::Detail& detail = scene.parameters.detail;
-    return std::tuple(detail.order, detail.plates, detail.joint_points, detail.pulleys, detail.mass_scaling,
-                      model::layout_of(scene.parameters));
-}
-
 /// Levels of detail, the scene's own among them if it is none of those with a name.
 std::vector<std::string> levels_for(const Scene& scene) {
     std::vector<std::string> levels;
@@ -34,7 +28,11 @@ std::vector<std::string> levels_for(const Scene& scene) {
     for (const DetailPreset& preset : detail_presets()) {
         Scene at = scene;
         apply_detail(at, preset.name);
-        named = named || dials(at) == dials(scene);
+        const auto dials = dial_keys();
+        named = named || std::all_of(dials.begin(), dials.end(), [&](std::string_view key) {
+                    const Parameter& dial = *find_parameter(key);
+                    return value_text(dial, at) == value_text(dial, scene);
+                });
         levels.emplace_back(preset.name);
     }
     if (!named) levels.emplace_back();
