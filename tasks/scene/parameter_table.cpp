@@ -29,7 +29,8 @@ const std::vector<Parameter>& rows() {
      "Gauss-Legendre points along the rolling line of a joint.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.detail.joint_points; }},
     {"detail.mass_scaling", "1", 1, 1000, {},
-     "Factor on the inertia of motions that tilt or deform a pin. Above 1 they are slower, so that longer steps are stable; weight, momentum and statics stay.",
+     "Factor on the inertia of motions that tilt or deform a pin. Above 1 they are slower, so that longer steps are stable; "
+     "weight, momentum and statics stay.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.detail.mass_scaling; }},
     {"detail.pulleys", "", 0, 0, {"elastic", "rigid", "absent"},
      "Elastic shafts and sheaves, rigid ones, or none (a free ring).",

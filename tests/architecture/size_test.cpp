@@ -1,9 +1,11 @@
-/// Gates on size: files of 300 lines, functions of 40.
+/// Gates on size: files of 300 lines, functions of 40, lines of 140 characters.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
+#include <sstream>
 #include <string>
 
 #include "source_tree_fixture.hpp"
@@ -13,6 +15,7 @@ namespace {
 
 constexpr int most_file_lines = 300;
 constexpr int most_function_lines = 40;
+constexpr std::ptrdiff_t most_columns = 140;
 
 /// The only files that may be longer, since they are tables: path and what is tabulated.
 const std::map<std::string, std::string> tables{
@@ -32,6 +35,19 @@ TEST(Size, FunctionsAreShort) {
         if (tables.contains(file.path)) continue;
         for (const FunctionBody& function : functions_of(file.text)) {
             EXPECT_LE(function.lines, most_function_lines) << file.path << ":" << function.line << ": " << function.head;
+        }
+    }
+}
+
+/// The formatter breaks no text in quotes.
+TEST(Size, LinesAreShort) {
+    for (const SourceFile& file : source_files()) {
+        std::istringstream lines(file.text);
+        int number = 0;
+        for (std::string line; std::getline(lines, line);) {
+            ++number;
+            const auto characters = std::count_if(line.begin(), line.end(), [](char byte) { return (byte & 0xC0) != 0x80; });  // UTF-8
+            EXPECT_LE(characters, most_columns) << file.path << ":" << number;
         }
     }
 }
