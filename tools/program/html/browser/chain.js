@@ -27,11 +27,11 @@ class RunningChain extends DrawnChain {
     let before = performance.now();
     const run = (now) => {
       if (!this.playing) return;
-      const states = (this.t.length - 1) / (this.t[this.t.length - 1] - this.t[0] || 1),
-            ahead = (now - before) / 1e3 / Number(document.getElementById("speed").value);
+      const last = this.t.length - 1, states = last / (this.t[last] - this.t[0] || 1),
+            ahead = Math.max(now - before, 0) / 1e3 / Number(document.getElementById("speed").value);
       before = now;
       const next = this.moment + ahead * states;
-      this.show(next > this.t.length - 1 ? 0 : next);
+      this.show(next > last ? next % (last || 1) : next);   // a picture that takes longer than the record goes on as well
       requestAnimationFrame(run);
     };
     if (on) requestAnimationFrame(run);
