@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -79,7 +80,10 @@ TEST_P(Combine, WritesNothingOutsideItsRange) {
 
 INSTANTIATE_TEST_SUITE_P(Terms, Combine,
                          testing::Values(std::pair{0, 0}, std::pair{1, 0}, std::pair{1, 1}, std::pair{1, 2}, std::pair{2, 1},
-                                         std::pair{2, 2}, std::pair{1, 4}, std::pair{3, 3}, std::pair{2, 7}, std::pair{0, 5}));
+                                         std::pair{2, 2}, std::pair{1, 4}, std::pair{3, 3}, std::pair{2, 7}, std::pair{0, 5}),
+                         [](const auto& info) {
+                             return std::to_string(info.param.first) + "_states_and_" + std::to_string(info.param.second) + "_slopes";
+                         });
 
 }  // namespace
 }  // namespace cvtflow::engine

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <string>
 
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/method/stability/step_search.hpp"
@@ -28,7 +30,13 @@ class AutoStepOn : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Machines, AutoStepOn,
                          testing::Values("chain.damping_ratio=0.05", "chain.damping_ratio=0.15", "chain.damping_ratio=1",
                                          "pulley.sheave_mass=0.5", "pulley.sheave_mass=0.2", "pulley.shaft_mass=0.3",
-                                         "pulley.cylinder_damping=3e6", "pulley.cylinder_damping=1e8"));
+                                         "pulley.cylinder_damping=3e6", "pulley.cylinder_damping=1e8"),
+                         [](const auto& info) {
+                             std::string name = info.param;
+                             std::replace_if(
+                                 name.begin(), name.end(), [](char c) { return !std::isalnum(c); }, '_');
+                             return name;
+                         });
 
 TEST_P(AutoStepOn, IsStableAndNotNeedlesslyShort) {
     for (const char* method : {"leapfrog-chebyshev", "leapfrog-sdirk2", "ars343"}) {

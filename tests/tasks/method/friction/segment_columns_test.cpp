@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <string>
 #include <vector>
 
 namespace cvtflow::tasks {
@@ -27,7 +28,12 @@ protected:
 
 INSTANTIATE_TEST_SUITE_P(Partitions, SegmentColumnsTest,
                          testing::Values(Cut{{0, 84}, 1}, Cut{{0, 40, 84}, 1}, Cut{{0, 1, 2, 3}, 1}, Cut{{0, 42, 84}, 3},
-                                         Cut{{0, 1, 2, 3, 4, 5, 6, 7}, 3}, Cut{{0, 7, 9, 10, 30}, 3}));
+                                         Cut{{0, 1, 2, 3, 4, 5, 6, 7}, 3}, Cut{{0, 7, 9, 10, 30}, 3}),
+                         [](const auto& info) {
+                             std::string name = "halo" + std::to_string(info.param.halo);
+                             for (const int cut : info.param.cuts) name += "_" + std::to_string(cut);
+                             return name;
+                         });
 
 TEST_P(SegmentColumnsTest, SegmentsShareNoCacheLine) {
     std::map<int, int> writer;  // of lines
