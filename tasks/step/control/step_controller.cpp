@@ -17,6 +17,9 @@ namespace {
 /// A step shorter than this fraction of the longest one will not help [1].
 constexpr double shortest_step = 1e-7;
 
+/// A third of 10 us is written as 3.33 us: a step by hand is that of the grid that is longer by no more than this fraction [1].
+constexpr double three_digits = 1.1e-3;
+
 /// With the error in charge, the grid is that of outputs.
 [[nodiscard]] StepGrid grid_of(const StepSettings& settings, model::PinDetail pins) noexcept {
     StepGrid grid;
@@ -25,7 +28,9 @@ constexpr double shortest_step = 1e-7;
     const bool free = settings.control == StepControl::error;
     if (settings.automatic() && !free)
         grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
-    grid.divide(free ? settings.output_interval : settings.automatic() ? longest_automatic_step(pins) : settings.step);
+    grid.divide(free                   ? settings.output_interval
+                : settings.automatic() ? longest_automatic_step(pins)
+                                       : settings.step * (1.0 + three_digits));
     return grid;
 }
 

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "engine/executor/reference/serial.hpp"
 #include "engine/method/catalogue.hpp"
@@ -51,6 +52,14 @@ TEST(StepControllerOutputs, ShortenTheStepSoThatItDividesTheInterval) {
     EXPECT_EQ(output_times(rig, {0.0, 1e-5, 3e-8, 1e-6}).size(), 11u);
     EXPECT_EQ(rig.counters().steps - rig.counters().truncated, 10 * 34);                         // 1 µs/30 ns rounded up
     EXPECT_GE(rig.counters().evaluations, 4 * rig.counters().steps + rig.counters().truncated);  // a cut needs the slope at the end
+}
+
+TEST(StepControllerOutputs, TakeAThirdThatIsWrittenInThreeDigits) {
+    for (const auto& [step, steps] : {std::pair{3.33e-8, 30}, std::pair{3.32e-8, 31}, std::pair{1.11e-7, 9}, std::pair{1.1e-7, 10}}) {
+        Rig rig(tiny_parameters());
+        EXPECT_EQ(output_times(rig, {0.0, 2e-6, step, 1e-6}).size(), 3u);
+        EXPECT_EQ(rig.counters().steps - rig.counters().truncated, 2 * steps) << step;
+    }
 }
 
 /// Looks at each transition as it happens: how far from its threshold the tip is, against how far it moves in a whole step.
