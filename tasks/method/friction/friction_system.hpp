@@ -8,7 +8,6 @@
 #include <array>
 #include <span>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 #include "model/contact/contact_field.hpp"
@@ -30,7 +29,7 @@ public:
     /// Power iterations begin anew.
     void restart() noexcept;
     /// The forces at hand become those of the step before.
-    void turn_over() noexcept { std::swap(base_, base_before_); }
+    void turn_over() noexcept { now_ = 1 - now_; }
 
     // Bodies of tasks: each touches the columns of one segment only, and reads what its neighbours have handed over.
 
@@ -56,32 +55,49 @@ private:
     using Columns = model::ColumnsOf<Number>;
     static constexpr bool relative = std::is_same_v<Number, float>;
 
+    /// What a segment's tasks write and read. Column = link + shift of the segment.
+    struct Fields {
+        Fields(const model::FrictionOperator& friction, int columns);
+
+        int width;  ///< columns
+        model::ContactFieldOf<Number> contacts;
+        std::array<Columns, kick_state_slots> states;
+        std::array<Columns, 2> base;  ///< accelerations by everything but friction, of this step and of the one before: see now_
+        Columns result, first_slope, impulses, mode, image;
+        model::LineVector<Number> scratch;
+    };
+
     /// time [s]
     [[nodiscard]] model::FrictionRangeOf<Number> range_of(const Workspace& workspace, double time, const Columns& velocity,
                                                           int segment) noexcept;
     /// state [unknowns]
     void take(const Workspace& workspace, const double* state, int segment) noexcept;
-    void make_columns();
-    void move(Columns& field, bool grows);
-    /// Calls visit(link, column) for all links, in order.
-    template <class Visit>
-    void for_links(const SegmentColumns& columns, const Visit& visit) const {
-        for (int s = 0; s < columns.segments(); ++s) {
-            for (int link = columns.segment(s).first; link < columns.segment(s).last; ++link) visit(link, link + columns.shift(s));
+    void make_room();
+    /// The columns that outlast a step; checkpoints hold the first two.
+    template <class Some>
+    [[nodiscard]] auto kept(Some& fields) const noexcept {
+        return std::array{&fields.base[now_], &fields.mode, &fields.base[1 - now_]};
+    }
+    static constexpr std::size_t kept_fields = 3, saved_fields = 2;
+    [[nodiscard]] Fields& fields(int segment) noexcept { return fields_[static_cast<std::size_t>(segment)]; }
+    [[nodiscard]] const Fields& fields(int segment) const noexcept { return fields_[static_cast<std::size_t>(segment)]; }
+    /// Calls visit(fields, link, column) for all links of a system, in order.
+    template <class System, class Visit>
+    static void for_links(System& system, const Visit& visit) {
+        for (int s = 0; s < system.columns_.segments(); ++s) {
+            const Segment& own = system.columns_.segment(s);
+            for (int link = own.first; link < own.last; ++link) visit(system.fields(s), link, link + system.columns_.shift(s));
         }
     }
 
     model::FrictionOperator friction_;
-    model::ContactFieldOf<Number> field_;
-    SegmentColumns columns_, columns_before_;  ///< now, and before the borders moved
-    int width_ = 0;                            ///< columns of all fields
-    std::array<Columns, kick_state_slots> states_;
-    std::array<SegmentEdges<Number>, kick_state_slots> edges_;  ///< of states_
+    SegmentColumns columns_;
+    std::vector<Fields> fields_;                                ///< [segment], or more
+    std::size_t now_ = 0;                                       ///< which of two bases is this step's
+    std::array<SegmentEdges<Number>, kick_state_slots> edges_;  ///< of states
     SegmentEdges<Number> contact_edges_, mode_edges_;
-    std::vector<Number> row_;  ///< [links] room
-    Columns result_, first_slope_, base_, base_before_, impulses_, mode_, image_;
-    std::vector<model::LinkLoad> normal_loads_;       ///< [links]
-    std::vector<model::LineVector<Number>> scratch_;  ///< of segments
+    std::vector<Number> moving_;                 ///< [kept][rows][links] room for what borders move through
+    std::vector<model::LinkLoad> normal_loads_;  ///< [links]
 };
 
 }  // namespace cvtflow::tasks

@@ -6,18 +6,7 @@ namespace cvtflow::tasks {
 
 void SegmentColumns::lay_out(const Partition& partition) {
     segments_.assign(partition.segments().begin(), partition.segments().end());
-    first_.clear();
-    int next = 1;
-    for (const Segment& each : segments_) {
-        first_.push_back(next);
-        const int last = next + each.size() + halo_ - 1;                            // ghosts included
-        next = ((last - 1) / line_ + 2 + (halo_ + line_ - 1) / line_) * line_ + 1;  // a line between, and the next one's ghosts
-        count_ = last + 1;
-    }
-    find_ghosts(segments_.back().last);
-}
-
-void SegmentColumns::find_ghosts(int links) {
+    const int links = segments_.back().last;
     const auto owner_of = [&](int link) {
         const auto found = std::find_if(segments_.begin(), segments_.end(), [=](const Segment& each) { return link < each.last; });
         return static_cast<int>(found - segments_.begin());
@@ -26,11 +15,11 @@ void SegmentColumns::find_ghosts(int links) {
     for (int s = 0; s < segments(); ++s) {
         for (int k = 1; k <= halo_; ++k) {
             const int link = (segment(s).first - k % links + links) % links, owner = owner_of(link);
-            ghosts_.push_back({first(s) - k, owner, halo_ + segment(owner).last - 1 - link});
+            ghosts_.push_back({first - k, owner, halo_ + segment(owner).last - 1 - link});
         }
         for (int k = 0; k < halo_; ++k) {
             const int link = (segment(s).last + k) % links, owner = owner_of(link);
-            ghosts_.push_back({first(s) + segment(s).size() + k, owner, link - segment(owner).first});
+            ghosts_.push_back({first + segment(s).size() + k, owner, link - segment(owner).first});
         }
     }
 }
@@ -48,7 +37,8 @@ void SegmentEdges<Number>::make_room(int segments) {
 
 template <class Number>
 void SegmentEdges<Number>::give(const SegmentColumns& columns, const model::ColumnsOf<Number>& field, int segment) noexcept {
-    const int first = columns.first(segment), size = columns.segment(segment).size();
+    constexpr int first = SegmentColumns::first;
+    const int size = columns.segment(segment).size();
     for (int k = 0; k < std::min(halo_, size); ++k) {
         Number* front = packed_.data() + place(segment, k);
         Number* back = packed_.data() + place(segment, halo_ + k);

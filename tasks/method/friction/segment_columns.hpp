@@ -1,9 +1,9 @@
 #pragma once
-/// Where the links of segments lie in fields of columns, and what neighbouring segments read of each other.
+/// Which column of its segment's fields a link has, and what neighbouring segments read of each other.
 ///
-/// Columns of all links side by side would make segments share cache lines: a row's border line for every row, on its way between two
-/// processors at every stage. So every segment has columns of its own, ghost columns included, and what its neighbours need is handed over
-/// in one piece.
+/// Columns of all links side by side would make segments share cache lines, and what a processor fetches ahead, a row's lines up to the
+/// next segment's, would be taken from the processor that writes them at every stage. So every segment has fields of its own, ghost columns
+/// included, and what its neighbours need is handed over in one piece.
 
 #include <span>
 #include <vector>
@@ -22,32 +22,27 @@ struct GhostColumn {
 
 class SegmentColumns {
 public:
-    /// @param halo ghost columns on each side
-    /// @param line numbers of a cache line
-    SegmentColumns(int halo, int line) : halo_(halo), line_(line) {}
+    /// Column of every segment's first link: there a cache line begins.
+    static constexpr int first = 1;
 
-    /// Every segment's first link begins a cache line; between segments lies a line that nobody writes.
+    /// @param halo ghost columns on each side
+    explicit SegmentColumns(int halo) : halo_(halo) {}
+
     void lay_out(const Partition& partition);
 
-    /// Columns of all segments, ghosts included, and one before them.
-    [[nodiscard]] int count() const noexcept { return count_; }
-    [[nodiscard]] int halo() const noexcept { return halo_; }
     [[nodiscard]] int segments() const noexcept { return static_cast<int>(segments_.size()); }
     [[nodiscard]] const Segment& segment(int number) const noexcept { return segments_[static_cast<std::size_t>(number)]; }
-    /// Column of a segment's first link.
-    [[nodiscard]] int first(int segment) const noexcept { return first_[static_cast<std::size_t>(segment)]; }
+    /// Columns of a segment's fields, ghosts included, and those before the first link.
+    [[nodiscard]] int count(int number) const noexcept { return first + segment(number).size() + halo_; }
     /// What is added to the number of a segment's link for its column.
-    [[nodiscard]] int shift(int number) const noexcept { return first(number) - segment(number).first; }
+    [[nodiscard]] int shift(int number) const noexcept { return first - segment(number).first; }
     [[nodiscard]] std::span<const GhostColumn> ghosts(int segment) const noexcept {
         return std::span(ghosts_).subspan(static_cast<std::size_t>(2 * halo_ * segment), static_cast<std::size_t>(2 * halo_));
     }
 
 private:
-    void find_ghosts(int links);
-
-    int halo_, line_, count_ = 0;
+    int halo_;
     std::vector<Segment> segments_;
-    std::vector<int> first_;
     std::vector<GhostColumn> ghosts_;  ///< [segments][2 halo]
 };
 
@@ -60,9 +55,9 @@ public:
 
     /// Room for so many segments. Allocates only if there were never so many.
     void make_room(int segments);
-    /// Copies a segment's first and last columns of a field.
+    /// Copies a segment's first and last columns of its field.
     void give(const SegmentColumns& columns, const model::ColumnsOf<Number>& field, int segment) noexcept;
-    /// Fills a segment's ghost columns with what their owners gave.
+    /// Fills the ghost columns of a segment's field with what their owners gave.
     void take(const SegmentColumns& columns, model::ColumnsOf<Number>& field, int segment) const noexcept;
 
 private:
