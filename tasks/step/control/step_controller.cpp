@@ -17,8 +17,13 @@ namespace {
 /// A step shorter than this fraction of the longest one will not help [1].
 constexpr double shortest_step = 1e-7;
 
-/// A third of 10 us is written as 3.33 us: a step by hand is that of the grid that is longer by no more than this fraction [1].
-constexpr double three_digits = 1.1e-3;
+/// A step by hand [s]. A third of 10 us is written as 3.33 us: it is that of the grid that is longer by what three digits leave out.
+[[nodiscard]] double step_by_hand(const StepSettings& settings) noexcept {
+    constexpr double three_digits = 1.1e-3, a_tenth_of_a_step = 0.1;
+    const double steps = settings.output_interval / settings.step, whole = std::floor(steps);
+    const bool is_meant = whole >= 1.0 && steps - whole <= std::min(three_digits * steps, a_tenth_of_a_step);
+    return is_meant ? settings.output_interval / whole : settings.step;
+}
 
 /// With the error in charge, the grid is that of outputs.
 [[nodiscard]] StepGrid grid_of(const StepSettings& settings, model::PinDetail pins) noexcept {
@@ -28,9 +33,7 @@ constexpr double three_digits = 1.1e-3;
     const bool free = settings.control == StepControl::error;
     if (settings.automatic() && !free)
         grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
-    grid.divide(free                   ? settings.output_interval
-                : settings.automatic() ? longest_automatic_step(pins)
-                                       : settings.step * (1.0 + three_digits));
+    grid.divide(free ? settings.output_interval : settings.automatic() ? longest_automatic_step(pins) : step_by_hand(settings));
     return grid;
 }
 

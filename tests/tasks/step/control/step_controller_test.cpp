@@ -55,7 +55,8 @@ TEST(StepControllerOutputs, ShortenTheStepSoThatItDividesTheInterval) {
 }
 
 TEST(StepControllerOutputs, TakeAThirdThatIsWrittenInThreeDigits) {
-    for (const auto& [step, steps] : {std::pair{3.33e-8, 30}, std::pair{3.32e-8, 31}, std::pair{1.11e-7, 9}, std::pair{1.1e-7, 10}}) {
+    for (const auto& [step, steps] : {std::pair{3.33e-8, 30}, std::pair{3.32e-8, 31}, std::pair{1.11e-7, 9}, std::pair{1.1e-7, 10},
+                                      std::pair{5e-10, 2000}, std::pair{9.985e-9, 101}}) {
         Rig rig(tiny_parameters());
         EXPECT_EQ(output_times(rig, {0.0, 2e-6, step, 1e-6}).size(), 3u);
         EXPECT_EQ(rig.counters().steps - rig.counters().truncated, 2 * steps) << step;
