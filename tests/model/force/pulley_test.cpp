@@ -157,7 +157,7 @@ TEST(Pulleys, LoseWhatTheirForcesTakeAndGyroscopicForcesDoNoWork) {
     };
     for (unsigned seed = 1; seed <= 5; ++seed) {
         const auto block = random_block(pulleys, seed);
-        const Inputs inputs{12.0, -7.0, {1e3, 2e3}, 0.0};
+        const Inputs inputs{12.0, -7.0, {1e3, 2e3}, {}};
         Account account;
         auto slope = block;
         pulleys.slope(block.data(), inputs, {}, slope.data(), &account);
