@@ -1,6 +1,7 @@
 #include "interleaving_fixture.hpp"
 
 #include <algorithm>
+#include <string_view>
 
 namespace cvtflow::engine::test {
 
@@ -9,10 +10,10 @@ namespace {
 constexpr std::size_t stack_size = std::size_t{64} << 10;
 constexpr long most_operations = 2000;  // of one interleaving: more and a worker goes round for ever
 
-std::string place_of(const std::source_location& where) {
-    std::string name = where.function_name();
+std::string place_of(const Place& where) {
+    std::string name = where.function;
     name = name.substr(0, name.find('('));
-    return name.substr(name.find_last_of(": ") + 1) + ":" + std::to_string(where.line());
+    return name.substr(name.find_last_of(": ") + 1) + ":" + std::to_string(where.line);
 }
 
 }  // namespace
@@ -181,13 +182,12 @@ void Interleavings::announce(Pending pending) {
     if (++operations_ > most_operations) leave("a worker goes round for ever");
 }
 
-Sabotage Interleavings::met(const std::source_location& where, Site::Kind kind, bool orders) {
+Sabotage Interleavings::met(const Place& where, Site::Kind kind, bool orders) {
     for (Met& each : met_) {
-        if (each.line == where.line() && each.function == where.function_name()) return each.sabotage;
+        if (each.line == where.line && std::string_view(each.function) == where.function) return each.sabotage;
     }
     const std::string place = place_of(where);
-    met_.push_back(
-        {where.function_name(), where.line(), {place, kind, orders}, place == options_.place ? options_.sabotage : Sabotage::none});
+    met_.push_back({where.function, where.line, {place, kind, orders}, place == options_.place ? options_.sabotage : Sabotage::none});
     return met_.back().sabotage;
 }
 

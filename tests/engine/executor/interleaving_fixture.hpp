@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <source_location>
 #include <string>
 #include <vector>
 
@@ -29,6 +28,12 @@ public:
     virtual void work(int worker) noexcept = 0;
     /// Called when all workers have ended: what is wrong; empty: nothing.
     [[nodiscard]] virtual std::string verdict() = 0;
+};
+
+/// Where a call stands; std::source_location, which clang 14 does not have.
+struct Place {
+    const char* function;
+    unsigned line;
 };
 
 /// An operation by where it stands in the sources.
@@ -72,12 +77,12 @@ public:
 
     // What atomics do. `order` decides what becomes visible.
     [[nodiscard]] int add_atomic(std::uint64_t value);
-    std::uint64_t load(int atomic, std::memory_order order, const std::source_location& where);
-    void store(int atomic, std::uint64_t value, std::memory_order order, const std::source_location& where);
-    std::uint64_t add(int atomic, std::uint64_t change, std::memory_order order, const std::source_location& where);
-    bool swap(int atomic, std::uint64_t& expected, std::uint64_t value, std::memory_order order, const std::source_location& where);
+    std::uint64_t load(int atomic, std::memory_order order, const Place& where);
+    void store(int atomic, std::uint64_t value, std::memory_order order, const Place& where);
+    std::uint64_t add(int atomic, std::uint64_t change, std::memory_order order, const Place& where);
+    bool swap(int atomic, std::uint64_t& expected, std::uint64_t value, std::memory_order order, const Place& where);
     /// Waits until an atomic has another value.
-    std::uint64_t change(int atomic, std::uint64_t old, const std::source_location& where);
+    std::uint64_t change(int atomic, std::uint64_t old, const Place& where);
     /// Waits until something was stored that the worker's loads since its last rest have not seen; from then on they see it.
     void rest();
 
@@ -144,7 +149,7 @@ private:
     static void entry(unsigned worker);
     [[nodiscard]] bool backtrack();
     /// Notes an operation. Returns what is done to it.
-    Sabotage met(const std::source_location& where, Site::Kind kind, bool orders);
+    Sabotage met(const Place& where, Site::Kind kind, bool orders);
 
     void announce(Pending pending);
     void pass_on();
@@ -187,24 +192,24 @@ private:
 
 /// What a board stands on (engine/executor/tbb/board_machine.hpp), of that machine.
 struct ModelMachine {
-    using Where = std::source_location;
     template <class Value>
     class Atomic {
     public:
         Atomic(Value value = {}) : id_(Interleavings::now().add_atomic(static_cast<std::uint64_t>(value))) {}
-        Value load(std::memory_order order, Where where = Where::current()) const noexcept {
+        Value load(std::memory_order order, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) const noexcept {
             return static_cast<Value>(Interleavings::now().load(id_, order, where));
         }
-        void store(Value value, std::memory_order order, Where where = Where::current()) noexcept {
+        void store(Value value, std::memory_order order, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
             Interleavings::now().store(id_, static_cast<std::uint64_t>(value), order, where);
         }
-        Value fetch_add(Value value, std::memory_order order, Where where = Where::current()) noexcept {
+        Value fetch_add(Value value, std::memory_order order, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
             return static_cast<Value>(Interleavings::now().add(id_, static_cast<std::uint64_t>(value), order, where));
         }
-        Value fetch_sub(Value value, std::memory_order order, Where where = Where::current()) noexcept {
+        Value fetch_sub(Value value, std::memory_order order, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
             return static_cast<Value>(Interleavings::now().add(id_, ~static_cast<std::uint64_t>(value) + 1, order, where));
         }
-        bool compare_exchange_weak(Value& expected, Value value, std::memory_order order, Where where = Where::current()) noexcept {
+        bool compare_exchange_weak(Value& expected, Value value, std::memory_order order,
+                                   Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
             auto seen = static_cast<std::uint64_t>(expected);
             const bool swapped = Interleavings::now().swap(id_, seen, static_cast<std::uint64_t>(value), order, where);
             expected = static_cast<Value>(seen);
@@ -220,7 +225,7 @@ struct ModelMachine {
     struct Waiter {
         explicit Waiter(const ExecutorOptions& /*options*/) {}
         template <class Value>
-        Value change(const Atomic<Value>& word, Value old, Where where = Where::current()) noexcept {
+        Value change(const Atomic<Value>& word, Value old, Place where = {__builtin_FUNCTION(), __builtin_LINE()}) noexcept {
             return static_cast<Value>(Interleavings::now().change(word.id(), static_cast<std::uint64_t>(old), where));
         }
         template <class Ready>

@@ -59,13 +59,13 @@ std::size_t Interleavings::pick_store(int atomic, const std::function<bool(std::
     return candidates[static_cast<std::size_t>(pick(static_cast<int>(candidates.size())))];
 }
 
-std::uint64_t Interleavings::load(int atomic, std::memory_order order, const std::source_location& where) {
+std::uint64_t Interleavings::load(int atomic, std::memory_order order, const Place& where) {
     announce({Pending::Kind::load, atomic});
     const Sabotage sabotage = met(where, Site::Kind::load, acquires(order));
     return see(atomic, pick_store(atomic, [](std::uint64_t) { return true; }), acquires(order) && sabotage != Sabotage::relaxed);
 }
 
-void Interleavings::store(int atomic, std::uint64_t value, std::memory_order order, const std::source_location& where) {
+void Interleavings::store(int atomic, std::uint64_t value, std::memory_order order, const Place& where) {
     if (running_ == nobody) {
         stores_[static_cast<std::size_t>(atomic)].back().value = value;
         return;
@@ -81,7 +81,7 @@ void Interleavings::replace(int atomic, std::uint64_t value, std::memory_order o
     put(atomic, value, releases(order) && sabotage != Sabotage::relaxed, sabotage != Sabotage::torn);
 }
 
-std::uint64_t Interleavings::add(int atomic, std::uint64_t change, std::memory_order order, const std::source_location& where) {
+std::uint64_t Interleavings::add(int atomic, std::uint64_t change, std::memory_order order, const Place& where) {
     announce({Pending::Kind::modify, atomic});
     const Sabotage sabotage = met(where, Site::Kind::add, order != std::memory_order_relaxed);
     const std::uint64_t before = see(atomic, newest(atomic), acquires(order) && sabotage != Sabotage::relaxed);
@@ -89,8 +89,7 @@ std::uint64_t Interleavings::add(int atomic, std::uint64_t change, std::memory_o
     return before;
 }
 
-bool Interleavings::swap(int atomic, std::uint64_t& expected, std::uint64_t value, std::memory_order order,
-                         const std::source_location& where) {
+bool Interleavings::swap(int atomic, std::uint64_t& expected, std::uint64_t value, std::memory_order order, const Place& where) {
     announce({Pending::Kind::modify, atomic});
     const Sabotage sabotage = met(where, Site::Kind::swap, order != std::memory_order_relaxed);
     const std::size_t which = pick_store(atomic, [&](std::uint64_t old) { return old != expected; });
@@ -101,7 +100,7 @@ bool Interleavings::swap(int atomic, std::uint64_t& expected, std::uint64_t valu
     return equal;
 }
 
-std::uint64_t Interleavings::change(int atomic, std::uint64_t old, const std::source_location& where) {
+std::uint64_t Interleavings::change(int atomic, std::uint64_t old, const Place& where) {
     announce({Pending::Kind::change, atomic, old});
     const Sabotage sabotage = met(where, Site::Kind::load, true);
     return see(atomic, pick_store(atomic, [&](std::uint64_t value) { return value != old; }), sabotage != Sabotage::relaxed);
