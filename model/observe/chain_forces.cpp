@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "model/basis/order.hpp"
 #include "model/kernels/chain_parts.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "tasks/study/detail_state.hpp"
 #include "tasks/study/tradeoff/pareto.hpp"

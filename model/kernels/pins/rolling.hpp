@@ -2,6 +2,8 @@
 /// Where the halves of whole pins are: they roll on each other, so that their distance is a function of the angle between the links.
 /// (model/EQUATIONS.md section 10)
 
+#include <cmath>
+
 #include "model/basis/lanes.hpp"
 #include "model/machine/coefficients.hpp"
 
