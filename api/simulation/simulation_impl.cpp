@@ -44,8 +44,6 @@ constexpr int most_threads = 1024;
     return schedule;
 }
 
-[[nodiscard]] bool has_pulleys(const tasks::Scene& scene) { return scene.parameters.detail.pulleys != model::PulleyDetail::absent; }
-
 }  // namespace
 
 Simulation::Impl::Impl(const Scene& scene, Threads threads, int segments)

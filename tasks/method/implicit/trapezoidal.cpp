@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr int increment_slot = 2, trial_slope = 1, start_slope = 2;
+constexpr int increment_slot = 2;
 /// Least share of a Newton step that is tried: with a matrix of this iterate, and with an older one.
 constexpr double shortest = 1.0 / 256.0, shortest_with_old = 1.0 / 8.0;
 /// A matrix is given up when the residual falls by less than this factor, once it has had some iterations to show what it can: few if it is

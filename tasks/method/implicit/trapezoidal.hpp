@@ -36,6 +36,7 @@ public:
     [[nodiscard]] std::string report() const override;
 
 private:
+    static constexpr int trial_slope = 1, start_slope = 2;  ///< slots of slopes
     enum class At { start_slope, predict, evaluate, residual, jacobian, update, factor, solve };
 
     [[nodiscard]] double theta() const noexcept { return 0.5 * w_.step.h; }

@@ -1,6 +1,9 @@
 #pragma once
 /// A state to measure at: that of the scene's file, or settled now.
 
+#include <string>
+
+#include "tasks/scene/scene.hpp"
 #include "tasks/study/stability/frozen_step.hpp"
 
 namespace cvtflow::tools {
