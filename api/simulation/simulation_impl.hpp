@@ -18,8 +18,6 @@
 #include "tasks/study/stability/frozen_step.hpp"
 
 namespace cvtflow {
-
-[[nodiscard]] inline bool has_pulleys(const tasks::Scene& scene) { return scene.parameters.detail.pulleys != model::PulleyDetail::absent; }
 inline namespace v0 {
 
 class Simulation::Impl final : private tasks::RunObserver {

@@ -62,7 +62,8 @@ constexpr InputRow input_rows[] = {
 
 [[nodiscard]] const InputRow& input_row(Input input, const tasks::Scene& scene) {
     const InputRow& row = input_row(input);
-    if (!has_pulleys(scene)) throw Error(ErrorCode::argument, std::string(row.key) + ": this scene has no pulleys");
+    if (scene.parameters.detail.pulleys == model::PulleyDetail::absent)
+        throw Error(ErrorCode::argument, std::string(row.key) + ": this scene has no pulleys");
     if (!row.present(scene.parameters)) throw Error(ErrorCode::argument, std::string(row.key) + ": needs " + row.needs);
     return row;
 }
