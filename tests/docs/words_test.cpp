@@ -33,10 +33,21 @@ std::vector<std::string> avoided_words(const Page& glossary) {
     return found;
 }
 
+/// The text without what lies between an opening and the next closing mark, marks included.
+std::string without(const std::string& text, std::string_view open, char close) {
+    std::string kept;
+    for (std::size_t at = 0;;) {
+        const std::size_t begin = text.find(open, at);
+        kept += text.substr(at, begin - at);
+        if (begin == std::string::npos) return kept;
+        at = text.find(close, begin + open.size());
+        if (at++ == std::string::npos) return kept;
+    }
+}
+
 /// Text of a page in lower case on one line, without blocks, indented code, code between backticks, targets of links, and the glossary's
 /// table.
 std::string prose(const Page& page) {
-    static const std::regex code("`[^`]*`"), target(R"(\]\([^)]*\))");
     std::string joined;
     bool glossary = false;
     for (const Line& line : page.text_lines()) {
@@ -44,7 +55,7 @@ std::string prose(const Page& page) {
         if (glossary || line.text.starts_with("    ")) continue;
         joined += line.text.substr(std::min(line.text.size(), line.text.find_first_not_of(' '))) + " ";
     }
-    std::string plain = std::regex_replace(std::regex_replace(joined, code, ""), target, "]");
+    std::string plain = without(without(joined, "`", '`'), "](", ')');
     std::transform(plain.begin(), plain.end(), plain.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
     return plain;
 }
