@@ -52,6 +52,16 @@ TEST(EnergyLedger, NoiseThatARunMakesByItselfExcusesNothing) {
     EXPECT_FALSE(ledger.reliable());
 }
 
+/// A start that does not fit: what it dissipates at once is as noisy as it is large.
+TEST(EnergyLedger, NoiseExcusesNoMoreThanAHundredthOfTheLossesWhereThereAreInputs) {
+    EnergyBalance balance{.span = 20e-3, .change = -100.0, .loss = 101.1, .stored = 100.0, .deviation = 50.0, .samples = 500.0};
+    EXPECT_LT(balance.suspicion(), 1.0) << "a ring: nothing comes in";
+    balance.through = 600.0;
+    EXPECT_GT(balance.suspicion(), 1.0);
+    balance.loss = 100.6;  // no right run exceeded 0.0063
+    EXPECT_LT(balance.suspicion(), 1.0);
+}
+
 TEST(EnergyLedger, GoesOnFromItsMemoryBitByBit) {
     const EnergyLedger before = sampled(300.0, -297.0);
     std::vector<double> memory, again;
