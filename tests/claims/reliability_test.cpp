@@ -98,6 +98,17 @@ TEST(NightlyReliability, OfEveryReadyStateWhoseChainIsAnotherOne) {
     expect_settled_anew({"pulley.centre_distance=171 mm"});
 }
 
+/// An input that jumps in the middle of a step, and one of the drive: right, and called so.
+TEST(Reliability, OfInputsThatJump) {
+    for (const std::string jump : {"load.torque=[[0,\"150 N*m\"],[\"5.0004 ms\",\"150 N*m\"],[\"5.0014 ms\",\"-150 N*m\"]]",
+                                   "drive.speed=[[0,\"2000 rpm\"],[\"5.0004 ms\",\"2000 rpm\"],[\"5.0014 ms\",\"2100 rpm\"]]"}) {
+        Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml");
+        set_values(scene, std::vector<std::string>{jump, "run.method=leapfrog-chebyshev", "run.until=8 ms", "run.schedule=serial"});
+        const RunReport report = run_scene(scene, {});
+        EXPECT_EQ(report.status(), "finished") << jump << ": suspicion " << report.suspicion;
+    }
+}
+
 /// RK4 at 50 ns was the published reference; its joints chatter. At its automatic step the balance closes to 1e-5.
 TEST(Reliability, OfThePublishedStepIsNone) {
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/baseline.toml");
