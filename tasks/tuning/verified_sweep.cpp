@@ -60,10 +60,10 @@ TunedSweep tuned_sweep(const Sweep& sweep, const std::string& folder, const engi
     } else {
         tuned.result = Tuner(sweep, settings, cancel).tune(settings.accuracy);
         const TunedChoice& chosen = chosen_of(*tuned.result);
-        tuned.kept = {chosen.choice, chosen.step, chosen.error(), {}};
+        tuned.kept = {chosen.choice, chosen.step, chosen.error()};
         std::error_code reported_later;  // when the table is written
         fs::create_directory(folder, reported_later);
-        keep_tuning(folder, key, tuned.kept, nullptr);
+        keep_tuning(folder, key, tuned.kept);
     }
     tuned.sweep.scene = chosen_scene(sweep.scene, tuned.kept.choice, tuned.kept.step);
     if (sweep.start == StartMode::scene) give_state(sweep.scene, (fs::path(folder) / "states" / (key + ".h5")).string(), tuned.sweep.scene);
