@@ -8,6 +8,7 @@
 
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/run/checkpoint.hpp"
+#include "tasks/run/saved_start.hpp"
 
 namespace cvtflow::tasks {
 
@@ -127,9 +128,10 @@ StartStates::State CaseEngine::end_before() const {
     return latest;
 }
 
-/// What a case begins with: the end before it, else what any case begins with.
+/// What a case begins with: the end before it if that fits its machine, else what any case begins with.
 StartStates::State CaseEngine::start() {
-    const StartStates::State before = end_before();
+    StartStates::State before = end_before();
+    if (before && !start_fits(*before, scene_)) before = nullptr;
     if (before) result_.start = "continued";
     return before ? before : starts_.of_case(result_.number, scene_, control_.stop());
 }

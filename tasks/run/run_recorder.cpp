@@ -204,7 +204,7 @@ void RunRecorder::finish(RunReport& report) {
     report.axial_force = mean(sums_.axial_force);
     report.whole = means_.all();
     report.last_fifth = means_.last_fifth();
-    if (report.has_pulleys) report.notes = means_.notes();
+    report.notes = means_.notes(report.energy, report.has_pulleys);
     report.ratio = report.whole.ratio;
     report.ratio_begin = means_.first_fifth().ratio;
     report.ratio_end = report.last_fifth.ratio;
