@@ -27,6 +27,7 @@ void CaseEngine::save() {
     for (const Reducer& reducer : reducers_) reducer.save(checkpoint.recorder);
     means_.save(checkpoint.recorder);
     if (recorder_) {
+        checkpoint.run = recorder_->run();
         const std::vector<double> position = recorder_->position();
         checkpoint.recorder.insert(checkpoint.recorder.end(), position.begin(), position.end());
     }

@@ -64,6 +64,7 @@ private:
         checkpoint.history = {report.settled, report.settling, report.begin, report.wall, report.settling_wall};
         (simulation_.needs_settling() ? checkpoint.history.settling_wall : checkpoint.history.wall) += since(started_);
         if (!options_.file.empty()) checkpoint.record = std::filesystem::absolute(options_.file).string();
+        checkpoint.run = recorder_.run();
         checkpoint.recorder = recorder_.position();
         sign(checkpoint, scene_, simulation_.variator());
         write_checkpoint(options_.checkpoint, checkpoint);

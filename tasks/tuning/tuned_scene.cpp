@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "engine/base/hash.hpp"
+#include "engine/base/input_file.hpp"
 #include "engine/base/provenance.hpp"
 #include "model/basis/isa.hpp"
 #include "tasks/run/saved_start.hpp"
@@ -74,11 +75,15 @@ std::string tuning_key(const Scene& scene, const TuneSettings& settings) {
 }
 
 std::optional<KeptTuning> read_tuning(const fs::path& folder, const std::string& key) {
-    std::ifstream file(text_file(folder, key), std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
+    constexpr std::uint64_t longest = 65536;
+    std::string text;
+    try {
+        text = engine::read_text_input(text_file(folder, key).string(), longest);
+    } catch (const engine::InputError&) {
+        return std::nullopt;  // none, or what cannot be one
+    }
     KeptTuning kept;
-    std::istringstream lines(text.str());
+    std::istringstream lines(text);
     const auto value = [&](std::string_view name) {
         std::string line;
         std::getline(lines, line);
@@ -92,7 +97,7 @@ std::optional<KeptTuning> read_tuning(const fs::path& folder, const std::string&
     kept.choice.share = std::strtod(value("share").c_str(), nullptr);
     kept.step = std::strtod(value("step").c_str(), nullptr);
     kept.error = std::strtod(value("error").c_str(), nullptr);
-    if (text.str() != sealed(content_of(key, kept))) return std::nullopt;
+    if (text != sealed(content_of(key, kept))) return std::nullopt;
     return kept;
 }
 
