@@ -26,7 +26,8 @@ TEST_F(HostilePlace, ReportsALimitOfFileSizesAsAnError) {
     EXPECT_THAT(report.err, HasSubstr("cvtflow: good.html: cannot write: File too large"));
     EXPECT_EQ(read("good.html"), "the page before");
     EXPECT_FALSE(exists("good.html.part"));
-    const Outcome run = shell("ulimit -f 8; \\$CVTFLOW run tiny -q -o big.h5 --until '40 us' --set start.settling_time=20us");
+    const Outcome run =
+        shell("ulimit -f 8; \\$CVTFLOW run tiny -q -o big.h5 --until '40 us' --set start.settling_time=20us --set start.ramp_time=10us");
     EXPECT_EQ(run.status, 1);
     EXPECT_THAT(run.err, HasSubstr("File too large"));
 }
