@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/law/phase.hpp"
 #include "model/parameters/chain_layout.hpp"
 
 namespace cvtflow::tools {
