@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "tasks/study/extremes/lottery.hpp"
+#include "bench/study/extremes/lottery.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -13,12 +13,12 @@ namespace {
 /// Draws machines and prints the counts by status. Whoever is called finished agrees with a run of a quarter of its step; nine of ten
 /// finish.
 void play_honestly(long first, long count) {
-    const LotteryRules rules;
+    const bench::LotteryRules rules;
     std::map<std::string, long> statuses;
     double slip = 0.0, loss = 0.0;
-    for (const LotteryTicket& ticket : play_all(1, first, count, 2, rules)) {
+    for (const bench::LotteryTicket& ticket : bench::play_all(1, first, count, 2, rules)) {
         ++statuses[ticket.status];
-        EXPECT_TRUE(ticket.honest(rules)) << "machine " << ticket.number << " (cvtflow lottery --first " << ticket.number
+        EXPECT_TRUE(ticket.honest(rules)) << "machine " << ticket.number << " (cvtflow-lab lottery --first " << ticket.number
                                           << " --machines 1): slip off by " << ticket.slip_error(rules) << ", losses by "
                                           << ticket.loss_error() << ", suspicion " << ticket.suspicion;
         if (ticket.status != "finished") continue;
@@ -38,9 +38,9 @@ TEST(Lottery, FortyMachinesEndRightOrSayThatTheyDoNot) { play_honestly(0, 40); }
 TEST(NightlyLottery, FourHundredMachinesEndRightOrSayThatTheyDoNot) { play_honestly(40, 400); }
 
 TEST(Lottery, DrawsTheSameMachineForTheSameSeedAndAnotherForEveryNumber) {
-    EXPECT_EQ(lottery_machine(3, 5), lottery_machine(3, 5));
-    EXPECT_NE(lottery_machine(3, 5), lottery_machine(3, 6));
-    EXPECT_NE(lottery_machine(3, 5), lottery_machine(4, 5));
+    EXPECT_EQ(bench::lottery_machine(3, 5), bench::lottery_machine(3, 5));
+    EXPECT_NE(bench::lottery_machine(3, 5), bench::lottery_machine(3, 6));
+    EXPECT_NE(bench::lottery_machine(3, 5), bench::lottery_machine(4, 5));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ std::string methods() {
         families += fmt::format("\n  {}\n    {}: {}", family.form, family.description, family.limits);
     return table.text() + "\nAny member of these families by its name:" + families +
            "\n\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution. More: "
-           "cvtflow method NAME.\n";
+           "cvtflow-lab method NAME.\n";
 }
 
 std::string detail() {
@@ -69,7 +69,7 @@ std::string detail() {
            "The\n"
            "slip of \"coarse\" and \"medium\" is off by 10 to 28 % at low ratio and at a quarter of the load. What it is at a scene of "
            "yours:\n"
-           "cvtflow detail SCENE --rungs; cvtflow tune SCENE chooses by it.\n";
+           "cvtflow-lab detail SCENE --rungs; cvtflow tune SCENE chooses by it.\n";
 }
 
 std::string channels() {
