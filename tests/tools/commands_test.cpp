@@ -2,10 +2,13 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "engine/method/catalogue.hpp"
+#include "tasks/method/method_choice.hpp"
 #include "tasks/run/channels/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -58,7 +61,8 @@ TEST_F(Commands, TakeAnInstructionSetBeforeOrAfterTheirName) {
 }
 
 TEST_F(Commands, ListEveryRowOfTheCatalogues) {
-    const std::string methods = run({"list", "methods"}).out, channels = run({"list", "channels"}).out, keys = run({"list", "keys"}).out;
+    const std::string methods = run({"list", "methods", "--all"}).out, channels = run({"list", "channels"}).out,
+                      keys = run({"list", "keys"}).out;
     for (const engine::StagePlan& plan : engine::methods()) EXPECT_THAT(methods, HasSubstr("\n" + plan.name + " "));
     for (const tasks::Channel& channel : tasks::channels()) EXPECT_THAT(channels, HasSubstr("\n" + std::string(channel.name) + " "));
     for (const tasks::Parameter& parameter : tasks::parameter_table())
@@ -69,9 +73,18 @@ TEST_F(Commands, ListEveryRowOfTheCatalogues) {
     EXPECT_THAT(run({"list", "executors", "units"}).out, AllOf(HasSubstr("\nserial "), HasSubstr("\na torque ")));
 }
 
+TEST_F(Commands, ListTheMethodsThatOneWouldUse) {
+    std::istringstream list(run({"list", "methods"}).out);
+    std::vector<std::string> names;
+    for (std::string line; std::getline(list, line) && !line.empty();) names.push_back(line.substr(0, line.find(' ')));
+    ASSERT_EQ(names.size(), 8u) << "a heading, a rule and six methods";
+    EXPECT_EQ(names[2], tasks::Scene().run.method) << "the default is the first";
+    for (std::size_t k = 2; k < names.size(); ++k) EXPECT_THAT(tasks::method_names(), testing::Contains(names[k]));
+}
+
 TEST_F(Commands, ListDerivedOrderAndStabilityOfMethods) {
     // Of the classical method: order 4, real interval 2.785, imaginary interval 2 sqrt(2).
-    EXPECT_THAT(run({"list", "methods"}).out, testing::ContainsRegex("\nrk4 +4 +4 +2\\.785 +2\\.828 "));
+    EXPECT_THAT(run({"list", "methods", "--all"}).out, testing::ContainsRegex("\nrk4 +4 +4 +2\\.785 +2\\.828 "));
 }
 
 TEST_F(Commands, ExplainKeysAndSections) {

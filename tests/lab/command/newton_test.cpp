@@ -41,7 +41,7 @@ TEST_F(NewtonCommand, KeepsFaultsOutOfItsTable) {
     const Outcome outcome = run({"newton", "tiny", "--methods", "euler", "--steps", "4us", "--duration", "400us", "--set",
                                  "start.settling_time=20us", "--set", "start.ramp_time=10us"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.err, HasSubstr("\ncvtflow: euler with 4 us: "));
+    EXPECT_THAT(outcome.err, HasSubstr("\ncvtflow-lab: euler with 4 us: "));
     EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  euler +4 us .* - +-\n"));
 }
 

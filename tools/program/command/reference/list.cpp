@@ -24,7 +24,28 @@ namespace cvtflow::tools {
 
 namespace {
 
+/// The methods that one would use, and why.
+struct Choice {
+    const char* method;
+    const char* reason;
+};
+
+constexpr std::array choices{
+    Choice{"leapfrog-chebyshev", "the default: one evaluation of all forces a step, friction in stages of its own; automatic steps"},
+    Choice{"leapfrog-chebyshev-double", "the default with friction in double precision, to see that single precision changes nothing"},
+    Choice{"leapfrog-rkc", "as the default, with smaller errors of friction in short steps"},
+    Choice{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); chooses its stages by the spectrum"},
+    Choice{"dumka3-p5", "explicit with fixed steps, 2 us at full detail: no splitting of friction, a sixth of the cost of rk4"},
+    Choice{"rk4", "the reference: order 4, 45 ns or less at full detail"},
+};
+
 std::string methods() {
+    Table table({{"method"}, {"used for"}});
+    for (const Choice& choice : choices) table.add({choice.method, choice.reason});
+    return table.text() + "\nAll methods, with stages, order and stability: cvtflow list methods --all.\n";
+}
+
+std::string all_methods() {
     Table table({{"method"},
                  {"stages", Align::right},
                  {"order", Align::right},
@@ -134,10 +155,11 @@ struct Listing {
     std::string_view name;
     std::string_view description;
     std::string (*text)();
+    std::string (*all)() = nullptr;  ///< with --all, where that is more
 };
 
 constexpr std::array listings{
-    Listing{"methods", "Integration methods: stages, order, stability", methods},
+    Listing{"methods", "Integration methods; --all: every one, with stages, order, stability", methods, all_methods},
     Listing{"detail", "Levels of detail, coarsest first", detail},
     Listing{"channels", "Recorded quantities", channels},
     Listing{"scenes", "Ready scenes", scenes},
@@ -161,9 +183,12 @@ std::string refusal(const std::string& name) {
                         : fmt::format("no list '{}', did you mean '{}'?", name, near);
 }
 
-ExitStatus list(const std::vector<std::string>& names) {
+ExitStatus list(const std::vector<std::string>& names, bool all) {
     std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : "\n") + find_listing(name)->text();
+    for (const std::string& name : names) {
+        const Listing& listing = *find_listing(name);
+        text += (text.empty() ? "" : "\n") + (all && listing.all != nullptr ? listing.all() : listing.text());
+    }
     fmt::print("{}", text);
     return ExitStatus::finished;
 }
@@ -173,10 +198,12 @@ ExitStatus list(const std::vector<std::string>& names) {
 Action declare_list(CLI::App& app) {
     const auto names = std::make_shared<std::vector<std::string>>();
     app.add_option("WHAT", *names, "One or more of the names below")->required()->type_name("")->check(CLI::Validator(refusal, ""));
+    const auto all = std::make_shared<bool>(false);
+    app.add_flag("--all", *all, "Every row, not only the usual ones (methods)");
     std::string footer = "Lists:";
     for (const Listing& listing : listings) footer += fmt::format("\n  {:<12}{}", listing.name, listing.description);
     app.footer(footer);
-    return [names] { return list(*names); };
+    return [names, all] { return list(*names, *all); };
 }
 
 }  // namespace cvtflow::tools
