@@ -17,6 +17,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "bench/executor/further_executors.hpp"
 #include "bench/peers/solvers.hpp"
 #include "bench/study/profile/report.hpp"
 #include "bench/study/profile/statistics.hpp"
@@ -168,7 +169,7 @@ void write_csv(const std::string& path, const std::vector<Row>& rows, const Sett
         file.print("{},{:g},{},{},{},{},{},{:.6g},{:.4e},{:.4e},\"{}\",{},{:.3f},{},{},\"{} {}\",\"{}\",\"{}\",\"{}\",{},{}\n",
                    settings.scene, 1e6 * duration, row.solver, row.choice, row.steps, row.evaluations, row.jacobians, row.cost,
                    row.error_axial, row.error_tension, row.fault, settings.rounds, got, bench::sundials_version(), here.commit,
-                   here.compiler, here.build_type, bench::compiler_flags(), engine::runtime_versions(), here.cpu, here.cores, here.date);
+                   here.compiler, here.build_type, bench::compiler_flags(), bench::runtime_versions(), here.cpu, here.cores, here.date);
     }
 }
 

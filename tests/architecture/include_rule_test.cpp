@@ -55,9 +55,6 @@ Names permitted(const SourceFile& file) {
     if (file.path.starts_with("api/fmi/")) return {"fmt"};  // compiled in
     if (file.part() == "api") return {};
     if (file.path.starts_with("engine/record/")) return {"Eigen", "fmt", "HDF5"};
-    if (file.path.starts_with("engine/executor/further/taskflow/")) return {"taskflow"};
-    if (file.path.starts_with("engine/executor/further/asio/")) return {"boost"};
-    if (file.path == "engine/executor/runtimes.cpp") return {"oneTBB", "boost", "taskflow"};  // their versions
     if (file.path.starts_with("engine/executor/") || file.path.starts_with("engine/thread/")) return {"Eigen", "fmt", "oneTBB", "OpenMP"};
     return {"Eigen", "fmt"};
 }
@@ -127,7 +124,8 @@ TEST(IncludeRule, HeadersThatIncludeThirdPartiesArePrivate) {
     for (const SourceFile& file : source_files()) {
         for (const Include& include : includes_of(file.text)) {
             if (!include.quoted || !hidden.contains(include.name)) continue;
-            const bool own = room_of(include.name) == room_of(file.path);
+            const bool further = file.path.starts_with("bench/executor/") && include.name.starts_with("engine/executor/");
+            const bool own = further || room_of(include.name) == room_of(file.path);  // further executors run in the same arenas
             EXPECT_TRUE(own || file.part() == "tests") << where(file, include) << " is private to its folder";
         }
     }

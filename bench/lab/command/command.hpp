@@ -18,6 +18,7 @@ tools::Action declare_pin_entry(CLI::App& app);
 tools::Action declare_profile(CLI::App& app);
 tools::Action declare_granularity(CLI::App& app);
 tools::Action declare_dot(CLI::App& app);
+tools::Action declare_executors(CLI::App& app);
 tools::Action declare_newton(CLI::App& app);
 tools::Action declare_detail(CLI::App& app);
 tools::Action declare_tradeoff(CLI::App& app);

@@ -17,6 +17,8 @@ std::span<const tools::Command> commands() noexcept {
         Command{"profile", schedule, "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
         Command{"granularity", schedule, "Measure how short tasks may be: efficiency of every executor against the length of a task",
                 declare_granularity},
+        Command{"executors", schedule, "List executors: those of the program and further ones to compare, and which are missing",
+                declare_executors},
         Command{"dot", schedule, "Draw the task graph of a step in Graphviz' language", declare_dot},
         Command{"method", method, "Show what a method is: order, stability, growth of errors within a step, its table", declare_method},
         Command{"stability", method, "Regions of stability of methods, over the eigenvalues of a scene", declare_stability},

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "bench/executor/further_executors.hpp"
 #include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
@@ -61,7 +62,7 @@ std::string granularity_csv(const Granularity& result) {
     const engine::Provenance here = engine::current_provenance();
     const std::string provenance = fmt::format("{:.3f},{},{},{},{},{},{},{},{}", result.calibrated, result.wanted, here.commit,
                                                in_quotes(here.compiler + " " + here.build_type), in_quotes(compiler_flags()),
-                                               in_quotes(engine::runtime_versions()), in_quotes(here.cpu), here.cores, here.date);
+                                               in_quotes(bench::runtime_versions()), in_quotes(here.cpu), here.cores, here.date);
     for (const GranularityPoint& point : result.points) {
         const Spread& efficiency = point.efficiency;
         text += fmt::format("{},{},{},{:.4g},{:.5f},{:.5f},{:.5f},{:.5g},{:.5g},{}\n", point.executor, point.threads, point.tasks,
@@ -95,7 +96,7 @@ std::string granularity_json(const Granularity& result, const GranularityOptions
     }
     ordered_json provenance = provenance_json();
     provenance["flags"] = compiler_flags();
-    provenance["runtimes"] = engine::runtime_versions();
+    provenance["runtimes"] = bench::runtime_versions();
     return json_text({{"provenance", provenance},
                       {"options",
                        {{"levels", options.levels},

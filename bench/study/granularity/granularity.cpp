@@ -99,7 +99,7 @@ std::vector<Contender> contenders(const GranularityOptions& options) {
         const engine::ExecutorRow* row = engine::find_executor(name);
         if (row == nullptr) {
             throw SceneError(
-                fmt::format("--executors: there is no executor '{}'{} (cvtflow list executors)", name, engine::missing_executor(name)));
+                fmt::format("--executors: there is no executor '{}'{} (cvtflow-lab executors)", name, engine::missing_executor(name)));
         }
         const int threads = !row->parallel ? 1 : options.threads > 0 ? options.threads : usable_threads();
         all.push_back({row, threads, row->make({.threads = threads, .wait = options.wait, .pin = options.pin})});

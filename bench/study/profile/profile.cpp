@@ -27,7 +27,7 @@ Kind kind_of(const std::string& name, const AssemblyOptions& usual) {
     const engine::ExecutorRow* row = engine::find_executor(executor);
     if (row == nullptr) {
         throw SceneError(
-            fmt::format("--schedules: there is no executor '{}'{} (cvtflow list executors)", executor, engine::missing_executor(executor)));
+            fmt::format("--schedules: there is no executor '{}'{} (cvtflow-lab executors)", executor, engine::missing_executor(executor)));
     }
     if (colon == std::string::npos) return {row, usual};
     try {

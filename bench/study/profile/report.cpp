@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "bench/executor/further_executors.hpp"
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
@@ -45,7 +46,7 @@ ordered_json provenance_json() {
             {"instruction_set", here.instruction_set},
             {"tbb", engine::tbb_version()},
             {"openmp", engine::openmp_version()},
-            {"runtimes", engine::runtime_versions()},
+            {"runtimes", bench::runtime_versions()},
             {"cpu", here.cpu},
             {"cores", here.cores},
             {"usable_threads", usable_threads()},

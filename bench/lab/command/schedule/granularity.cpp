@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 
+#include "bench/executor/further_executors.hpp"
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/report/granularity_report.hpp"
 #include "engine/base/provenance.hpp"
@@ -37,7 +38,7 @@ std::string heading(const Granularity& result, const GranularityOptions& options
                        plural(options.rounds, "round")) +
            field("machine", fmt::format("{}, {}", here.cpu, plural(here.cores, "core"))) +
            field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
-           field("libraries", engine::runtime_versions()) +
+           field("libraries", bench::runtime_versions()) +
            field(result.crowded() ? "crowded" : "quiet",
                  fmt::format("calibration got {:.2f} of {}{}", result.calibrated, plural(result.wanted, "processor"),
                              result.crowded() ? ": others are busy, these figures are theirs as well" : ""));

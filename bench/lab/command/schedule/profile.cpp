@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "bench/executor/further_executors.hpp"
 #include "bench/lab/command/command.hpp"
 #include "bench/lab/measure/wait_policies.hpp"
 #include "bench/lab/report/profile_report.hpp"
@@ -55,7 +56,7 @@ std::string machine_text(const Profile& result) {
     return field("machine",
                  fmt::format("{}, {}, {} usable", here.cpu, plural(here.cores, "core"), plural(tasks::usable_threads(), "thread"))) +
            field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
-           field("flags", compiler_flags()) + field("libraries", engine::runtime_versions()) +
+           field("flags", compiler_flags()) + field("libraries", bench::runtime_versions()) +
            field("load average", fmt::format("{:.2f} before, {:.2f} after", result.load_before, result.load_after)) +
            field(result.crowded() ? "crowded" : "quiet",
                  crowding_text(result) + (result.crowded() ? ": others are busy, compare with care" : ""));

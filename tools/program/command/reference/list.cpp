@@ -7,7 +7,6 @@
 #include <set>
 
 #include "engine/base/spelling.hpp"
-#include "engine/executor/catalogue.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "engine/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
@@ -17,6 +16,7 @@
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"
 #include "tools/program/command/command.hpp"
+#include "tools/program/text/executor_text.hpp"
 #include "tools/program/text/method_text.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -116,16 +116,7 @@ std::string scenes() {
     return table.text() + fmt::format("\nFrom {}. Further folders: environment variable CVTFLOW_SCENES.\n", fmt::join(folders, ", "));
 }
 
-std::string executors() {
-    Table table({{"executor"}, {"threads"}, {"description"}});
-    for (const engine::ExecutorRow& row : engine::executors())
-        table.add({std::string(row.name), row.parallel ? "many" : "one", std::string(row.description)});
-    std::string absent;
-    for (const engine::ExecutorRow& row : engine::absent_executors())
-        absent += fmt::format("  {:<12}{}\n  {:<12}needs {}\n", row.name, row.description, "", row.needs);
-    return table.text() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) +
-           (absent.empty() ? "" : fmt::format("\nNot in this program:\n{}", absent));
-}
+std::string executors() { return executor_table() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) + absent_executor_text(); }
 
 std::string keys() {
     const tasks::Scene defaults;
@@ -163,7 +154,7 @@ constexpr std::array listings{
     Listing{"detail", "Levels of detail, coarsest first", detail},
     Listing{"channels", "Recorded quantities", channels},
     Listing{"scenes", "Ready scenes", scenes},
-    Listing{"executors", "Ways to run the task graph", executors},
+    Listing{"executors", "Ways to run the task graph; more to compare: cvtflow-lab executors", executors},
     Listing{"keys", "All keys of scenes", keys},
     Listing{"units", "Units of quantities", units},
 };

@@ -1,4 +1,4 @@
-#include "engine/executor/further/std_par/std_par.hpp"
+#include "bench/executor/std_par/std_par.hpp"
 
 #include <oneapi/tbb/task_group.h>
 
@@ -7,7 +7,9 @@
 
 #include "engine/executor/tbb/tbb_section.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
+
+using namespace engine;
 
 namespace {
 
@@ -34,4 +36,4 @@ void StdPar::execute(Run& run, int first) {
     });
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

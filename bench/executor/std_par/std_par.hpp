@@ -3,17 +3,17 @@
 
 #include "engine/executor/run.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 /// One std::for_each(std::execution::par) per level. libstdc++ runs it as a parallel_for of oneTBB, whose own choice of chunks it takes;
 /// for that it has to stay in our arena and below our context, about which the standard's algorithms know nothing.
-class StdPar final : public RunningExecutor {
+class StdPar final : public engine::RunningExecutor {
 public:
-    explicit StdPar(const ExecutorOptions& options) : RunningExecutor(options) {}
+    explicit StdPar(const engine::ExecutorOptions& options) : engine::RunningExecutor(options) {}
     [[nodiscard]] std::string_view name() const noexcept override { return "std_par"; }
 
 private:
-    void execute(Run& run, int first) override;
+    void execute(engine::Run& run, int first) override;
 };
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -3,16 +3,16 @@
 
 #include "engine/executor/run.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 /// One wait per run. Its messages are small tasks from oneTBB's pool, which grows during the first cycles.
-class FlowMessages final : public RunningExecutor {
+class FlowMessages final : public engine::RunningExecutor {
 public:
-    explicit FlowMessages(const ExecutorOptions& options) : RunningExecutor(options) {}
+    explicit FlowMessages(const engine::ExecutorOptions& options) : engine::RunningExecutor(options) {}
     [[nodiscard]] std::string_view name() const noexcept override { return "flow_messages"; }
 
 private:
-    void execute(Run& run, int first) override;
+    void execute(engine::Run& run, int first) override;
 };
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

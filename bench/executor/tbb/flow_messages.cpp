@@ -10,12 +10,14 @@
 /// its own that another thread may have to steal (about 1 µs). Cycles follow one another, so that one decision is made at a time, and
 /// the reference counts of oneTBB order what the tasks wrote before it.
 
-#include "engine/executor/tbb/flow_messages.hpp"
+#include "bench/executor/tbb/flow_messages.hpp"
 
-#include "engine/executor/tbb/task_nodes.hpp"
+#include "bench/executor/tbb/task_nodes.hpp"
 #include "engine/executor/tbb/tbb_section.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
+
+using namespace engine;
 
 namespace flow = oneapi::tbb::flow;
 
@@ -37,4 +39,4 @@ void FlowMessages::execute(Run& run, int first) {
     });
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

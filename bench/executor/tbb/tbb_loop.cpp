@@ -1,11 +1,13 @@
-#include "engine/executor/tbb/tbb_loop.hpp"
+#include "bench/executor/tbb/tbb_loop.hpp"
 
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/partitioner.h>
 
 #include "engine/executor/tbb/tbb_section.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
+
+using namespace engine;
 
 namespace {
 
@@ -30,4 +32,4 @@ void TbbLoop::execute(Run& run, int first) {
     });
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

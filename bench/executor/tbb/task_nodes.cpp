@@ -1,8 +1,10 @@
-#include "engine/executor/tbb/task_nodes.hpp"
+#include "bench/executor/tbb/task_nodes.hpp"
 
 #include "engine/executor/tbb/tbb_section.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
+
+using namespace engine;
 
 namespace flow = oneapi::tbb::flow;
 
@@ -29,4 +31,4 @@ void TaskNodes::order_before(int cycle, flow::receiver<Message>& end) {
     }
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

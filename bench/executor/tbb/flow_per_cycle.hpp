@@ -4,16 +4,16 @@
 
 #include "engine/executor/run.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 /// The graph is built once per run. Its messages are small tasks from oneTBB's pool, which grows during the first cycles.
-class FlowPerCycle final : public RunningExecutor {
+class FlowPerCycle final : public engine::RunningExecutor {
 public:
-    explicit FlowPerCycle(const ExecutorOptions& options) : RunningExecutor(options) {}
+    explicit FlowPerCycle(const engine::ExecutorOptions& options) : engine::RunningExecutor(options) {}
     [[nodiscard]] std::string_view name() const noexcept override { return "flow_per_cycle"; }
 
 private:
-    void execute(Run& run, int first) override;
+    void execute(engine::Run& run, int first) override;
 };
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

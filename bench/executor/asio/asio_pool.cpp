@@ -1,4 +1,4 @@
-#include "engine/executor/further/asio/asio_pool.hpp"
+#include "bench/executor/asio/asio_pool.hpp"
 
 #include <atomic>
 #include <boost/asio/io_context.hpp>
@@ -13,7 +13,9 @@
 #include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_grant.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
+
+using namespace engine;
 
 namespace {
 
@@ -130,4 +132,4 @@ private:
 
 void AsioPool::execute(Run& run, int first) { Queue(run, options()).run(first); }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -1,4 +1,4 @@
-#include "engine/executor/openmp/omp_tasks.hpp"
+#include "bench/executor/openmp/omp_tasks.hpp"
 
 #include <omp.h>
 
@@ -8,7 +8,9 @@
 #include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_grant.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
+
+using namespace engine;
 
 namespace {
 
@@ -56,4 +58,4 @@ void OmpTasks::execute(Run& run, int first) {
     }
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

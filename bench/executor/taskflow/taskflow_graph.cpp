@@ -1,4 +1,4 @@
-#include "engine/executor/further/taskflow/taskflow_graph.hpp"
+#include "bench/executor/taskflow/taskflow_graph.hpp"
 
 #include <algorithm>
 #include <exception>
@@ -10,7 +10,9 @@
 #include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_grant.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
+
+using namespace engine;
 
 namespace {
 
@@ -99,4 +101,4 @@ void TaskflowGraph::execute(Run& run, int first) {
     executor->run(flow.flow()).wait();
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -1,9 +1,11 @@
-#include "engine/executor/tbb/flow_per_cycle.hpp"
+#include "bench/executor/tbb/flow_per_cycle.hpp"
 
-#include "engine/executor/tbb/task_nodes.hpp"
+#include "bench/executor/tbb/task_nodes.hpp"
 #include "engine/executor/tbb/tbb_section.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
+
+using namespace engine;
 
 void FlowPerCycle::execute(Run& run, int first) {
     TbbSection section(options().threads, options().pin);
@@ -17,4 +19,4 @@ void FlowPerCycle::execute(Run& run, int first) {
     });
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

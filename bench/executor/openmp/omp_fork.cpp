@@ -1,4 +1,4 @@
-#include "engine/executor/openmp/omp_fork.hpp"
+#include "bench/executor/openmp/omp_fork.hpp"
 
 #include <omp.h>
 
@@ -9,7 +9,9 @@
 #include "engine/thread/pinning.hpp"
 #include "engine/thread/worker_grant.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
+
+using namespace engine;
 
 namespace {
 
@@ -65,4 +67,4 @@ void OmpFork::execute(Run& run, int first) {
     }
 }
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -8,7 +8,7 @@
 
 #include "engine/executor/run.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 class TaskNodes {
 public:
@@ -16,7 +16,7 @@ public:
     using Node = oneapi::tbb::flow::continue_node<Message>;
 
     /// Built inside the arena in which it will run; graph and run outlive it.
-    TaskNodes(oneapi::tbb::flow::graph& graph, const Run& run);
+    TaskNodes(oneapi::tbb::flow::graph& graph, const engine::Run& run);
 
     /// Tasks of the cycle run, in the order of their edges.
     void start(int cycle) { starts_[static_cast<std::size_t>(cycle)].try_put(Message()); }
@@ -25,9 +25,9 @@ public:
     void order_before(int cycle, oneapi::tbb::flow::receiver<Message>& end);
 
 private:
-    const TaskGraph& tasks_;
+    const engine::TaskGraph& tasks_;
     std::deque<Node> nodes_;                                         ///< [task]
     std::deque<oneapi::tbb::flow::broadcast_node<Message>> starts_;  ///< [cycle]
 };
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench

@@ -3,16 +3,16 @@
 
 #include "engine/executor/run.hpp"
 
-namespace cvtflow::engine {
+namespace cvtflow::bench {
 
 /// One parallel_for with static partitioner per level, in an own arena.
-class TbbLoop final : public RunningExecutor {
+class TbbLoop final : public engine::RunningExecutor {
 public:
-    explicit TbbLoop(const ExecutorOptions& options) : RunningExecutor(options) {}
+    explicit TbbLoop(const engine::ExecutorOptions& options) : engine::RunningExecutor(options) {}
     [[nodiscard]] std::string_view name() const noexcept override { return "tbb_loop"; }
 
 private:
-    void execute(Run& run, int first) override;
+    void execute(engine::Run& run, int first) override;
 };
 
-}  // namespace cvtflow::engine
+}  // namespace cvtflow::bench
