@@ -15,17 +15,38 @@ enum FmiStatus : int { fmi_ok = 0, fmi_warning = 1, fmi_discard = 2, fmi_error =
 
 namespace cvtflow::fmi {
 
+/// Where an instance stands in the standard's state machine.
+enum class Stage { instantiated, initialising, stepping, terminated };
+
 /// What an importer holds: the instance and its way to the importer's log.
 struct Component {
     std::string name;
     bool logging = false;
     std::function<void(int status, const char* category, const char* message)> log;
     Instance instance;
+    Stage stage = Stage::instantiated;
 
     void say(int status, const char* category, const std::string& message) const {
         if (logging && log) log(status, category, message.c_str());
     }
+    /// The stage goes with the state: one that was taken after the initialisation can be stepped from.
+    void restore(const Snapshot& snapshot) {
+        instance.restore(snapshot);
+        if (snapshot.ready)
+            stage = Stage::stepping;
+        else if (stage > Stage::initialising)
+            stage = Stage::initialising;
+    }
 };
+
+[[nodiscard]] inline const char* stage_text(Stage stage) noexcept {
+    switch (stage) {
+        case Stage::instantiated: return "the initialisation has not begun";
+        case Stage::initialising: return "the initialisation has not ended";
+        case Stage::stepping: return "the initialisation has ended";
+        default: return "the simulation was terminated";
+    }
+}
 
 /// Runs `action` on the component; whatever it throws becomes a line in the log and an error.
 template <class Action>
@@ -43,6 +64,16 @@ int guarded(void* component, Action&& action) noexcept {
     } catch (...) {
         return fmi_error;
     }
+}
+
+/// A call that the standard allows in one stage only, and what follows it. The stage stays where `action` throws.
+template <class Action>
+int staged(void* component, const char* function, Stage from, Stage to, Action&& action) noexcept {
+    return guarded(component, [&](Component& self) {
+        if (self.stage != from) throw Error(ErrorCode::argument, std::string(function) + ": not allowed now: " + stage_text(self.stage));
+        action(self);
+        self.stage = to;
+    });
 }
 
 /// For functions of the standard that this FMU does not offer.

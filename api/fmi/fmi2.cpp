@@ -11,6 +11,8 @@ using cvtflow::fmi::guarded;
 using cvtflow::fmi::Instance;
 using cvtflow::fmi::not_offered;
 using cvtflow::fmi::Snapshot;
+using cvtflow::fmi::Stage;
+using cvtflow::fmi::staged;
 
 namespace {
 
@@ -54,8 +56,8 @@ CVTFLOW_FMI void* fmi2Instantiate(const char* name, int type, const char*, const
     try {
         constexpr int co_simulation = 1;
         if (type != co_simulation) throw Error(ErrorCode::argument, "this FMU is for co-simulation");
-        auto component =
-            std::make_unique<Component>(Component{name != nullptr ? name : "", logging != 0, {}, Instance(path_of(resources))});
+        auto component = std::make_unique<Component>(
+            Component{name != nullptr ? name : "", logging != 0, {}, Instance(path_of(resources)), Stage::instantiated});
         log_with(*component, calls);
         return component.release();
     } catch (const std::exception& error) {
@@ -71,28 +73,32 @@ CVTFLOW_FMI int fmi2SetDebugLogging(void* c, int on, size_t, const char* const[]
 }
 
 CVTFLOW_FMI int fmi2SetupExperiment(void* c, int, double, double start, int, double) {
-    return guarded(c, [&](Component& self) { self.instance.set_start(start); });
+    return staged(c, "fmi2SetupExperiment", Stage::instantiated, Stage::instantiated,
+                  [&](Component& self) { self.instance.set_start(start); });
 }
 
 CVTFLOW_FMI int fmi2EnterInitializationMode(void* c) {
-    return guarded(c, [](Component&) {});
+    return staged(c, "fmi2EnterInitializationMode", Stage::instantiated, Stage::initialising, [](Component&) {});
 }
 
 CVTFLOW_FMI int fmi2ExitInitializationMode(void* c) {
-    return guarded(c, [](Component& self) {
+    return staged(c, "fmi2ExitInitializationMode", Stage::initialising, Stage::stepping, [](Component& self) {
         self.instance.finish_initialisation();
         for (const std::string& notice : self.instance.notices()) self.say(fmi_warning, "logStatusWarning", notice);
     });
 }
 
 CVTFLOW_FMI int fmi2Terminate(void* c) {
-    return guarded(c, [](Component& self) {
+    return staged(c, "fmi2Terminate", Stage::stepping, Stage::terminated, [](Component& self) {
         for (const std::string& notice : self.instance.notices()) self.say(fmi_warning, "logStatusWarning", notice);
     });
 }
 
 CVTFLOW_FMI int fmi2Reset(void* c) {
-    return guarded(c, [](Component& self) { self.instance.reset(); });
+    return guarded(c, [](Component& self) {
+        self.instance.reset();
+        self.stage = Stage::instantiated;
+    });
 }
 
 CVTFLOW_FMI int fmi2GetReal(void* c, const Reference references[], size_t count, double values[]) {
@@ -110,7 +116,8 @@ CVTFLOW_FMI int fmi2SetReal(void* c, const Reference references[], size_t count,
 }
 
 CVTFLOW_FMI int fmi2DoStep(void* c, double begin, double length, int) {
-    return guarded(c, [&](Component& self) { static_cast<void>(self.instance.step(begin, length, {})); });
+    return staged(c, "fmi2DoStep", Stage::stepping, Stage::stepping,
+                  [&](Component& self) { static_cast<void>(self.instance.step(begin, length, {})); });
 }
 
 CVTFLOW_FMI int fmi2GetFMUstate(void* c, void** state) {
@@ -122,7 +129,7 @@ CVTFLOW_FMI int fmi2GetFMUstate(void* c, void** state) {
 }
 
 CVTFLOW_FMI int fmi2SetFMUstate(void* c, void* state) {
-    return guarded(c, [&](Component& self) { self.instance.restore(*static_cast<Snapshot*>(state)); });
+    return guarded(c, [&](Component& self) { self.restore(*static_cast<Snapshot*>(state)); });
 }
 
 CVTFLOW_FMI int fmi2FreeFMUstate(void* c, void** state) {

@@ -9,6 +9,8 @@ using cvtflow::fmi::guarded;
 using cvtflow::fmi::Instance;
 using cvtflow::fmi::Intermediate;
 using cvtflow::fmi::Snapshot;
+using cvtflow::fmi::Stage;
+using cvtflow::fmi::staged;
 
 namespace {
 
@@ -51,8 +53,8 @@ CVTFLOW_FMI void* fmi3InstantiateCoSimulation(const char* name, const char*, con
     try {
         std::string folder = resources != nullptr ? resources : "";
         while (folder.ends_with('/')) folder.pop_back();
-        auto component = std::make_unique<Component3>(
-            Component3{{name != nullptr ? name : "", logging, say, Instance(folder)}, update, environment, early_return});
+        auto component = std::make_unique<Component3>(Component3{
+            {name != nullptr ? name : "", logging, say, Instance(folder), Stage::instantiated}, update, environment, early_return});
         return static_cast<Component*>(component.release());
     } catch (const std::exception& error) {
         say(fmi_error, "logStatusError", error.what());
@@ -67,24 +69,28 @@ CVTFLOW_FMI int fmi3SetDebugLogging(void* c, bool on, size_t, const char* const[
 }
 
 CVTFLOW_FMI int fmi3EnterInitializationMode(void* c, bool, double, double start, bool, double) {
-    return guarded(c, [&](Component& self) { self.instance.set_start(start); });
+    return staged(c, "fmi3EnterInitializationMode", Stage::instantiated, Stage::initialising,
+                  [&](Component& self) { self.instance.set_start(start); });
 }
 
 CVTFLOW_FMI int fmi3ExitInitializationMode(void* c) {
-    return guarded(c, [](Component& self) {
+    return staged(c, "fmi3ExitInitializationMode", Stage::initialising, Stage::stepping, [](Component& self) {
         self.instance.finish_initialisation();
         for (const std::string& notice : self.instance.notices()) self.say(fmi_warning, "logStatusWarning", notice);
     });
 }
 
 CVTFLOW_FMI int fmi3Terminate(void* c) {
-    return guarded(c, [](Component& self) {
+    return staged(c, "fmi3Terminate", Stage::stepping, Stage::terminated, [](Component& self) {
         for (const std::string& notice : self.instance.notices()) self.say(fmi_warning, "logStatusWarning", notice);
     });
 }
 
 CVTFLOW_FMI int fmi3Reset(void* c) {
-    return guarded(c, [](Component& self) { self.instance.reset(); });
+    return guarded(c, [](Component& self) {
+        self.instance.reset();
+        self.stage = Stage::instantiated;
+    });
 }
 
 CVTFLOW_FMI int fmi3GetFloat64(void* c, const Reference references[], size_t count, double values[], size_t room) {
@@ -105,7 +111,7 @@ CVTFLOW_FMI int fmi3SetFloat64(void* c, const Reference references[], size_t cou
 
 CVTFLOW_FMI int fmi3DoStep(void* c, double begin, double length, bool, bool* event, bool* terminate, bool* early, double* reached) {
     *event = *terminate = *early = false;
-    return guarded(c, [&](Component& self) {
+    return staged(c, "fmi3DoStep", Stage::stepping, Stage::stepping, [&](Component& self) {
         *reached = self.instance.now();
         *reached = self.instance.step(begin, length, static_cast<Component3&>(self).intermediate());
         *early = *reached < begin + length;
@@ -121,7 +127,7 @@ CVTFLOW_FMI int fmi3GetFMUState(void* c, void** state) {
 }
 
 CVTFLOW_FMI int fmi3SetFMUState(void* c, void* state) {
-    return guarded(c, [&](Component& self) { self.instance.restore(*static_cast<Snapshot*>(state)); });
+    return guarded(c, [&](Component& self) { self.restore(*static_cast<Snapshot*>(state)); });
 }
 
 CVTFLOW_FMI int fmi3FreeFMUState(void* c, void** state) {

@@ -1,6 +1,7 @@
 #pragma once
 /// Exceptions of the inside as those of the public interface. Internal to api.
 
+#include <cstddef>
 #include <cvtflow/error.hpp>
 #include <exception>
 #include <new>
@@ -16,10 +17,17 @@ namespace cvtflow::api {
 /// Rethrows the exception in flight as an Error: one of ours stays, lack of memory is memory, anything else is `otherwise`.
 [[noreturn]] void rethrow(ErrorCode otherwise);
 
+/// Stack that a calling thread must have left: the kernels keep a link's numbers there. [byte]
+inline constexpr std::size_t least_stack = std::size_t{224} << 10U;
+
+/// @throws Error (argument) on a thread with less; not on a process's first thread, whose stack grows, nor on stacks that a host has made
+void require_stack();
+
 /// What `action` returns; what it throws, translated.
 template <class Action>
 auto translated(ErrorCode otherwise, Action&& action) -> decltype(action()) {
     try {
+        require_stack();
         return action();
     } catch (...) {
         rethrow(otherwise);

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <cstring>
 #include <utility>
+#include <vector>
 
 namespace cvtflow::engine {
 
@@ -103,13 +104,14 @@ std::string read_text_input(const std::string& path, std::uint64_t most, double 
     if (static_cast<std::uint64_t>(file.about.st_size) > most)
         throw InputError(size + " bytes, more than the " + limit + " that such a file may have");
     std::string text;
-    std::byte block[65536];
+    std::vector<std::byte> block(65536);  // not on the stack: threads of a host may have little
     const auto next = [&] {
-        return pipe ? read_pipe(file.descriptor, block, sizeof block, timeout) : read_at(file.descriptor, text.size(), block, sizeof block);
+        return pipe ? read_pipe(file.descriptor, block.data(), block.size(), timeout)
+                    : read_at(file.descriptor, text.size(), block.data(), block.size());
     };
     // Not by its size: files of /proc have none, and others may grow.
     for (std::size_t some = 0; (some = next()) > 0;) {
-        text.append(reinterpret_cast<const char*>(block), some);
+        text.append(reinterpret_cast<const char*>(block.data()), some);
         if (text.size() > most) throw InputError("more than the " + limit + " bytes that such a file may have");
     }
     if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);

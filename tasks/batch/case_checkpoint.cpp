@@ -8,6 +8,7 @@
 
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/run/checkpoint.hpp"
+#include "tasks/run/saved_start.hpp"
 
 namespace cvtflow::tasks {
 
@@ -26,6 +27,7 @@ void CaseEngine::save() {
     for (const Reducer& reducer : reducers_) reducer.save(checkpoint.recorder);
     means_.save(checkpoint.recorder);
     if (recorder_) {
+        checkpoint.run = recorder_->run();
         const std::vector<double> position = recorder_->position();
         checkpoint.recorder.insert(checkpoint.recorder.end(), position.begin(), position.end());
     }
@@ -127,9 +129,10 @@ StartStates::State CaseEngine::end_before() const {
     return latest;
 }
 
-/// What a case begins with: the end before it, else what any case begins with.
+/// What a case begins with: the end before it if that fits its machine, else what any case begins with.
 StartStates::State CaseEngine::start() {
-    const StartStates::State before = end_before();
+    StartStates::State before = end_before();
+    if (before && !start_fits(*before, scene_)) before = nullptr;
     if (before) result_.start = "continued";
     return before ? before : starts_.of_case(result_.number, scene_, control_.stop());
 }

@@ -182,7 +182,7 @@ void CaseEngine::judge_energy() {
     result_.suspicion = simulation_->suspicion();
     if (simulation_->workspace().layout().pulley_size != 0) {
         result_.efficiency = means_.all().efficiency;
-        means_.name_notes(result_.notes);
+        means_.name_notes(simulation_->energy().balance(), result_.notes);
     }
     if (result_.status != CaseStatus::ok || result_.suspicion <= 1.0) return;
     result_.status = CaseStatus::unreliable;

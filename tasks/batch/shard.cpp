@@ -10,6 +10,7 @@
 #include "tasks/batch/batch.hpp"
 #include "tasks/batch/case_engine.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/run/saved_start.hpp"
 #include "tasks/schedule/schedule.hpp"
 #include "tasks/step/control/longest_step.hpp"
 
@@ -107,7 +108,7 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
 /// and why.
 double measure(const Scene& scene, double seconds, std::string& untried) {
     try {
-        const double time = scene.run.until + (scene.state_file.empty() ? scene.parameters.start.settling_time : 0.0);
+        const double time = scene.run.until + (fitting_start(scene) == nullptr ? scene.parameters.start.settling_time : 0.0);
         const long most = std::max(2L, std::lround(time / scene.run.step.value_or(longest_automatic_step(scene.parameters.detail.pins))));
         Pace pace;
         const auto begin = std::chrono::steady_clock::now();

@@ -6,6 +6,7 @@
 
 #include "engine/base/hash.hpp"
 #include "tasks/run/checkpoint.hpp"
+#include "tasks/run/saved_start.hpp"
 
 namespace cvtflow::tasks {
 
@@ -66,8 +67,8 @@ long StartStates::first_alike(long number, const Matters& matters) const noexcep
     return first;
 }
 
-std::string_view StartStates::kind(const Scene& scene) const noexcept {
-    if (sweep_.start == StartMode::scene) return scene.state_file.empty() ? "geometric" : "scene";
+std::string_view StartStates::kind(const Scene& scene) {
+    if (sweep_.start == StartMode::scene) return file_state(scene) == nullptr ? "geometric" : "scene";
     return sweep_.start == StartMode::shared ? "shared" : "settled";
 }
 
@@ -89,7 +90,7 @@ void StartStates::keep(Map& map, const typename Map::key_type& key, typename Map
 }
 
 StartStates::State StartStates::of_case(long number, const Scene& scene, const engine::Cancellation& cancel) {
-    if (sweep_.start == StartMode::scene) return scene.state_file.empty() ? nullptr : from_file(scene.state_file);
+    if (sweep_.start == StartMode::scene) return file_state(scene);
     if (!shareable_) return nullptr;
     const long first = first_alike(number, [this](const Axis& axis) { return matters(axis); });
     if (State known = kept(of_settling_, first)) return known;
@@ -132,6 +133,13 @@ StartStates::Placed StartStates::placed(long number, const Scene& scene) {
     auto made = std::make_shared<const model::StartState>(model::start_state(scene.parameters));
     keep(placed_, first, made);
     return made;
+}
+
+/// The state that the scene names, if there is one and it fits.
+StartStates::State StartStates::file_state(const Scene& scene) {
+    if (scene.state_file.empty()) return nullptr;
+    State state = from_file(scene.state_file);
+    return start_fits(*state, scene) ? state : nullptr;
 }
 
 StartStates::State StartStates::from_file(const std::string& path) {

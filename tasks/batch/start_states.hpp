@@ -36,10 +36,11 @@ public:
     /// @param scene of the case
     /// @throws std::invalid_argument if the chain does not close
     [[nodiscard]] Placed placed(long number, const Scene& scene);
-    /// "scene", "geometric", "settled" or "shared"
-    [[nodiscard]] std::string_view kind(const Scene& scene) const noexcept;
+    /// "scene", "geometric", "settled" or "shared". Any thread. @throws engine::RecordError
+    [[nodiscard]] std::string_view kind(const Scene& scene);
 
 private:
+    [[nodiscard]] State file_state(const Scene& scene);
     [[nodiscard]] State from_file(const std::string& path);
     [[nodiscard]] State settled(const Scene& scene, const engine::Cancellation& cancel);
     template <class Map>

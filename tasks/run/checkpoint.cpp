@@ -10,6 +10,7 @@
 
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
+#include "engine/record/run/run_reader.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/simulation.hpp"
@@ -160,8 +161,9 @@ void write_checkpoint(const std::string& path, const Checkpoint& c) {
     saved.state = c.integration.state;
     for (const model::Phase phase : c.integration.phases) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     saved.fingerprint = fingerprint_of(c);
-    saved.attributes = {{"scene", c.scene},   {"scene_name", c.name}, {"scene_path", c.path},         {"scene_text", c.text},
-                        {"record", c.record}, {"program", c.program}, {"method_hash", c.method_hash}, {"slope_hash", c.slope_hash}};
+    saved.attributes = {{"scene", c.scene},     {"scene_name", c.name},         {"scene_path", c.path},
+                        {"scene_text", c.text}, {"record", c.record},           {"run", c.run},
+                        {"program", c.program}, {"method_hash", c.method_hash}, {"slope_hash", c.slope_hash}};
     saved.more = {{"integration", packed(c.integration)},   {"changed", c.integration.changed},
                   {"before", packed(c.integration.before)}, {"method", c.integration.method},
                   {"energy", c.integration.energy},         {"step_choice", c.integration.step_choice},
@@ -189,6 +191,7 @@ Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
     c.path = text(saved, "scene_path");
     c.text = text(saved, "scene_text");
     c.record = text(saved, "record");
+    c.run = text(saved, "run");
     c.program = text(saved, "program");
     c.method_hash = text(saved, "method_hash");
     c.slope_hash = text(saved, "slope_hash");
@@ -205,6 +208,12 @@ Checkpoint read_checkpoint(const std::string& path) {
     } catch (const std::domain_error& error) {
         throw engine::RecordError(fmt::format("{}: damaged checkpoint: {}", path, error.what()));
     }
+}
+
+bool is_record_of(const Checkpoint& checkpoint, const std::string& file) {
+    const auto run = engine::RunReader(file).attribute("run");
+    const std::string* identity = run ? std::get_if<std::string>(&run->value) : nullptr;
+    return identity != nullptr && !identity->empty() && *identity == checkpoint.run;
 }
 
 Scene scene_of(const Checkpoint& checkpoint) {

@@ -27,7 +27,8 @@ struct Checkpoint {
     std::string name;         ///< of the scene
     std::string path;         ///< of the scene's file, as given
     std::string text;         ///< of the scene's file
-    std::string record;       ///< absolute path of the run's record; empty: none
+    std::string record;       ///< absolute path of the run's record; empty: none. A hint for people: it decides about no file
+    std::string run;          ///< identity of the run, which its record holds as well; empty: it has no record
     std::string program;      ///< version, commit and compiler that wrote it
     std::string method_hash;  ///< of the method's coefficients
     std::string slope_hash;   ///< of the right-hand side at the state: another model, or the same one rounded differently, gives another
@@ -43,6 +44,8 @@ void sign(Checkpoint& checkpoint, const Scene& scene, const model::Variator& var
 void write_checkpoint(const std::string& path, const Checkpoint& checkpoint);
 /// Also for a fingerprint that is not of the scene, method and model that it holds.
 [[nodiscard]] Checkpoint read_checkpoint(const std::string& path);
+/// Whether the file is the record, finished or not, of the run that the checkpoint belongs to. @throws engine::RecordError as RunReader
+[[nodiscard]] bool is_record_of(const Checkpoint& checkpoint, const std::string& file);
 /// Also what a kill left half written beside it.
 void remove_checkpoint(const std::string& path);
 

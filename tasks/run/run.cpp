@@ -64,6 +64,7 @@ private:
         checkpoint.history = {report.settled, report.settling, report.begin, report.wall, report.settling_wall};
         (simulation_.needs_settling() ? checkpoint.history.settling_wall : checkpoint.history.wall) += since(started_);
         if (!options_.file.empty()) checkpoint.record = std::filesystem::absolute(options_.file).string();
+        checkpoint.run = recorder_.run();
         checkpoint.recorder = recorder_.position();
         sign(checkpoint, scene_, simulation_.variator());
         write_checkpoint(options_.checkpoint, checkpoint);
@@ -139,7 +140,10 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     if (model::fuses_multiply_add()) report.kernels += " with fused multiply-adds";
     report.working_set = simulation.workspace().bytes();
     report.start_differences = simulation.start_differences();
-    if (options.from != nullptr) restore(*options.from, simulation, recorder, report);
+    if (options.from != nullptr)
+        restore(*options.from, simulation, recorder, report);
+    else if (simulation.needs_settling() && !report.start_differences.empty() && options.notice)
+        options.notice(fmt::format("start.state: {}", report.start_differences.back()));
     run_parts(scene, options, simulation, recorder, report);
     report.end = simulation.time();
     report.step = simulation.step();
@@ -209,7 +213,9 @@ namespace {
 /// Step, and up to which one the method is stable.
 std::string step_text(const RunReport& r) {
     const bool known = r.stable_step > 0.0 && std::isfinite(r.stable_step);
-    const std::string limit = known ? fmt::format("stable up to about {:.3g} s", r.stable_step) : "linear stability sets no limit";
+    const std::string limit = known     ? fmt::format("stable up to about {:.3g} s", r.stable_step)
+                              : r.fault ? "no stable step is known where it ended"
+                                        : "linear stability sets no limit";
     if (r.step_setting.automatic()) return fmt::format("{:.4g} s (auto; {})", r.step, limit);
     const bool shortened = r.step < r.step_setting * (1.0 - 1e-9) && r.step_control != StepControl::error;
     return fmt::format("{:.4g} s ({}{})", r.step,

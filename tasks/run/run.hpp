@@ -28,6 +28,7 @@ struct RunOptions {
     double checkpoint_every = 0.0;                   ///< wall time between checkpoints, at output times; 0: only if the run ends early [s]
     std::function<void(const std::string&)> notice;  ///< told what is odd before the run begins
     const Checkpoint* from = nullptr;                ///< to go on from; `file` is then the record to go on with
+    bool replace = false;                            ///< with `from`: whether a file of that name that is not the run's own is replaced
 };
 
 /// Mean values over the outputs with t ≥ 0, and what the run took.

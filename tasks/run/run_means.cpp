@@ -17,6 +17,8 @@ namespace {
 constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;       ///< share of outputs
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
+constexpr double standing_period = 0.5;  ///< time per pin, 16 mm/s: of the order of the speeds at which tips creep [s]
+constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
 
 constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
@@ -24,7 +26,17 @@ constexpr NoteKind kinds[] = {
     {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
     {"efficiency", "efficiency of all of the run, or of its last fifth, outside 0 … 1"},
     {"unsteady", "ratio of the first and the last fifth differ by more than 1 %, or slip by more than a fifth of it"},
+    {"standstill", "the chain moves by less than two pins a second: slip is noise"},
+    {"no_load", "drive and load take less out of the machine than is lost in it: the efficiency is that of idling"},
+    {"unresolved", "losses below what can be resolved: the energy balance would not show if 5 % of them were wrong"},
 };
+
+/// What a balance may leave however little was lost [J]; 0 where it is not judged, for want of samples.
+[[nodiscard]] double unresolved(EnergyBalance balance) noexcept {
+    constexpr double least_samples = 10.0;
+    balance.loss = 0.0;
+    return balance.samples < least_samples ? 0.0 : balance.honest();
+}
 
 }  // namespace
 
@@ -104,22 +116,37 @@ SpanMeans RunMeans::span(double from, double to) const {
     if (means.periods == 0.0 && pin_period_ > 0.0 && means.end - bins_.front().time >= pin_period_)
         means.periods = 1.0;  // a fifth shorter than a period
     const EnergySums before = energy_at(means.periods > 0.0 ? means.end - means.periods * pin_period_ : means.begin);
-    means.efficiency = energy_at(means.end).efficiency_since(before);
+    const EnergySums after = energy_at(means.end);
+    means.efficiency = after.efficiency_since(before);
+    const auto taken_out = [&](model::Work by) {
+        return std::max(0.0, before.work[static_cast<std::size_t>(by)] - after.work[static_cast<std::size_t>(by)]);
+    };
+    const double lost = after.lost() - before.lost();
+    means.carried = lost > 0.0 ? (taken_out(model::Work::drive) + taken_out(model::Work::load)) / lost : 0.0;
     return means;
 }
 
-std::array<bool, 5> RunMeans::odd() const {
+std::array<bool, 8> RunMeans::odd(const EnergyBalance& balance) const {
     if (bins_.empty()) return {};
     const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
     const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };  // not a number: none
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
-    return {std::abs(last.slip) > gross_slip, last.limited > often, last.loose > often,
-            impossible(whole.efficiency) || impossible(last.efficiency), ratio_drifts || slip_drifts};
+    const bool stands = pin_period_ == 0.0 || pin_period_ > standing_period;
+    const bool idles = std::isfinite(whole.efficiency) && whole.carried < 1.0;
+    return {std::abs(last.slip) > gross_slip && !stands,
+            last.limited > often,
+            last.loose > often,
+            impossible(whole.efficiency) || impossible(last.efficiency),
+            (ratio_drifts || slip_drifts) && !stands,
+            stands,
+            idles && !stands,
+            unresolved(balance) > resolved_share * balance.loss};
 }
 
-std::vector<Note> RunMeans::notes() const {
-    const std::array<bool, 5> found = odd();
+std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) const {
+    std::array<bool, 8> found = odd(balance);
+    if (!pulleys) std::fill(found.begin(), found.end() - 1, false);
     const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     const std::string texts[] = {
@@ -130,6 +157,10 @@ std::vector<Note> RunMeans::notes() const {
                     percent(last.efficiency)),
         fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio, percent(first.slip),
                     percent(last.slip)),
+        "the machine stands: slip is noise",
+        fmt::format("drive and load take {} of what is lost: the efficiency is that of idling", percent(whole.carried)),
+        fmt::format("losses below what can be resolved: {:.2g} J of {:.2g} J could be wrong and the energy balance would not show it",
+                    unresolved(balance), balance.loss),
     };
     std::vector<Note> notes;
     for (std::size_t k = 0; k < found.size(); ++k) {
@@ -138,8 +169,8 @@ std::vector<Note> RunMeans::notes() const {
     return notes;
 }
 
-void RunMeans::name_notes(std::string& names) const {
-    const std::array<bool, 5> found = odd();
+void RunMeans::name_notes(const EnergyBalance& balance, std::string& names) const {
+    const std::array<bool, 8> found = odd(balance);
     names.clear();
     for (std::size_t k = 0; k < found.size(); ++k) {
         if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);

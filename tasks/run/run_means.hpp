@@ -22,6 +22,7 @@ struct SpanMeans {
     double loose = 0.0;               ///< share of outputs at which the slack strand carried no tension
     double efficiency = 0.0;          ///< 1 - losses/input; not a number without input [1]
     double periods = 0.0;             ///< whole pin periods that efficiency is over; 0: less than one [1]
+    double carried = 0.0;             ///< what drive and load have taken out of the machine over its losses, in the same time [1]
 };
 
 /// Something about results that a reader must know. They are right by themselves.
@@ -39,10 +40,10 @@ public:
     [[nodiscard]] SpanMeans all() const { return span(0.0, 1.0); }
     [[nodiscard]] SpanMeans first_fifth() const { return span(0.0, 0.2); }
     [[nodiscard]] SpanMeans last_fifth() const { return span(0.8, 1.0); }
-    /// What is odd about them.
-    [[nodiscard]] std::vector<Note> notes() const;
+    /// What is odd about them. @param balance of the run   @param pulleys whether there are any: else only its losses can be odd
+    [[nodiscard]] std::vector<Note> notes(const EnergyBalance& balance, bool pulleys = true) const;
     /// Their names, blank between them, in `names`.
-    void name_notes(std::string& names) const;
+    void name_notes(const EnergyBalance& balance, std::string& names) const;
 
     /// For checkpoints: goes on bit for bit. load() returns what follows in memory. @throws std::invalid_argument for a memory that is none
     void save(std::vector<double>& memory) const;
@@ -62,7 +63,7 @@ private:
     static constexpr std::size_t most_bins = 2000;
 
     /// Which of note_kinds() there are.
-    [[nodiscard]] std::array<bool, 5> odd() const;
+    [[nodiscard]] std::array<bool, 8> odd(const EnergyBalance& balance) const;
     [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from [s], to [s]
     [[nodiscard]] EnergySums energy_at(double time) const;       ///< time [s]
     void halve();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <numeric>
+#include <random>
 
 #include "engine/base/hash.hpp"
 #include "engine/record/run/part_file.hpp"
@@ -23,8 +24,28 @@ engine::TableInfo transition_table() {
              {"to", "1", "phase after", engine::ColumnType::integer}}};
 }
 
-std::vector<engine::Attribute> attributes_of_run(const Scene& scene) {
+/// 128 random bits: two runs of the same scene differ in nothing else.
+std::string new_identity() {
+    std::random_device draw;
+    return fmt::format("{:08x}{:08x}{:08x}{:08x}", draw(), draw(), draw(), draw());
+}
+
+/// The record that `options.from` goes on with, out of the way of the new one; empty: there is none.
+std::string former_record(const RunOptions& options) {
+    const auto own = [&options](const std::string& file) {
+        try {
+            return is_record_of(*options.from, file);
+        } catch (const engine::RecordError&) {
+            if (!options.replace) throw;
+            return false;
+        }
+    };
+    return engine::set_aside(options.file, own, options.replace);
+}
+
+std::vector<engine::Attribute> attributes_of_run(const Scene& scene, const std::string& run) {
     std::vector<engine::Attribute> attributes = engine::attributes_of(engine::current_provenance());
+    attributes.push_back({"run", run});
     attributes.push_back({"scene", scene.name});
     attributes.push_back({"scene_text", scene.text});
     attributes.push_back({"parameters", write_scene(scene)});
@@ -34,7 +55,8 @@ std::vector<engine::Attribute> attributes_of_run(const Scene& scene) {
     return attributes;
 }
 
-engine::RunContents contents_of(const Scene& scene, const model::ChainModel& chain, const std::vector<const Channel*>& channels) {
+engine::RunContents contents_of(const Scene& scene, const model::ChainModel& chain, const std::vector<const Channel*>& channels,
+                                const std::string& run) {
     const model::ChainLayout& at = chain.layout();
     engine::RunContents contents;
     for (const Channel* channel : channels) {
@@ -48,7 +70,7 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
         "coordinates",
         at.links, at.link_size(), at.order, at.pulley_size);
     contents.tables = {transition_table()};
-    contents.attributes = attributes_of_run(scene);
+    contents.attributes = attributes_of_run(scene, run);
     return contents;
 }
 
@@ -66,8 +88,9 @@ RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const
     row_.resize(width);
     sums_.has_pulleys = at.pulley_size != 0;
     if (!options.file.empty()) {
-        contents_ = contents_of(scene, simulation.variator().chain(), channels_);
-        if (options.from != nullptr) former_ = engine::set_aside(options.file);
+        run_ = options.from != nullptr && !options.from->run.empty() ? options.from->run : new_identity();
+        contents_ = contents_of(scene, simulation.variator().chain(), channels_, run_);
+        if (options.from != nullptr) former_ = former_record(options);
         file_ = std::make_unique<engine::RunFile>(options.file, contents_);
     }
 }
@@ -174,12 +197,12 @@ void RunRecorder::restore(const std::vector<double>& position) {
         rows->sum |= count();
     }
     next_state_ = take();
-    outputs_ = static_cast<long>(take());
+    outputs_ = static_cast<long>(count());
     for_every_sum(sums_, [&](double& sum) { sum = take(); });
     (void)means_.load({next, position.data() + position.size()});
     if (!file_) return;
     if (former_.empty() && written_.channels.count > 0)
-        throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is gone");
+        throw engine::RecordError(options_.file + ": the record that the checkpoint belongs to is not there");
     if (former_.empty()) return;
     engine::copy_record(former_, written_, contents_, *file_);
     std::filesystem::remove(former_);
@@ -204,7 +227,7 @@ void RunRecorder::finish(RunReport& report) {
     report.axial_force = mean(sums_.axial_force);
     report.whole = means_.all();
     report.last_fifth = means_.last_fifth();
-    if (report.has_pulleys) report.notes = means_.notes();
+    report.notes = means_.notes(report.energy, report.has_pulleys);
     report.ratio = report.whole.ratio;
     report.ratio_begin = means_.first_fifth().ratio;
     report.ratio_end = report.last_fifth.ratio;

@@ -18,6 +18,8 @@ public:
 
     void output(double time, const Workspace& workspace, const Counters& counters) override;  ///< time [s]
     void transition(const TransitionRecord& record) override;
+    /// Identity of the run: drawn when it began, kept by its checkpoints; empty without a record.
+    [[nodiscard]] const std::string& run() const noexcept { return run_; }
     /// Where the record and the means stand, for a checkpoint; all of it is on disk then.
     [[nodiscard]] std::vector<double> position();
     /// Goes on from there, with the rows of the record that options.from names.
@@ -37,7 +39,8 @@ private:
     model::Observer observer_;
     std::vector<const Channel*> channels_;
     std::vector<double> row_;  ///< one number per column of the channels [columns]
-    std::string former_;       ///< file with the rows before the checkpoint
+    std::string run_;
+    std::string former_;  ///< file with the rows before the checkpoint
     engine::RunContents contents_;
     std::unique_ptr<engine::RunFile> file_;
     engine::RecordPosition written_{{}, {}, {{}}};

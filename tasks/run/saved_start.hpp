@@ -22,6 +22,18 @@ inline constexpr std::string_view suspicion_attribute = "energy_suspicion";
 /// The state that a scene names (state_file). @throws engine::RecordError that begins with the place where it is named
 [[nodiscard]] std::shared_ptr<const engine::SavedState> saved_start(const Scene& scene);
 
+/// Elastic energy that a state has in a scene's machine against that in the machine it was settled with: differences by kind, added up,
+/// over the latter. 0 where the state does not contain its scene, or other unknowns than the scene's.
+[[nodiscard]] double start_misfit(const engine::SavedState& saved, const Scene& scene);
+/// Beyond this misfit a state is another machine's: a run from it begins with a shock, and 20 ms later its slip is still wrong.
+inline constexpr double start_misfit_tolerance = 0.01;
+/// "the state does not fit this machine: its elastic energy differs by 12 %"
+[[nodiscard]] std::string unfit_text(double misfit);
+[[nodiscard]] bool start_fits(const engine::SavedState& saved, const Scene& scene);
+/// The state that a scene names, if it names one that fits; else nullptr: the scene begins with a geometric start.
+/// @throws as saved_start
+[[nodiscard]] std::shared_ptr<const engine::SavedState> fitting_start(const Scene& scene);
+
 /// What differs between a scene's machine and the one that a state was settled with, one line each.
 [[nodiscard]] std::vector<std::string> start_differences(const engine::SavedState& saved, const Scene& scene);
 

@@ -47,14 +47,27 @@ Simulation::Simulation(const Scene& scene, const Schedule& schedule, engine::Sta
 Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidates, const ChooserOptions& options,
                        engine::StampRecorder* recorder)
     : scene_(scene), integrator_(integrator_of(scene, candidates, options, recorder)), workspace_(&integrator_->workspace()) {
-    if (!scene_.state_file.empty()) {
-        const auto saved = saved_start(scene_);
-        start_differences_ = tasks::start_differences(*saved, scene_);
-        take_state(*saved);
-    } else {
-        place_geometrically();
-    }
+    const auto saved = scene_.state_file.empty() ? nullptr : saved_start(scene_);
+    if (saved != nullptr) start_differences_ = tasks::start_differences(*saved, scene_);
+    begin_with(saved.get(), nullptr);
     rest_at_start();
+}
+
+/// A state of another machine begins with a shock that no method resolves: the geometric start settles instead.
+void Simulation::begin_with(const engine::SavedState* saved, const model::StartState* placed) {
+    if (saved != nullptr) {
+        const double misfit = start_misfit(*saved, scene_);
+        if (misfit <= start_misfit_tolerance) return take_state(*saved);
+        const std::string unfit = unfit_text(misfit);
+        if (scene_.parameters.start.settling_time == 0.0)
+            throw SimulationError(
+                fmt::format("{}start.state: {}, and start.settling_time = 0 leaves no time to settle", scene_.state_place, unfit));
+        start_differences_.push_back(unfit + ": the run settles anew");
+    }
+    if (placed != nullptr)
+        begin_at(*placed);
+    else
+        begin_at(model::start_state(scene_.parameters));
 }
 
 bool Simulation::fits(const Scene& scene) const {
@@ -69,16 +82,9 @@ void Simulation::reset(const Scene& scene, const engine::SavedState* saved, cons
     rest_.settling_suspicion = rest_.settling_residual = 0.0;
     start_differences_.clear();
     needs_settling_ = false;
-    if (saved != nullptr)
-        take_state(*saved);
-    else if (placed != nullptr)
-        begin_at(*placed);
-    else
-        place_geometrically();
+    begin_with(saved, placed);
     rest_at_start();
 }
-
-void Simulation::place_geometrically() { begin_at(model::start_state(scene_.parameters)); }
 
 void Simulation::begin_at(const model::StartState& start) {
     std::copy(start.state.begin(), start.state.end(), workspace_->states[0]);

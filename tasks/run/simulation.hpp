@@ -38,7 +38,7 @@ struct Goal {
 
 class Simulation {
 public:
-    /// Prepares the start state: from the scene's state file, else geometric. Nothing runs yet.
+    /// Prepares the start state: from the scene's state file if that fits the machine (start_fits), else geometric. Nothing runs yet.
     /// @throws SimulationError, engine::RecordError (state file), std::invalid_argument (the chain does not close)
     explicit Simulation(const Scene& scene);
     /// Prepares the start state for a schedule of one's own and, if wanted, time stamps of its tasks.
@@ -51,7 +51,7 @@ public:
     /// Whether reset() may be used: the same unknowns and the same method.
     [[nodiscard]] bool fits(const Scene& scene) const;
     /// Becomes a simulation of another scene that fits, in the memory of this one; bit for bit as a new one.
-    /// @param saved the state to start from, instead of the scene's file; nullptr: geometric start
+    /// @param saved the state to start from, instead of the scene's file; nullptr, or one that does not fit: geometric start
     /// @param placed that start, if it has been made already
     /// @throws as the constructor
     void reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed = nullptr);
@@ -110,7 +110,8 @@ public:
     [[nodiscard]] double step() const noexcept { return step_; }
     /// Hash of state and phases: equal for every number of segments, threads and schedule.
     [[nodiscard]] std::uint64_t hash() const noexcept;
-    /// What differs between this scene and the one that the state file was settled with, one line each; empty if nothing.
+    /// What differs between this scene and the one that the state file was settled with, one line each, and whether the state therefore
+    /// was not taken; empty if nothing.
     [[nodiscard]] const std::vector<std::string>& start_differences() const noexcept { return start_differences_; }
 
     /// The present state as a file for start.state.
@@ -118,7 +119,7 @@ public:
 
 private:
     void take_state(const engine::SavedState& saved);
-    void place_geometrically();
+    void begin_with(const engine::SavedState* saved, const model::StartState* placed);
     void begin_at(const model::StartState& start);
     void rest_at_start();
     void end_settling();

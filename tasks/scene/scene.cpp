@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/error_text.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/csv/csv_points.hpp"
@@ -128,7 +129,7 @@ Scene Reading::finish(const std::function<std::string(Position)>& place) {
     for (std::size_t i = 0; i < std::min(problems_.size(), most_problems); ++i)
         lines.push_back(fmt::format("{}: {}", place(problems_[i].position), problems_[i].message));
     if (problems_.size() > most_problems) lines.push_back(fmt::format("… and {} more problems", problems_.size() - most_problems));
-    throw SceneError(fmt::format("{}", fmt::join(lines, "\n")));
+    throw SceneError(engine::visible(fmt::format("{}", fmt::join(lines, "\n"))));  // a NUL would end what()
 }
 
 /// The value of a setting on the command line. Texts and choices are taken as they are; quantities ("8.12 mm") need no quotes.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "tasks/run/saved_start.hpp"
 #include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
@@ -98,7 +99,7 @@ OperatingPoint point_of_case(const Sweep& sweep, long number) {
     OperatingPoint point{fmt::format("case {}", number), sweep.scene, sweep.from, sweep.scene.run.until};
     sweep.apply_case(number, point.scene);
     point.until = point.scene.run.until;
-    point.settles = sweep.start != StartMode::scene || point.scene.state_file.empty();
+    point.settles = sweep.start != StartMode::scene || fitting_start(point.scene) == nullptr;
     if (point.settles) point.scene.state_file.clear();
     return point;
 }

@@ -57,17 +57,18 @@ PointMeasure::PointMeasure(OperatingPoint point, std::string finest, std::span<c
     point_.scene.run.max_wall = 0.0;
 }
 
-/// The scene's state, or that of its finest detail after settling with automatic steps.
+/// The scene's state if it fits, else that of its finest detail after settling with automatic steps.
 void PointMeasure::settle_finest() {
     if (settled_) return;
-    if (!point_.scene.state_file.empty()) {
-        settled_ = *saved_start(point_.scene);
+    if (const auto saved = fitting_start(point_.scene)) {
+        settled_ = *saved;
         settled_with_ = point_.scene;
         if (suspicion_of(*settled_) > 1.0)
             throw SimulationError(point_.scene.state_file + " is unreliable: the balance of its settling did not close");
         return;
     }
     settled_with_ = chosen_scene(point_.scene, {finest_, RunSettings{}.method}, 0.0);
+    settled_with_.state_file.clear();
     Simulation simulation(settled_with_, Schedule{});
     SilentObserver nobody;
     if (simulation.needs_settling()) {

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "engine/base/hash.hpp"
+#include "engine/base/input_file.hpp"
 #include "engine/base/provenance.hpp"
 #include "model/basis/isa.hpp"
 #include "tasks/run/saved_start.hpp"
@@ -18,23 +19,21 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view kept_format = "cvtflow tuning 1";
+constexpr std::string_view kept_format = "cvtflow tuning 2";
 
 std::string content_of(const std::string& key, const KeptTuning& kept) {
-    return fmt::format("{}\nkey {}\ndetail {}\nmethod {}\nshare {:.17g}\nstep {:.17g}\nerror {:.17g}\nstate {}\n", kept_format, key,
-                       kept.choice.detail, kept.choice.method, kept.choice.share, kept.step, kept.error, kept.state_file.empty() ? 0 : 1);
+    return fmt::format("{}\nkey {}\ndetail {}\nmethod {}\nshare {:.17g}\nstep {:.17g}\nerror {:.17g}\n", kept_format, key,
+                       kept.choice.detail, kept.choice.method, kept.choice.share, kept.step, kept.error);
 }
 
 std::string sealed(const std::string& content) { return content + "seal " + engine::Hash().add(std::string_view(content)).hex() + "\n"; }
 
 fs::path text_file(const fs::path& folder, const std::string& key) { return folder / (key + ".tuning"); }
-fs::path state_file(const fs::path& folder, const std::string& key) { return folder / (key + ".h5"); }
 
+/// The scene with what was chosen. A state with other unknowns than its detail has is left out, as with --detail: the run settles.
 Scene applied(const Scene& scene, const KeptTuning& kept) {
     Scene chosen = chosen_scene(scene, kept.choice, kept.step);
-    if (kept.state_file.empty()) return chosen;
-    chosen.state_file = kept.state_file;
-    chosen.start_state = KeptState();
+    if (model::layout_of(scene.parameters) != model::layout_of(chosen.parameters)) chosen.state_file.clear();
     return chosen;
 }
 
@@ -70,17 +69,21 @@ std::string tuning_key(const Scene& scene, const TuneSettings& settings) {
     }
     for (const std::string& output : settings.outputs) hash.add(std::string_view(output)).add(std::string_view("\n"));
     for (const std::string& method : settings.methods) hash.add(std::string_view(method)).add(std::string_view("\t"));
-    const double numbers[] = {settings.accuracy, settings.budget, settings.same_everywhere ? 1.0 : 0.0, settings.times.settle,
-                              settings.times.average};
+    // without the budget: a choice that was found within one does not depend on it
+    const double numbers[] = {settings.accuracy, settings.same_everywhere ? 1.0 : 0.0, settings.times.settle, settings.times.average};
     return hash.add(std::span<const double>(numbers)).hex();
 }
 
 std::optional<KeptTuning> read_tuning(const fs::path& folder, const std::string& key) {
-    std::ifstream file(text_file(folder, key), std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
+    constexpr std::uint64_t longest = 65536;
+    std::string text;
+    try {
+        text = engine::read_text_input(text_file(folder, key).string(), longest);
+    } catch (const engine::InputError&) {
+        return std::nullopt;  // none, or what cannot be one
+    }
     KeptTuning kept;
-    std::istringstream lines(text.str());
+    std::istringstream lines(text);
     const auto value = [&](std::string_view name) {
         std::string line;
         std::getline(lines, line);
@@ -94,24 +97,13 @@ std::optional<KeptTuning> read_tuning(const fs::path& folder, const std::string&
     kept.choice.share = std::strtod(value("share").c_str(), nullptr);
     kept.step = std::strtod(value("step").c_str(), nullptr);
     kept.error = std::strtod(value("error").c_str(), nullptr);
-    if (value("state") == "1") kept.state_file = fs::absolute(state_file(folder, key)).string();
-    if (text.str() != sealed(content_of(key, kept))) return std::nullopt;
-    try {
-        if (!kept.state_file.empty()) static_cast<void>(engine::read_state(kept.state_file));
-    } catch (const engine::RecordError&) {
-        return std::nullopt;
-    }
+    if (text != sealed(content_of(key, kept))) return std::nullopt;
     return kept;
 }
 
-void keep_tuning(const fs::path& folder, const std::string& key, const KeptTuning& kept, const engine::SavedState* state) {
+void keep_tuning(const fs::path& folder, const std::string& key, const KeptTuning& kept) {
     std::error_code unwritable;
     fs::create_directories(folder, unwritable);
-    try {
-        if (state != nullptr) engine::write_state(state_file(folder, key).string(), *state);
-    } catch (const engine::RecordError&) {
-        return;
-    }
     const fs::path part = text_file(folder, fmt::format("{}-{}", key, getpid()));
     std::ofstream file(part, std::ios::binary);
     file << sealed(content_of(key, kept));
@@ -129,18 +121,8 @@ TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const f
     TunedScene tuned;
     tuned.result = tuner.tune(settings.accuracy);
     const TunedChoice& chosen = chosen_of(*tuned.result);
-    tuned.kept = {chosen.choice, chosen.step, chosen.error(), {}};
-    if (!needs_own_state(scene, chosen_scene(scene, chosen.choice, chosen.step))) {
-        keep_tuning(folder, key, tuned.kept, nullptr);
-    } else {
-        const engine::SavedState state = tuner.settled_state(chosen.choice);
-        tuned.kept.state_file = fs::absolute(state_file(folder, key)).string();
-        keep_tuning(folder, key, tuned.kept, &state);
-        if (!read_tuning(folder, key)) {  // nothing can be kept there, but the run needs the state
-            tuned.kept.state_file = state_file(fs::temp_directory_path(), "cvtflow_" + key).string();
-            engine::write_state(tuned.kept.state_file, state);
-        }
-    }
+    tuned.kept = {chosen.choice, chosen.step, chosen.error()};
+    keep_tuning(folder, key, tuned.kept);
     tuned.scene = applied(scene, tuned.kept);
     return tuned;
 }

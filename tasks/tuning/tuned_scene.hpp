@@ -18,9 +18,8 @@ public:
 /// A choice as it is kept.
 struct KeptTuning {
     TuneChoice choice;
-    double step = 0.0;       ///< 0: automatic [s]
-    double error = 0.0;      ///< largest that was measured [1]
-    std::string state_file;  ///< start for its detail; empty: the scene's own start
+    double step = 0.0;   ///< 0: automatic [s]
+    double error = 0.0;  ///< largest that was measured [1]
 };
 
 /// Where choices are kept unless somebody says otherwise: $XDG_CACHE_HOME/cvtflow, else ~/.cache/cvtflow; empty: nowhere.
@@ -32,8 +31,7 @@ struct KeptTuning {
 /// What is kept under a key; nothing: there is none, or it is damaged, or of something else.
 [[nodiscard]] std::optional<KeptTuning> read_tuning(const std::filesystem::path& folder, const std::string& key);
 /// Keeps it. A folder that cannot be written to is no error: the next time it is measured again.
-/// @param state start for its detail; nullptr: the scene's own start is good
-void keep_tuning(const std::filesystem::path& folder, const std::string& key, const KeptTuning& kept, const engine::SavedState* state);
+void keep_tuning(const std::filesystem::path& folder, const std::string& key, const KeptTuning& kept);
 
 struct TunedScene {
     Scene scene;  ///< ready to run
@@ -41,8 +39,9 @@ struct TunedScene {
     std::optional<TuneResult> result;  ///< if it was measured now
 };
 
-/// The scene as it should be run for an accuracy: as kept, else measured and kept.
-/// @param folder where; one that cannot be written to keeps nothing, and a state that is needed goes into the system's temporary folder
+/// The scene as it should be run for an accuracy: as written but for detail, method and step, which are as kept, else measured and kept.
+/// It begins with its own start: its state if that has the unknowns of the chosen detail, else it settles for start.settling_time.
+/// @param folder where; one that cannot be written to keeps nothing
 /// @throws AccuracyError, as Tuner
 [[nodiscard]] TunedScene tuned_scene(const Scene& scene, const TuneSettings& settings, const std::filesystem::path& folder,
                                      const engine::Cancellation& cancel);

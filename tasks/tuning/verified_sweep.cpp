@@ -38,7 +38,9 @@ std::string key_of(const Sweep& sweep, const TuneSettings& settings) {
 /// The scene's own start state, brought over where the detail has other unknowns, in the folder of the sweep.
 void give_state(const Scene& own, const std::string& file, Scene& chosen) {
     if (own.state_file.empty() || model::layout_of(own.parameters) == model::layout_of(chosen.parameters)) return;
-    engine::SavedState state = brought_over(*saved_start(own), own.parameters, chosen.parameters);
+    const auto saved = fitting_start(own);
+    if (saved == nullptr) return chosen.state_file.clear();
+    engine::SavedState state = brought_over(*saved, own.parameters, chosen.parameters);
     fs::create_directories(fs::path(file).parent_path());
     engine::write_state(file, state);
     chosen.state_file = fs::absolute(file).string();
@@ -58,10 +60,10 @@ TunedSweep tuned_sweep(const Sweep& sweep, const std::string& folder, const engi
     } else {
         tuned.result = Tuner(sweep, settings, cancel).tune(settings.accuracy);
         const TunedChoice& chosen = chosen_of(*tuned.result);
-        tuned.kept = {chosen.choice, chosen.step, chosen.error(), {}};
+        tuned.kept = {chosen.choice, chosen.step, chosen.error()};
         std::error_code reported_later;  // when the table is written
         fs::create_directory(folder, reported_later);
-        keep_tuning(folder, key, tuned.kept, nullptr);
+        keep_tuning(folder, key, tuned.kept);
     }
     tuned.sweep.scene = chosen_scene(sweep.scene, tuned.kept.choice, tuned.kept.step);
     if (sweep.start == StartMode::scene) give_state(sweep.scene, (fs::path(folder) / "states" / (key + ".h5")).string(), tuned.sweep.scene);

@@ -209,6 +209,46 @@ TEST(HostThreads, NeedLessThan256KilobytesOfStack) {
     }
 }
 
+/// Makes a simulation on a thread with that much stack. @return the error's text
+std::string error_on_stack(const Scene& scene, std::size_t size) {
+    struct Job {
+        const Scene& scene;
+        std::string text;
+    } job{scene, {}};
+    pthread_attr_t attributes;
+    pthread_attr_init(&attributes);
+    EXPECT_EQ(pthread_attr_setstacksize(&attributes, size), 0);
+    const auto work = [](void* argument) -> void* {
+        auto& mine = *static_cast<Job*>(argument);
+        try {
+            Simulation simulation(mine.scene);
+            simulation.step();
+        } catch (const Error& error) {
+            mine.text = error.what();
+        }
+        return nullptr;
+    };
+    pthread_t thread;
+    EXPECT_EQ(pthread_create(&thread, &attributes, work, &job), 0);
+    pthread_join(thread, nullptr);
+    pthread_attr_destroy(&attributes);
+    return job.text;
+}
+
+TEST(HostThreads, WithTooLittleStackAreToldSo) {
+    if (address_sanitizer) GTEST_SKIP() << "a sanitizer puts room between variables";
+    const Scene scene = tiny();
+    EXPECT_NE(error_on_stack(scene, 64 * 1024).find("256 KiB are needed"), std::string::npos);
+    EXPECT_EQ(error_on_stack(scene, 256 * 1024), "");
+}
+
+TEST(Scene, TakesSettingsInBraces) {
+    const Scene both = tiny().with({"run.step=100 ns", "run.seed=7"});  // not one text from "run.step…" to "run.seed…"
+    EXPECT_EQ(both.value("run.seed"), "7");
+    EXPECT_EQ(both.value("run.step"), tiny().with("run.step=100 ns").value("run.step"));
+    EXPECT_EQ(tiny().with({"run.seed=3"}).value("run.seed"), "3");
+}
+
 TEST(HostThreads, TheFirstStepComesSoon) {
     const Scene scene = tiny();
     for (const Threads threads : ways()) {

@@ -7,6 +7,7 @@ Needs Debian's chromium and python3-h5py, and a cvtflow that was built with libj
 """
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -44,6 +45,42 @@ if made.returncode != 0:
     sys.exit(made.stderr)
 cvtflow("report", "run.h5", "run.h5", "-o", "both.html")
 cvtflow("report", os.path.join(SOURCE, "scenes/sweeps/slip_efficiency_results.csv"), "-o", "sweep.html")
+
+
+MARKUP = ["<img src=x onerror=window.ran=1>", "\"><svg onload=window.ran=1>", "'-window.ran=1-'", "javascript:window.ran=1"]
+
+
+def forged_record(name, whole):
+    """A copy of the record in which every text is hostile; `whole`: also the scene, without which there is no chain."""
+    shutil.copy("run.h5", name)
+    with h5py.File(name, "r+") as file:
+        objects = []
+        file.visititems(lambda path, each: objects.append(path) if isinstance(each, h5py.Dataset) else None)
+        for number, path in enumerate(objects):
+            spoil(file[path].attrs, number)
+            group, _, base = path.rpartition("/")
+            if base != "time" and not group.startswith("states"):
+                file.move(path, f"{group}/{base}{MARKUP[number % len(MARKUP)]}".replace("</", "<|"))
+        spoil(file.attrs, 0, () if whole else ("parameters",))
+
+
+def spoil(attributes, number, kept=()):
+    for k, key in enumerate(sorted(attributes)):
+        if attributes[key].__class__ in (bytes, numpy.bytes_, str) and key not in (*kept, "format", "CLASS", "NAME"):
+            text = (MARKUP[(number + k) % len(MARKUP)] + "</script><script>window.ran=1</script>").encode()
+            attributes.create(key, numpy.bytes_(text))
+
+
+for forged, whole in (("forged.h5", True), ("<img src=x onerror=window.ran=1>.h5", False)):
+    forged_record(forged, whole)
+    cvtflow("report", forged, "-o", "forged_whole.html" if whole else "forged.html")
+cvtflow("report", "run.h5", "forged.h5", "-o", "forged_both.html")
+with open("forged.csv", "w") as table:
+    headings = ["case", "status", "load<img src=x onerror=window.ran=1>", "slip_mean", MARKUP[0], "error"]
+    table.write(",".join(headings) + "\n")
+    for case in range(6):
+        table.write(f"{case},ok,{case},{case * case},{MARKUP[case % 2][:20].replace(',', '')},\"{MARKUP[0]}\"\n")
+cvtflow("report", "forged.csv", "-o", "forged_sweep.html")
 
 
 class Page(unittest.TestCase):
@@ -227,6 +264,52 @@ class SweepReport(Page):
             s.dispatchEvent(new Event("change")); })()""")
         self.assertIn("efficiency", self.value("document.getElementById('map-view').textContent"))
         self.assertEqual(self.value("document.querySelectorAll('#map-view circle').length"), 36)
+
+
+class Forged(Page):
+    """Pages of files in which every text is markup: it is shown as text."""
+
+    page = "forged.html"
+
+    def nothing_ran(self):
+        self.value("new Promise((done) => setTimeout(done, 300))")
+        self.assertIsNone(self.value("window.ran"))
+        self.assertEqual(self.value("document.querySelectorAll('img, [onload], [onerror], [onmouseover]').length"), 0)
+
+    def every_curve(self):
+        self.value("""(() => { for (const box of document.querySelectorAll("#channels input")) curves.chosen.add(box.value);
+            curves.draw(); curves.charts.forEach((c) => c.setSelection(1)); })()""")
+
+    def test_nothing_of_a_record_runs(self):
+        self.every_curve()
+        self.value("chain.pick(0)")
+        self.nothing_ran()
+        self.assertIn("onerror=window.ran", self.value("document.body.textContent"))  # it is there, as text
+
+    def test_nothing_of_a_record_without_a_scene_runs(self):
+        self.browser.open("forged_whole.html")
+        self.every_curve()
+        self.nothing_ran()
+
+    def test_nothing_of_a_comparison_runs(self):
+        self.browser.open("forged_both.html")
+        self.every_curve()
+        self.nothing_ran()
+
+    def test_nothing_of_a_sweep_runs(self):
+        self.browser.open("forged_sweep.html")
+        self.value("""(() => { for (const s of document.querySelectorAll("select")) for (const o of s.options)
+            { s.value = o.value; s.dispatchEvent(new Event("change")); }
+            for (const b of document.querySelectorAll("th button")) b.click(); })()""")
+        self.nothing_ran()
+
+    def test_a_script_that_came_in_all_the_same_would_not_run(self):
+        self.value("""document.body.insertAdjacentHTML("beforeend", "<img src=x onerror=window.ran=1>")""")
+        self.value("""(() => { const s = document.createElement("script"); s.textContent = "window.ran = 2"; document.body.append(s); })()""")
+        self.value("new Promise((done) => setTimeout(done, 300))")
+        self.assertIsNone(self.value("window.ran"))
+        self.assertGreater(len(self.browser.complaints), 0)
+        self.browser.complaints.clear()
 
 
 class Errors(unittest.TestCase):

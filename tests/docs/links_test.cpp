@@ -11,6 +11,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/docs/page_fixture.hpp"
 
@@ -61,6 +62,21 @@ TEST(Pages, EveryPageIsReachedFromTheIndex) {
                                ")"))
             << each.path;
     }
+}
+
+TEST(Pages, HaveOneOrderInTheIndexAndTheSite) {
+    std::vector<std::string> index, site;
+    for (const std::string& link : page("docs/index.md").links()) {
+        const std::string path = (fs::path("docs") / link).lexically_normal().generic_string();
+        if (path.starts_with("docs/") && !path.starts_with("docs/decisions/")) index.push_back("/" + path.substr(0, path.rfind('.')));
+    }
+    std::ifstream contents(fs::path(CVTFLOW_SOURCE_DIR) / "docs/site/contents.rst");
+    for (std::string line; std::getline(contents, line);) {
+        const std::string entry = line.substr(std::min(line.size(), line.find_first_not_of(' ')));
+        if (entry.starts_with("/docs/") && entry != "/docs/index" && !entry.starts_with("/docs/decisions/")) site.push_back(entry);
+    }
+    EXPECT_GE(index.size(), 20u);
+    EXPECT_EQ(index, site);
 }
 
 /// Number of every decision and the file in which it stands.

@@ -63,6 +63,14 @@ std::vector<Block> Page::blocks() const {
     return found;
 }
 
+std::vector<Line> Page::text_lines() const {
+    std::vector<Line> found;
+    walk(text, [&](const std::string& line, int number, bool inside) {
+        if (!inside) found.push_back({number, line});
+    });
+    return found;
+}
+
 std::vector<std::string> Page::links() const {
     static const std::regex link(R"(\]\(([^)\s]+)\))"), code("`[^`]*`");
     std::vector<std::string> found;

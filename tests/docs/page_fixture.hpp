@@ -19,11 +19,18 @@ struct Block {
     [[nodiscard]] bool runs() const { return language == "sh" && not_run.empty(); }
 };
 
+/// A line of a page outside blocks.
+struct Line {
+    int number = 0;  ///< from 1
+    std::string text;
+};
+
 struct Page {
     std::string path;  ///< relative to the top level, with slashes
     std::string text;
 
     [[nodiscard]] std::vector<Block> blocks() const;
+    [[nodiscard]] std::vector<Line> text_lines() const;
     /// Targets of links and pictures, as written, without blocks and code.
     [[nodiscard]] std::vector<std::string> links() const;
     /// Names under which headings can be reached: lower case, punctuation left out, spaces as hyphens.

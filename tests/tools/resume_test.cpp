@@ -5,6 +5,7 @@
 
 #include "engine/record/hdf5/file_seal.hpp"
 #include "engine/record/run/run_reader.hpp"
+#include "tasks/run/checkpoint.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -147,6 +148,73 @@ TEST_F(Resume, SaysWhatIsWrongWithTheFile) {
     EXPECT_EQ(run({"resume", "state.h5"}).err, "cvtflow: state.h5: a state, but no checkpoint: it has no integration\n");
     std::filesystem::create_directory(folder_ / "empty");
     EXPECT_EQ(run({"resume", "empty"}).err, "cvtflow: empty: no sweep has written into it\n");
+}
+
+/// A checkpoint of a run that stopped while it settled (its record has no row yet), as it was sent by somebody: its name and the record
+/// that it names are theirs.
+class ForeignCheckpoint : public Resume {
+protected:
+    ForeignCheckpoint() {
+        std::filesystem::create_directory(folder_ / "theirs");
+        const Words settling{"--checkpoint-every", "1 h", "--set", "run.max_steps=500"};
+        EXPECT_EQ(run(run_to_be_ended("theirs/sent.h5") + settling).status, 4);
+        std::filesystem::rename(folder_ / "theirs/sent.checkpoint.h5", folder_ / "mine.checkpoint.h5");
+    }
+    /// Puts a path into the checkpoint, as its writer could have.
+    void name_record(const std::string& path) const {
+        const std::string file = (folder_ / "mine.checkpoint.h5").string();
+        tasks::Checkpoint checkpoint = tasks::read_checkpoint(file);
+        checkpoint.record = path;
+        tasks::write_checkpoint(file, checkpoint);
+    }
+};
+
+TEST_F(ForeignCheckpoint, DecidesAboutNoFile) {
+    write("notes.txt", "mine");
+    for (const char* named : {"notes.txt", "theirs/sent.h5", ".bash_profile", "mine.h5/../notes.txt"}) {
+        name_record((folder_ / named).string());
+        const std::size_t files = std::distance(std::filesystem::directory_iterator(folder_), {});
+        const Outcome outcome = run({"resume", "mine.checkpoint.h5", "-q"});
+        EXPECT_EQ(outcome.status, 1) << named;
+        EXPECT_THAT(outcome.err, HasSubstr("which is not beside it under its name; -o FILE goes on with it")) << named;
+        EXPECT_EQ(read("notes.txt"), "mine") << named;
+        EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), files) << named;
+    }
+}
+
+TEST_F(ForeignCheckpoint, ReplacesNoFileBesideItWithoutForce) {
+    name_record((folder_ / "mine.h5").string());
+    for (const char* there : {"mine.h5", "mine.h5.part", "mine.h5.before"}) {
+        write(there, "mine");
+        const Outcome outcome = run({"resume", "mine.checkpoint.h5", "-q"});
+        EXPECT_EQ(outcome.status, 1) << there;
+        EXPECT_THAT(outcome.err, StartsWith(std::string("cvtflow: ") + there + ": ")) << there;
+        EXPECT_EQ(read(there), "mine");
+        std::filesystem::remove(folder_ / there);
+    }
+    EXPECT_EQ(run({"resume", "mine.checkpoint.h5", "-q", "--set", "run.max_steps=0"}).status, 0);  // nothing is in its way
+    EXPECT_EQ(engine::RunReader((folder_ / "mine.h5").string()).status(), "finished");
+}
+
+TEST_F(ForeignCheckpoint, ReplacesTheFinishedRecordOfAnotherRunOnlyWithForce) {
+    ASSERT_EQ(run(run_to_be_ended("other.h5")).status, 0);
+    const std::string other = read("other.h5");
+    const Words resume{"resume", "mine.checkpoint.h5", "-q", "-o", "other.h5", "--set", "run.max_steps=0"};
+    const Outcome outcome = run(resume);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.err, "cvtflow: other.h5: cannot go on with it: not the record of this run; --force replaces it\n");
+    EXPECT_EQ(read("other.h5"), other);
+    EXPECT_EQ(run(resume + Words{"--force"}).status, 0);
+    EXPECT_NE(read("other.h5"), other);
+}
+
+TEST_F(Resume, GoesOnWithARunThatWasToReplaceAnother) {
+    ASSERT_EQ(run(run_to_be_ended("whole.h5")).status, 0);
+    ASSERT_EQ(run(run_to_be_ended("cut.h5") + Words{"--until", "20 us"}).status, 0);
+    ASSERT_EQ(run(run_to_be_ended("cut.h5") + Words{"--force", "--checkpoint-every", "1 h", "--set", "run.max_steps=500"}).status, 4);
+    const Outcome outcome = run({"resume", "cut.checkpoint.h5", "--set", "run.max_steps=0"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    expect_same("whole.h5", "cut.h5");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -35,7 +36,8 @@ void print_error(std::string_view message) {
     for (std::size_t begin = 0; begin <= message.size();) {
         const std::size_t end = std::min(message.find('\n', begin), message.size());
         const bool continued = message.substr(begin).starts_with("  ");
-        to_stderr(fmt::format("{}{}{}\n", continued ? "" : program_name(), continued ? "" : ": ", message.substr(begin, end - begin)));
+        to_stderr(fmt::format("{}{}{}\n", continued ? "" : program_name(), continued ? "" : ": ",
+                              engine::visible(message.substr(begin, end - begin))));
         begin = end + 1;
     }
 }
@@ -68,6 +70,7 @@ int guarded(const std::function<int()>& work) noexcept {
 }
 
 void take_standard_descriptors() noexcept {
+    std::signal(SIGXFSZ, SIG_IGN);  // a write beyond the limit of file sizes fails then, and is reported like a full disk
     for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (fcntl(number, F_GETFD) < 0 && errno == EBADF)
             static_cast<void>(open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY));  // the lowest free one
@@ -79,7 +82,11 @@ int finish_output(int status) noexcept {
     const bool failed = std::fflush(stdout) != 0;
     if (!failed && std::ferror(stdout) == 0) return status;
     try {
-        print_error(fmt::format("standard output: cannot write{}{}", errno != 0 ? ": " : "", errno != 0 ? std::strerror(errno) : ""));
+        const int reason = errno;  // EBADF: the parent closed it (take_standard_descriptors)
+        print_error(fmt::format("standard output: cannot write{}{}", reason != 0 ? ": " : "",
+                                reason == EBADF ? "it is closed"
+                                : reason != 0   ? std::strerror(reason)
+                                                : ""));
     } catch (const std::exception&) {
         // no memory for a message; the status tells
     }

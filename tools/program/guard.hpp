@@ -31,7 +31,8 @@ void print_notices();
 /// Exit status of `work`; what it throws is printed.
 [[nodiscard]] int guarded(const std::function<int()>& work) noexcept;
 
-/// Descriptors 0 to 2 that a parent has closed are taken, so that no file of results gets their numbers; what is printed there fails.
+/// Makes writes fail that would otherwise end the process or go astray: beyond the limit of file sizes (no SIGXFSZ); descriptors 0 to 2
+/// that a parent has closed are taken, so that no file of results gets their numbers; what is printed there fails.
 void take_standard_descriptors() noexcept;
 
 /// Writes out what was printed. @return the status; if stdout cannot be written and that was no error yet, error, which is said

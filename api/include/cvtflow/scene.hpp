@@ -1,6 +1,7 @@
 #pragma once
 /// What is simulated: an immutable description that any number of simulations and threads may share.
 
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
@@ -28,6 +29,10 @@ public:
     /// This scene with settings "key=value", as --set on the command line. @throws Error (scene)
     [[nodiscard]] Scene with(std::span<const std::string> settings) const;
     [[nodiscard]] Scene with(const std::string& setting) const;
+    /// with({"a=1", "b=2"}): without this one, two texts in braces would be taken for the begin and the end of one.
+    [[nodiscard]] Scene with(std::initializer_list<std::string> settings) const {
+        return with(std::span<const std::string>(settings.begin(), settings.size()));
+    }
     /// This scene at a level of detail: "coarse", "medium", "fine", "full". A state file that then no longer fits is dropped.
     /// @throws Error (scene)
     [[nodiscard]] Scene with_detail(const std::string& preset) const;

@@ -20,15 +20,23 @@ struct LotteryRules {
         5e-4;  ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
 };
 
-/// Settings of machine `number`: every physical parameter but lengths and angles within a factor of 2 of its default, clamping 5 … 80 kN,
-/// 500 … 6000 rpm, ratio 2.4, 1 or 0.417, up to 0.9 of the torque that friction carries, any level of detail, both friction laws, both
-/// contact laws of joints. The same for the same seed everywhere.
-[[nodiscard]] std::vector<std::string> lottery_machine(std::uint64_t seed, long number);
+struct LotteryMachine {
+    std::string scene;                  ///< ready scene whose settled state it begins with; empty: it settles from defaults
+    std::vector<std::string> settings;  ///< "key=value"
+};
+
+/// Machine `number`. Two of three: every physical parameter but lengths and angles within a factor of 2 of its default, clamping
+/// 5 … 80 kN, 500 … 6000 rpm, ratio 2.4, 1 or 0.417, up to 0.9 of the torque that friction carries, any level of detail, both friction
+/// laws, both contact laws of joints. One of three: a ready scene with its state, of which one physical parameter in eight is drawn. Of
+/// some the chain is another one (mixed pitches, thickness, joint radius, plates), and the load is zero, is reversed, or jumps.
+/// The same for the same seed everywhere.
+[[nodiscard]] LotteryMachine lottery_machine(std::uint64_t seed, long number);
 
 /// What came of a machine.
 struct LotteryTicket {
     long number = 0;
     std::string detail;
+    bool ready = false;                           ///< began with a ready state that fits
     double step = 0.0;                            ///< last one in use [s]
     std::string status;                           ///< finished, unreliable, a fault's name, or refused
     std::string notes;                            ///< names of what is odd
@@ -42,8 +50,12 @@ struct LotteryTicket {
     /// Relative differences.
     [[nodiscard]] double slip_error(const LotteryRules& rules) const noexcept;
     [[nodiscard]] double loss_error() const noexcept;
+    /// Whether slip and losses agree with the comparison.
+    [[nodiscard]] bool right(const LotteryRules& rules) const noexcept;
     /// Whether it kept the promise: right, or not called finished.
-    [[nodiscard]] bool honest(const LotteryRules& rules) const noexcept;
+    [[nodiscard]] bool honest(const LotteryRules& rules) const noexcept { return status != "finished" || right(rules); }
+    /// Right, and called unreliable.
+    [[nodiscard]] bool false_alarm(const LotteryRules& rules) const noexcept { return status == "unreliable" && right(rules); }
 };
 
 /// Settles and runs a machine with defaults, and once more with shorter steps.

@@ -24,6 +24,8 @@ Handle open_attribute(hid_t object, const std::string& name) {
 
 constexpr std::size_t most_text_bytes = std::size_t{64} << 20U;  ///< of one attribute: a scene, a sweep
 
+constexpr std::size_t most_texts = 65'536;  ///< of one attribute: columns of a table
+
 /// Texts of an attribute of fixed length; nullopt if it is no text. HDF5 keeps texts of variable length where no checksum guards them, and
 /// its release 1.10.8 crashes on damaged ones.
 std::optional<std::vector<std::string>> texts_of(hid_t attribute, const std::string& what) {
@@ -34,11 +36,15 @@ std::optional<std::vector<std::string>> texts_of(hid_t attribute, const std::str
     }
     const std::size_t width = H5Tget_size(type.id());
     const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.id()), what));
-    if (width == 0 || count > most_text_bytes / width) {
+    if (width == 0 || count > most_texts || count > most_text_bytes / width) {
         throw Failure(what + ": it is too large");
     }
     std::string all(width * count, '\0');
     check(H5Aread(attribute, type.id(), all.data()), what);
+    if (count == 1) {
+        all.resize(std::min(all.find('\0'), all.size()));
+        return std::vector<std::string>{std::move(all)};
+    }
     std::vector<std::string> texts(count);
     for (std::size_t i = 0; i < count; ++i) {
         texts[i] = all.substr(i * width, width).c_str();

@@ -38,6 +38,7 @@ std::string last_reason() {
         const auto first = begin + mark.size();
         return reason.substr(first, reason.find('\'', first) - first);
     }
+    if (reason == "no appropriate function for conversion path") return "its type cannot be converted";
     return reason.empty() ? "HDF5 gives no reason" : reason;
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "engine/base/error_text.hpp"
+
 namespace cvtflow::engine::hdf5 {
 namespace {
 
@@ -11,7 +13,8 @@ constexpr std::size_t most_row_bytes = std::size_t{1} << 24U;    ///< a state of
 constexpr std::size_t most_chunk_bytes = std::size_t{1} << 26U;  ///< HDF5 takes memory for a chunk whatever is in it
 constexpr std::size_t most_inflated = 1032;                      ///< deflate cannot make more of a byte
 constexpr int deepest_group = 8;
-constexpr std::size_t most_objects = 100'000;  ///< groups may contain one another
+constexpr std::size_t most_objects = 20'000;  ///< groups may contain one another
+constexpr std::size_t longest_label = 4096;   ///< [byte]
 
 /// Throws Failure for filters other than ours. @return how many bytes one byte of the file may become
 std::size_t inflation(hid_t creation, const std::string& what) {
@@ -140,7 +143,7 @@ void Series::require_extent(int most_rank) {
 
 /// Data lie in the file itself, and there is as much of them as the extent says: a file of some kilobytes can promise terabytes of fill
 /// values.
-void Series::require_storage(hid_t file) const {
+void Series::require_storage(hid_t file) {
     const std::string what = "cannot read '" + path_ + "'";
     const Handle type(H5Dget_type(id()), H5Tclose, what);
     const std::size_t cell = H5Tget_size(type.id());
@@ -160,6 +163,7 @@ void Series::require_storage(hid_t file) const {
         }
     }
     const std::size_t row = width_ * cell;
+    row_bytes_ = std::max(row, width_ * sizeof(double));
     if (rows_ > bytes_on_disk(file) * inflation(creation.id(), what) / row) {
         fail("it says " + std::to_string(rows_) + " rows of " + std::to_string(row) + " bytes, for which the file is too small");
     }
@@ -191,6 +195,18 @@ std::vector<double> Series::reals(std::size_t first, std::size_t count) const {
     std::vector<double> values(count * width_);
     read(H5T_NATIVE_DOUBLE, first, count, values.data(), values.size() * sizeof(double));
     return values;
+}
+
+void ReadBudget::take(std::uint64_t bytes) {
+    if (bytes > left_) throw Failure("its data would take far more memory than the file has bytes");
+    left_ -= bytes;
+}
+
+std::string label(std::string text, const std::string& of) {
+    if (text.size() > longest_label)
+        throw Failure("cannot read '" + of + "': a name or description of " + std::to_string(text.size()) + " bytes");
+    if (has_control(text)) throw Failure("cannot read '" + of + "': a name or description has control characters");
+    return text;
 }
 
 bool has_object(hid_t file, const std::string& path) {

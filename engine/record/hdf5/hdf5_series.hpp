@@ -2,6 +2,7 @@
 /// Internal to engine/record: datasets whose first dimension is time or number.
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,8 @@ public:
     /// Elements per row; 1 if the rank is 1.
     [[nodiscard]] std::size_t width() const noexcept { return width_; }
     [[nodiscard]] int rank() const noexcept { return rank_; }
+    /// Of all rows in memory, as numbers of 8 bytes or as they are in the file, whichever is more.
+    [[nodiscard]] std::uint64_t bytes() const noexcept { return rows_ * row_bytes_; }
 
     /// Copies rows first … first + count - 1, converted to `type`. Throws Failure if they are not all there, or damaged.
     /// @param bytes that `memory` has; must be count * width elements of `type`
@@ -51,14 +54,31 @@ private:
     [[noreturn]] void fail(const std::string& reason) const;
     void require_type(Cells cells) const;
     void require_extent(int most_rank);
-    void require_storage(hid_t file) const;
+    void require_storage(hid_t file);
 
     std::string path_;
     Handle dataset_;
     std::size_t rows_ = 0;
     std::size_t width_ = 1;
+    std::uint64_t row_bytes_ = 8;
     int rank_ = 1;
 };
+
+/// What readers of one file may take together: of some kilobytes deflate makes gigabytes, and a dataset can have a thousand names. What we
+/// write takes as much memory as it takes on disk; four times as much, and 16 MiB more, allow for what others have compressed.
+class ReadBudget {
+public:
+    explicit ReadBudget(hid_t file) : left_(4 * bytes_on_disk(file) + (std::uint64_t{16} << 20U)) {}
+    /// Throws Failure if that is more than is left.
+    void take(std::uint64_t bytes);
+
+private:
+    std::uint64_t left_;
+};
+
+/// A name, unit or sentence out of a file, as it is shown in tables and pages. Throws Failure if it is longer than anybody reads, or holds
+/// control characters.
+[[nodiscard]] std::string label(std::string text, const std::string& of);
 
 /// Whether there is an object of that path, by hard links from group to group.
 [[nodiscard]] bool has_object(hid_t file, const std::string& path);

@@ -175,7 +175,7 @@ void PartFile::publish() {
     }
 }
 
-std::string set_aside(const std::string& path) {
+std::string set_aside(const std::string& path, const std::function<bool(const std::string&)>& own, bool replace) {
     const std::string before = path + ".before";
     std::error_code ignored;
     for (const std::string& left : {before, path + ".part", path}) {
@@ -185,6 +185,10 @@ std::string set_aside(const std::string& path) {
         const bool free = descriptor < 0 || lock(descriptor);
         if (descriptor >= 0) ::close(descriptor);
         if (!free) throw RecordError(left + ": cannot go on with it: a run is still writing it");
+        if (!own(left)) {
+            if (!replace) throw RecordError(left + ": cannot go on with it: not the record of this run; --force replaces it");
+            continue;
+        }
         if (left != before && std::rename(left.c_str(), before.c_str()) != 0) {
             throw RecordError(left + ": cannot rename to '" + before + "': " + std::strerror(errno));
         }

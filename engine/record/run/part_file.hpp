@@ -2,6 +2,7 @@
 /// A file under construction: `<name>.part` beside its final name, which appears complete or not at all.
 
 #include <cstddef>
+#include <functional>
 #include <string>
 
 namespace cvtflow::engine {
@@ -50,7 +51,10 @@ void require_replaceable(const std::string& path);
 
 /// Takes what a run left under a name out of the way of a new one, to read it: `<path>.before` from now on, or already since an attempt
 /// that was killed. Takes the .part file if there is one, else the finished file.
-/// @return the path to read, empty if there is nothing. Errors (RecordError): a run is still writing it; not allowed.
-[[nodiscard]] std::string set_aside(const std::string& path);
+/// @param own      whether a file is the run's own; no other file is renamed
+/// @param replace  whether files that are not may be replaced by the new run
+/// @return the path to read, empty if there is nothing. Errors (RecordError): a run is still writing it; not allowed; a file that is not
+/// the run's own, without `replace`.
+[[nodiscard]] std::string set_aside(const std::string& path, const std::function<bool(const std::string&)>& own, bool replace);
 
 }  // namespace cvtflow::engine

@@ -11,16 +11,17 @@
 namespace cvtflow::engine {
 namespace {
 
-std::vector<ChannelInfo> read_channels(hid_t file) {
+std::vector<ChannelInfo> read_channels(hid_t file, hdf5::ReadBudget& budget) {
     std::vector<std::pair<std::int64_t, ChannelInfo>> found;
     for (const std::string& name : hdf5::dataset_names(file, "/channels")) {
         if (name == "time") {
             continue;
         }
         const hdf5::Series series(file, "/channels/" + name, hdf5::Cells::reals, 2);
+        budget.take(series.bytes());
+        const auto text = [&](const char* of) { return hdf5::label(hdf5::read_text(series.id(), of), name); };
         found.push_back({hdf5::read_integer(series.id(), "index", 0),
-                         {name, hdf5::read_text(series.id(), "units"), hdf5::read_text(series.id(), "description"),
-                          static_cast<int>(series.width()), hdf5::read_text(series.id(), "axis")}});
+                         {hdf5::label(name, name), text("units"), text("description"), static_cast<int>(series.width()), text("axis")}});
     }
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<ChannelInfo> channels;
@@ -30,10 +31,11 @@ std::vector<ChannelInfo> read_channels(hid_t file) {
     return channels;
 }
 
-TableInfo read_table_info(hid_t file, const std::string& name) {
+TableInfo read_table_info(hid_t file, const std::string& name, hdf5::ReadBudget& budget) {
     const hdf5::Series series(file, "/tables/" + name, hdf5::Cells::records);
+    budget.take(series.bytes());
     const hdf5::Handle type(H5Dget_type(series.id()), H5Tclose, "cannot read the type of table '" + name + "'");
-    TableInfo table{name, hdf5::read_text(series.id(), "description"), {}};
+    TableInfo table{hdf5::label(name, name), hdf5::label(hdf5::read_text(series.id(), "description"), name), {}};
     const auto units = hdf5::read_texts(series.id(), "units");
     const auto descriptions = hdf5::read_texts(series.id(), "descriptions");
     const int members = hdf5::require_record_type(type.id(), "cannot read table '" + name + "'");
@@ -43,22 +45,26 @@ TableInfo read_table_info(hid_t file, const std::string& name) {
         if (column == nullptr || kind == H5T_STRING) {
             throw hdf5::Failure("cannot read table '" + name + "': it has texts");
         }
-        table.columns.push_back({column.get(), i < units.size() ? units[i] : "", i < descriptions.size() ? descriptions[i] : "",
+        const auto text = [&](const auto& texts) { return i < texts.size() ? hdf5::label(texts[i], name) : ""; };
+        table.columns.push_back({hdf5::label(column.get(), name), text(units), text(descriptions),
                                  kind == H5T_INTEGER ? ColumnType::integer : ColumnType::real});
     }
     return table;
 }
 
-std::vector<TableInfo> read_tables(hid_t file) {
+std::vector<TableInfo> read_tables(hid_t file, hdf5::ReadBudget& budget) {
     std::vector<TableInfo> tables;
     for (const std::string& name : hdf5::dataset_names(file, "/tables")) {
-        tables.push_back(read_table_info(file, name));
+        tables.push_back(read_table_info(file, name, budget));
     }
     return tables;
 }
 
-std::size_t rows_of(hid_t file, const std::string& path) {
-    return hdf5::has_object(file, path) ? hdf5::Series(file, path, hdf5::Cells::reals).rows() : 0;
+std::size_t rows_of(hid_t file, const std::string& path, hdf5::ReadBudget& budget) {
+    if (!hdf5::has_object(file, path)) return 0;
+    const hdf5::Series series(file, path, hdf5::Cells::reals);
+    budget.take(series.bytes());
+    return series.rows();
 }
 
 std::vector<double> read_reals(hid_t file, const std::string& path, std::size_t first, std::size_t count, int most_rank = 1) {
@@ -89,10 +95,11 @@ struct RunReader::Impl {
         std::erase_if(attributes, [](const Attribute& each) {
             return each.name == "format" || each.name == "format_version" || each.name == "status";
         });
-        channels = read_channels(file.id());
-        tables = read_tables(file.id());
-        rows = rows_of(file.id(), "/channels/time");
-        states = rows_of(file.id(), "/states/time");
+        hdf5::ReadBudget budget(file.id());
+        channels = read_channels(file.id(), budget);
+        tables = read_tables(file.id(), budget);
+        rows = rows_of(file.id(), "/channels/time", budget);
+        states = rows_of(file.id(), "/states/time", budget);
     }
 
     /// Rows of a killed run's channels beyond the last time are passed over.

@@ -98,22 +98,24 @@ std::vector<std::byte> image_of(const SavedState& saved, const std::string& name
     return image;
 }
 
-std::vector<double> read_reals(hid_t file, const std::string& path) {
+std::vector<double> read_reals(hid_t file, const std::string& path, hdf5::ReadBudget& budget) {
     const hdf5::Series series(file, path, hdf5::Cells::reals);
+    budget.take(series.bytes());
     return series.reals(0, series.rows());
 }
 
-std::vector<std::uint8_t> read_bytes(hid_t file, const std::string& path) {
+std::vector<std::uint8_t> read_bytes(hid_t file, const std::string& path, hdf5::ReadBudget& budget) {
     const hdf5::Series series(file, path, hdf5::Cells::bytes);
+    budget.take(series.bytes());
     std::vector<std::uint8_t> values(series.rows());
     series.read(H5T_NATIVE_UINT8, 0, values.size(), values.data(), values.size());
     return values;
 }
 
-std::vector<NamedArray> read_more(hid_t file) {
+std::vector<NamedArray> read_more(hid_t file, hdf5::ReadBudget& budget) {
     std::vector<NamedArray> arrays;
     for (std::string& name : hdf5::dataset_names(file, "/more")) {
-        auto values = read_reals(file, "/more/" + name);
+        auto values = read_reals(file, "/more/" + name, budget);
         arrays.push_back({std::move(name), std::move(values)});
     }
     return arrays;
@@ -121,9 +123,10 @@ std::vector<NamedArray> read_more(hid_t file) {
 
 SavedState read_contents(hid_t file) {
     SavedState saved;
-    saved.more = read_more(file);
-    saved.state = read_reals(file, "/y");
-    saved.phases = read_bytes(file, "/phases");
+    hdf5::ReadBudget budget(file);
+    saved.more = read_more(file, budget);
+    saved.state = read_reals(file, "/y", budget);
+    saved.phases = read_bytes(file, "/phases", budget);
     saved.fingerprint = hdf5::read_text(file, "fingerprint");
     saved.attributes = hdf5::read_attributes(file);
     for (const Attribute& attribute : saved.attributes) {

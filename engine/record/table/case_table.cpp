@@ -91,7 +91,8 @@ RowLayout read_layout(hid_t dataset) {
         const CaseColumnType what = kind == H5T_STRING  ? CaseColumnType::text
                                     : kind == H5T_FLOAT ? CaseColumnType::real
                                                         : CaseColumnType::integer;
-        columns.push_back({names[i], units[i], descriptions[i], what, static_cast<int>(H5Tget_size(cell.id()))});
+        const auto text = [&](const auto& texts) { return hdf5::label(texts[i], "/cases"); };
+        columns.push_back({text(names), text(units), text(descriptions), what, static_cast<int>(H5Tget_size(cell.id()))});
     }
     return RowLayout(std::move(columns));
 }
@@ -111,6 +112,7 @@ CaseReader::CaseReader(std::string path) : path_(std::move(path)), impl_(std::ma
         head_.attributes = hdf5::read_attributes(file);
         std::erase_if(head_.attributes, [](const Attribute& each) { return each.name == "format" || each.name == "format_version"; });
         impl_->cases.emplace(file, "/cases", hdf5::Cells::records);
+        hdf5::ReadBudget(file).take(impl_->cases->bytes());
         head_.layout = read_layout(impl_->cases->id());
         impl_->type = row_type(head_.layout);
         size_ = impl_->cases->rows();
@@ -226,13 +228,24 @@ void CaseWriter::sync() {
     if (const int reason = impl_->part.sync(); reason != 0) throw RecordError(impl_->path + ": cannot write: " + std::strerror(reason));
 }
 
+namespace {
+
+/// What a sweep writes stays in the folder that the user named: a link inside would lead elsewhere.
+void require_no_link(const std::string& path) {
+    std::error_code absent;
+    if (std::filesystem::is_symlink(path, absent)) throw RecordError(path + ": a symbolic link; a sweep writes into real folders only");
+}
+
+}  // namespace
+
 FolderLock::FolderLock(const std::string& folder) {
     std::error_code error;
     std::filesystem::create_directory(folder, error);
     std::error_code unreadable;
     if (!std::filesystem::is_directory(folder, unreadable))
         throw RecordError(folder + ": cannot create: " + (error ? error.message() : "a file of that name is in the way"));
-    descriptor_ = open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    for (const char* inside : {"", "/records", "/checkpoints", "/continuation", "/states"}) require_no_link(folder + inside);
+    descriptor_ = open((folder + "/lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (descriptor_ < 0) throw RecordError(folder + ": cannot write into it: " + std::strerror(errno));
     struct flock whole {};
     whole.l_type = F_WRLCK;

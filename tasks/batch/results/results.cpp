@@ -14,6 +14,7 @@
 #include "engine/base/hash.hpp"
 #include "engine/base/provenance.hpp"
 #include "model/start/start_state.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 
 namespace cvtflow::tasks {
 
@@ -78,7 +79,9 @@ engine::RowLayout result_layout(const Sweep& sweep) {
     columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
     columns.push_back({"energy_suspicion", "1",
                        "residual over what an honest integration may leave, settling included; above 1 the status is unreliable"});
-    columns.push_back({"notes", "", "what is odd: gross_slip, control_limit, slack_strand, efficiency, unsteady", Type::text, 64});
+    columns.push_back({"notes", "",
+                       "what is odd: gross_slip, control_limit, slack_strand, efficiency, unsteady, standstill, no_load, unresolved",
+                       Type::text, 96});
     columns.push_back({"start", "", "where the case began: scene, geometric, settled, shared or continued", Type::text, 16});
     for (const auto& [name, what] : {std::pair{"steps", "accepted steps"},
                                      {"evaluations", "evaluations of the right-hand side"},
@@ -257,16 +260,12 @@ std::string csv_text(const engine::CaseTable& table) {
     engine::CaseTable sorted = table;
     sort_rows(sorted);
     std::string text;
-    for (const CaseColumn& column : sorted.layout.columns()) text += (text.empty() ? "" : ",") + column.name;
+    for (const CaseColumn& column : sorted.layout.columns()) text += (text.empty() ? "" : ",") + csv_cell(column.name, true);
     text += "\n";
     for (std::size_t row = 0; row < sorted.size(); ++row) {
         for (std::size_t c = 0; c < sorted.layout.columns().size(); ++c) {
-            std::string cell = sorted.layout.cell(sorted.row(row), c);
-            if (cell.find_first_of(",\"\n") != std::string::npos) {
-                for (std::size_t at = 0; (at = cell.find('"', at)) != std::string::npos; at += 2) cell.insert(at, "\"");
-                cell = "\"" + cell + "\"";
-            }
-            text += (c == 0 ? "" : ",") + cell;
+            const bool is_text = sorted.layout.columns()[c].type == Type::text;
+            text += (c == 0 ? "" : ",") + csv_cell(sorted.layout.cell(sorted.row(row), c), is_text);
         }
         text += "\n";
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "engine/base/error_text.hpp"
 #include "engine/base/spelling.hpp"
 #include "tasks/batch/results/table_view.hpp"
 #include "tasks/batch/sweep/axis_reader.hpp"
@@ -36,7 +37,7 @@ public:
         std::vector<std::string> lines;
         for (const Problem& p : problems_)
             lines.push_back(fmt::format("{}:{}:{}: {}", sweep_.path.string(), p.position.line, p.position.column, p.message));
-        throw SceneError(fmt::format("{}", fmt::join(lines, "\n")));
+        throw SceneError(engine::visible(fmt::format("{}", fmt::join(lines, "\n"))));  // a NUL would end what()
     }
 
 private:

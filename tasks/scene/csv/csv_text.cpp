@@ -1,6 +1,9 @@
 #include "tasks/scene/csv/csv_text.hpp"
 
+#include <charconv>
 #include <utility>
+
+#include "engine/base/error_text.hpp"
 
 namespace cvtflow::tasks {
 
@@ -26,6 +29,18 @@ std::vector<std::vector<std::string>> csv_lines(std::string_view text) {
             lines.back().back() += c;
     }
     return lines;
+}
+
+std::string csv_cell(std::string_view text, bool is_text, bool quoted) {
+    double number = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool is_number = error == std::errc() && end == text.data() + text.size();
+    std::string cell =
+        is_text && !is_number && !text.empty() && std::string_view("=+-@\t").find(text.front()) != std::string_view::npos ? "'" : "";
+    cell += engine::visible(text);
+    if (!quoted && cell.find_first_of(",\"\n") == std::string::npos) return cell;
+    for (std::size_t at = 0; (at = cell.find('"', at)) != std::string::npos; at += 2) cell.insert(at, "\"");
+    return '"' + cell + '"';
 }
 
 std::vector<std::string> cells_of(const std::string& line) {

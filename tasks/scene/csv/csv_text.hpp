@@ -17,6 +17,10 @@ inline constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;  ///< a m
 /// returns are left out.
 [[nodiscard]] std::vector<std::vector<std::string>> csv_lines(std::string_view text);
 
+/// A cell as it is written: quoted where it must be (or always), control characters spelt out. A text that a spreadsheet would take for a
+/// formula, since it begins with = + - or @, gets an apostrophe in front; numbers stay as they are.
+[[nodiscard]] std::string csv_cell(std::string_view text, bool is_text, bool quoted = false);
+
 /// Cells of one line, trimmed.
 [[nodiscard]] std::vector<std::string> cells_of(const std::string& line);
 

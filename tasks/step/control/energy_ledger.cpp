@@ -21,9 +21,11 @@ constexpr double share_of_losses = 1e-3;
 constexpr double share_of_through = 1e-5;
 constexpr double share_of_stored = 1e-6;
 constexpr double deviations = 6.0;
-/// Noise explains no more than this share of what was dissipated: a run that blows up makes its own noise.
-constexpr double most_noise = 0.5;
-constexpr double dense_share = 0.05, dense_time = 5e-4;  // [1], [s]
+/// Noise explains no more than this share of what was dissipated: a run that blows up, or begins with a shock, makes its own noise. With
+/// inputs that of spans of 10 ms and longer; shorter ones are noisier, as one over the root of the span. A ring's losses are so small
+/// beside what it stores that noise is all that its balance shows.
+constexpr double noise_share_with_inputs = 0.009, noise_share_without = 0.5, noise_span = 10e-3;  // [1], [1], [s]
+constexpr double dense_share = 0.05, dense_time = 5e-4;                                           // [1], [s]
 constexpr double least_samples = 10.0;
 constexpr double closer = 8.0;  ///< by which samples lie closer in doubt
 
@@ -43,7 +45,11 @@ double EnergyBalance::relative() const noexcept { return loss > 0.0 ? std::abs(r
 
 double EnergyBalance::honest() const noexcept { return share_of_losses * loss + share_of_through * through + share_of_stored * stored; }
 
-double EnergyBalance::tolerance() const noexcept { return honest() + std::min(deviations * deviation, most_noise * loss); }
+double EnergyBalance::tolerance() const noexcept {
+    const double with_inputs = noise_share_with_inputs * std::sqrt(std::max(1.0, noise_span / span));
+    const double share = through > 0.0 ? std::min(with_inputs, noise_share_without) : noise_share_without;
+    return honest() + std::min(deviations * deviation, share * loss);
+}
 
 double EnergyBalance::suspicion() const noexcept {
     if (samples < least_samples) return 0.0;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "tasks/step/control/input_points.hpp"
 #include "tasks/step/control/longest_step.hpp"
 #include "tasks/step/integration_state.hpp"
 #include "tasks/step/method_memory.hpp"
@@ -16,6 +17,9 @@ namespace {
 
 /// A step shorter than this fraction of the longest one will not help [1].
 constexpr double shortest_step = 1e-7;
+
+/// A point of an input's table that lies nearer than this fraction of a step is where the step begins or ends [1].
+constexpr double nearest_input_point = 1e-6;
 
 /// A step by hand [s]. A third of 10 us is written as 3.33 us: it is that of the grid that is longer by what three digits leave out.
 [[nodiscard]] double step_by_hand(const StepSettings& settings) noexcept {
@@ -210,15 +214,31 @@ int StepController::go_on() {
     return start_step();
 }
 
-/// To the next grid point, in as many equal steps as the error asks for.
+namespace {
+
+/// Where a step that begins now may end: at the grid's next point, or at a point of an input's table before it. Inputs may jump between
+/// two points, and their works are exact only where they are linear over a step. What follows a point may be fast. [s]
+[[nodiscard]] double next_end(Workspace& w, const StepGrid& grid) noexcept {
+    if (w.layout().pulley_size == 0) return grid.next();
+    const double now = w.step.time, nearest = nearest_input_point * grid.step;
+    const auto after = [&](double t) { return next_input_point(w.parameters, w.variator.pulleys().held(), t); };
+    if (after(now - nearest) <= now + nearest) w.energy.inputs_changed(now);
+    const double point = after(now + nearest);
+    return point < grid.next() - nearest ? point : grid.next();
+}
+
+}  // namespace
+
+/// To the next grid point or point of an input, in as many equal steps as the error asks for.
 int StepController::start_step() {
-    w_.step.h = grid_.next() - w_.step.time;
-    lands_ = true;
+    const double step_end = next_end(w_, grid_);
+    w_.step.h = step_end - w_.step.time;
+    lands_ = step_end == grid_.next();
     retaking_ = false;
     if (settings_.control == StepControl::error) {
         const double pieces = std::ceil(w_.step.h / method_.longest_step(control_.proposal()) * (1.0 - 1e-9));
-        lands_ = pieces <= 1.0;
-        if (!lands_) w_.step.h /= pieces;
+        lands_ = lands_ && pieces <= 1.0;
+        if (pieces > 1.0) w_.step.h /= pieces;
         w_.step.dwell = dwell_steps * w_.step.h;
     }
     w_.step.lookout = w_.step.time + w_.step.h;

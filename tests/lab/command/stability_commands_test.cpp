@@ -84,10 +84,10 @@ TEST_F(StabilityCommands, SpectrumKnowsTheLongestStepOfMethodsThatAreNoTables) {
     const Outcome outcome = run(
         std::vector<std::string>{"spectrum", "tiny", "--method", "leapfrog-rkc", "--extremal", "-q", "-o", "s", "--json"} + brief_settling);
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out,
-                testing::ContainsRegex("\n  largest stable step [0-9.]+ us \\(oscillation of .*\\) predicted, [0-9.]+ us measured"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ us \\(oscillation of .*\\) predicted\n"));
     const auto json = nlohmann::json::parse(read("s/spectrum.json"));
-    EXPECT_NEAR(double(json["stable_step"]["measured"]) / double(json["stable_step"]["predicted"]), 1.0, 0.15);  // barely settled, it moves
+    EXPECT_FALSE(json["stable_step"].contains("measured")) << "one answer";
+    EXPECT_GT(double(json["stable_step"]["predicted"]), 1e-6);
     EXPECT_GT(double(json["stable_step"]["oscillation"]), 1e5);
 }
 

@@ -5,10 +5,12 @@
 #include <unistd.h>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include "engine/graph/race_check.hpp"
 #include "engine/method/catalogue.hpp"
 #include "engine/record/run/state_file.hpp"
+#include "tasks/run/saved_start.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -229,10 +231,46 @@ TEST(Simulation, SaysWhatDiffersFromTheSceneThatWasSettledAndRefusesAnotherDetai
     Simulation simulation(scene);
     const StateFile file(simulation);
     scene.state_file = file.path();
-    scene.parameters.tip.hertz *= 2.0;
+    scene.parameters.half.mass *= 2.0;
     EXPECT_EQ(Simulation(scene).start_differences().size(), 1u);
     scene.parameters.detail.order = 2;
     EXPECT_THROW(Simulation{scene}, SimulationError);
+}
+
+/// A tenth of a millimetre of pitch is a hundred times the strain that the chain's plates carry.
+TEST(Simulation, SettlesAnewWhereItsStateBelongsToAnotherMachine) {
+    Scene scene = tiny_scene();
+    Simulation simulation(scene);
+    ASSERT_FALSE(simulation.advance({.until = 0.0}, silent, uncancelled));
+    const StateFile file(simulation);
+    scene.state_file = file.path();
+    const std::pair<const char*, bool> settings[] = {{"tip.friction_coefficient=0.12", true},
+                                                     {"chain.damping_ratio=0.05", true},
+                                                     {"half.mass=3.5 g", true},
+                                                     {"clamping.driven=60 kN", true},
+                                                     {"chain.pitch=8.2 mm", false},
+                                                     {"chain.pitch=[\"8.12 mm\",\"8.22 mm\",\"8.02 mm\"]", false},
+                                                     {"half.width=2.2 mm", false},
+                                                     {"joint.radius=8 mm", false},
+                                                     {"tip.hertz=1e11", false},
+                                                     {"plate.stiffness=4e7", false},
+                                                     {"pulley.centre_distance=171 mm", false}};
+    for (const auto& [setting, fits] : settings) {
+        Scene other = scene;
+        set_value(other, setting);
+        Simulation started(other);
+        EXPECT_EQ(started.needs_settling(), !fits) << setting;
+        EXPECT_EQ(fitting_start(other) != nullptr, fits) << setting;
+        if (!fits) {
+            EXPECT_NE(started.start_differences().back().find("settles anew"), std::string::npos) << setting;
+        }
+        Simulation reused(scene);
+        reused.reset(other, saved_start(other).get());
+        EXPECT_EQ(reused.hash(), started.hash()) << setting;
+        if (fits) continue;
+        other.parameters.start.settling_time = 0.0;
+        EXPECT_THROW(Simulation{other}, SimulationError) << setting;
+    }
 }
 
 TEST(Simulation, RefusesAnUnknownMethod) {

@@ -11,6 +11,7 @@
 #include "tasks/schedule/auto_schedule.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
+#include "tests/sample_fixture.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -87,8 +88,9 @@ TEST(ScheduleRunner, BordersFollowTheLinksThatTouch) {
     EXPECT_EQ(moved.hash, runner_outcome(scene, {Schedule{}}, {}).hash);
 }
 
-TEST(ScheduleRunner, NoMethodMindsOtherSegmentsBetweenItsSteps) {
-    for (const std::string& method : method_names()) {
+/// Other segments between steps leave the bits of these methods as they are.
+void expect_bits_with_changing_segments(const std::vector<std::string>& methods) {
+    for (const std::string& method : methods) {
         Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
         scene.run.method = method;
         scene.run.step = 1e-8;  // within every method's stability
@@ -106,6 +108,12 @@ TEST(ScheduleRunner, NoMethodMindsOtherSegmentsBetweenItsSteps) {
         }
     }
 }
+
+TEST(ScheduleRunner, ChangingSegmentsBetweenStepsLeavesTheBitsOfAMethod) {
+    expect_bits_with_changing_segments(cvtflow::test::sample(method_names(), 10, "changing segments"));
+}
+
+TEST(NightlyScheduleRunner, ChangingSegmentsBetweenStepsLeavesTheBitsOfEveryMethod) { expect_bits_with_changing_segments(method_names()); }
 
 /// Counts allocations between outputs between which the run did not rest.
 class QuietAllocations final : public RunObserver {

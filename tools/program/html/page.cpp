@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "tools/program/html/assets.hpp"
+#include "tools/program/html/sha256.hpp"
 #include "tools/program/text/markup.hpp"
 
 namespace cvtflow::tools {
@@ -33,7 +34,20 @@ std::string in_script(const nlohmann::json& json) {
     return text;
 }
 
-std::string script(std::string_view name) { return fmt::format("<script>\n{}\n</script>\n", asset(name)); }
+/// Content of a script element.
+std::string script(std::string_view name) { return fmt::format("\n{}\n", asset(name)); }
+
+/// Which scripts may run: those of this program by their hashes, and none that a record brings.
+std::string policy_of(const Page& page) {
+    std::string scripts;
+    for (const std::string& name : page.scripts) {
+        const std::string text = script(name);
+        scripts += fmt::format(" 'sha256-{}'", base64(sha256(std::as_bytes(std::span<const char>(text)))));
+    }
+    return fmt::format(
+        "default-src 'none'; script-src{}; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'",
+        scripts.empty() ? " 'none'" : scripts);
+}
 
 /// Of the library that draws curves, where it is used.
 std::string_view style_of(const Page& page) {
@@ -56,7 +70,7 @@ nlohmann::json quantised(std::span<const float> values) {
     std::vector<std::uint16_t> whole;
     whole.reserve(values.size());
     for (const float value : values) {
-        const float share = to > from && std::isfinite(value) ? (value - from) / (to - from) : 0.0F;
+        const float share = to > from && std::isfinite(value) ? (value / 2 - from / 2) / (to / 2 - from / 2) : 0.0F;
         whole.push_back(static_cast<std::uint16_t>(std::lround(65535.0F * share)));
     }
     return {{"from", from}, {"to", to}, {"v", base64(std::as_bytes(std::span<const std::uint16_t>(whole)))}};
@@ -71,17 +85,17 @@ std::string definition_table(const std::vector<std::pair<std::string, std::strin
 std::string text_of(const Page& page) {
     std::string text = fmt::format(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-        "content=\"width=device-width, initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-        "script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:\">\n<link rel=\"icon\" href=\"data:,\">\n"
+        "content=\"width=device-width, initial-scale=1\">\n<meta http-equiv=\"Content-Security-Policy\" content=\"{}\">\n<link "
+        "rel=\"icon\" href=\"data:,\">\n"
         "<title>{}</title>\n<style>\n{}\n{}\n</style>\n</head>\n<body>\n<header>\n<h1>{}</h1>\n{}<nav aria-label=\"Sections\">",
-        html(page.title), style_of(page), asset("report.css"), html(page.title), page.lead);
+        policy_of(page), html(page.title), style_of(page), asset("report.css"), html(page.title), page.lead);
     for (const Section& section : page.sections) text += fmt::format("<a href=\"#{}\">{}</a> ", section.id, html(section.title));
     text += "<button type=\"button\" id=\"theme\" aria-pressed=\"false\">dark</button></nav>\n</header>\n<main>\n";
     for (const Section& section : page.sections)
         text += fmt::format("<section id=\"{}\" aria-labelledby=\"{}-title\">\n<h2 id=\"{}-title\">{}</h2>\n{}</section>\n", section.id,
                             section.id, section.id, html(section.title), section.body);
     text += fmt::format("</main>\n<script type=\"application/json\" id=\"data\">{}</script>\n", in_script(page.data));
-    for (const std::string& name : page.scripts) text += script(name);
+    for (const std::string& name : page.scripts) text += fmt::format("<script>{}</script>\n", script(name));
     return text + "</body>\n</html>\n";
 }
 

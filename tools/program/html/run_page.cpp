@@ -123,7 +123,8 @@ std::string of_all(const std::vector<RecordedRun>& runs, const Each& each) {
 }
 
 std::string spectra(const std::vector<RecordedRun>& runs) {
-    if (runs.front().times().size() < 8) return "<p>Spectra need 8 rows at least.</p>\n";
+    const auto too_short = [](const RecordedRun& run) { return run.times().size() < 8 || !(run.times()[1] > run.times()[0]); };
+    if (std::any_of(runs.begin(), runs.end(), too_short)) return "<p>Spectra need 8 rows at least.</p>\n";
     std::vector<std::string> words;
     for (const Curve& curve : runs.front().overview()) {
         const auto [least, largest] = std::minmax_element(curve.values.begin(), curve.values.end());

@@ -85,7 +85,10 @@ AxisScale::AxisScale(const Axis& axis, const std::vector<double>& values) : scal
     if (!(end_ > begin_)) throw std::invalid_argument("axis '" + axis.label + "': it has no length");
 }
 
-bool AxisScale::shows(double value) const noexcept { return std::isfinite(value) && (scale_ != Scale::logarithmic || value > 0.0); }
+bool AxisScale::shows(double value) const noexcept {
+    constexpr double largest = 1e300;  // lengths of axes are finite, margins included
+    return std::abs(value) <= largest && (scale_ != Scale::logarithmic || value > 0.0);
+}
 
 double AxisScale::forward(double value) const noexcept {
     if (scale_ == Scale::linear) return value;
@@ -120,7 +123,10 @@ std::vector<Tick> AxisScale::round_numbers(int wanted) const {
     const double from = backward(begin_), to = backward(end_);
     const double step = round_step((to - from) / std::max(1, wanted));
     std::vector<Tick> ticks;
-    for (double number = std::ceil(from / step - 1e-9); number <= to / step + 1e-9; number += 1.0) {
+    const double first = std::ceil(from / step - 1e-9);
+    const int count = std::max(4 * wanted, 100);  // where numbers are larger than 2^53 steps, the next one may be the same
+    for (int k = 0; k < count && first + k <= to / step + 1e-9; ++k) {
+        const double number = first + k;
         if (shows(number * step)) ticks.push_back({number * step, tick_label(number * step, step)});
     }
     return ticks;

@@ -9,6 +9,7 @@
 #include "engine/base/rainflow.hpp"
 #include "engine/base/spelling.hpp"
 #include "engine/record/run/run_reader.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/provenance_json.hpp"
 #include "tools/program/text/text.hpp"
@@ -97,9 +98,10 @@ std::string text_of(const Load& load, int classes) {
 std::string csv_of(const std::vector<Load>& loads) {
     std::string text = "load,unit,range,mean,cycles,from_time,to_time\n";
     for (const Load& load : loads) {
+        const std::string name = tasks::csv_cell(load.name, true), unit = tasks::csv_cell(load.unit, true);
         for (const engine::RainflowCycle& cycle : load.cycles)
-            text += fmt::format("{},{},{},{},{},{},{}\n", load.name, load.unit, cycle.range, cycle.mean, cycle.count,
-                                load.time[cycle.first], load.time[cycle.second]);
+            text += fmt::format("{},{},{},{},{},{},{}\n", name, unit, cycle.range, cycle.mean, cycle.count, load.time[cycle.first],
+                                load.time[cycle.second]);
     }
     return text;
 }

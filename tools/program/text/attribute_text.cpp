@@ -4,7 +4,15 @@
 
 #include <algorithm>
 
+#include "engine/base/error_text.hpp"
+
 namespace cvtflow::tools {
+
+namespace {
+
+constexpr std::size_t longest_scene = std::size_t{1} << 20U;  ///< as text; a parser takes a multiple of it [byte]
+
+}  // namespace
 
 std::string value_text(const engine::Attribute& attribute) {
     if (const auto* text = std::get_if<std::string>(&attribute.value)) return *text;
@@ -15,12 +23,13 @@ std::string value_text(const engine::Attribute& attribute) {
 std::string text_of(const std::vector<engine::Attribute>& attributes, std::string_view name, const std::string& otherwise) {
     const auto found =
         std::find_if(attributes.begin(), attributes.end(), [&](const engine::Attribute& attribute) { return attribute.name == name; });
-    return found == attributes.end() ? otherwise : value_text(*found);
+    return found == attributes.end() ? otherwise : engine::visible(value_text(*found));
 }
 
 std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attributes, std::string_view name) {
-    const std::string text = text_of(attributes, name, "");
-    if (text.empty()) return {};
+    const auto found = std::find_if(attributes.begin(), attributes.end(), [&](const engine::Attribute& each) { return each.name == name; });
+    const std::string text = found == attributes.end() ? "" : value_text(*found);
+    if (text.empty() || text.size() > longest_scene) return {};
     try {
         return tasks::parse_scene(text, "scene", tasks::StartState::ignored);
     } catch (const tasks::SceneError&) {

@@ -6,7 +6,19 @@
 #include <array>
 #include <cmath>
 
+#include "engine/base/error_text.hpp"
+
 namespace cvtflow::tools {
+
+namespace {
+
+std::string on_one_line(const std::string& text) {
+    std::string shown = engine::visible(text);
+    std::replace(shown.begin(), shown.end(), '\n', ' ');
+    return shown;
+}
+
+}  // namespace
 
 std::string time_text(double seconds) {
     struct TimeUnit {
@@ -46,6 +58,7 @@ std::string plural(long count, const std::string& noun) { return fmt::format("{}
 
 void Table::add(std::vector<std::string> cells) {
     cells.resize(columns_.size());
+    for (std::string& cell : cells) cell = on_one_line(cell);
     rows_.push_back(std::move(cells));
 }
 
@@ -71,6 +84,8 @@ std::string Table::text(int indent) const {
     return text;
 }
 
-std::string field(const std::string& label, const std::string& value) { return fmt::format("  {:<19} {}\n", label, value); }
+std::string field(const std::string& label, const std::string& value) {
+    return fmt::format("  {:<19} {}\n", label, engine::visible(value));
+}
 
 }  // namespace cvtflow::tools

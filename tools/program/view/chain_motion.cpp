@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "model/parameters/chain_layout.hpp"
+#include "tools/program/view/machine_state.hpp"
 
 namespace cvtflow::tools {
 
@@ -120,12 +121,14 @@ ChainMotion chain_motion(const RecordedRun& run, std::size_t most_states) {
     const std::size_t recorded = run.reader().state_times().size();
     if (!run.scene() || recorded == 0) return {};
     const ChainLayout at = model::layout_of(run.scene()->parameters);
-    if (run.reader().last_state().state.size() != static_cast<std::size_t>(at.size())) return {};
     ChainMotion motion = shape_of(run.scene()->parameters);
     motion.recorded = recorded;
     const MotionReader reader(run, at);
     const std::size_t shown = std::min(recorded, most_states);
-    for (std::size_t k = 0; k < shown; ++k) reader.add(motion, run.reader().state(k * recorded / shown));
+    for (std::size_t k = 0; k < shown; ++k) {
+        const engine::RecordedState state = machine_state(run.path(), run.reader(), k * recorded / shown, at);
+        if (finite(state)) reader.add(motion, state);  // where a run blew up there is no chain to show
+    }
     return motion;
 }
 
@@ -140,7 +143,7 @@ Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions) {
     for (const int shaft : {1, 2}) {
         std::vector<RoundBin> round(bins);
         for (std::size_t k = 0; k < motion.force.size(); ++k) {
-            if (motion.side[k] != static_cast<float>(shaft)) continue;
+            if (motion.side[k] != static_cast<float>(shaft) || !std::isfinite(motion.force[k])) continue;
             const double away = shaft == 2 ? motion.x[k] - motion.centre_distance : -static_cast<double>(motion.x[k]);
             const double angle = std::atan2(shaft == 2 ? motion.y[k] : -static_cast<double>(motion.y[k]), away);
             RoundBin& bin = round[static_cast<std::size_t>(std::clamp((angle / std::numbers::pi + 1.0) * 0.5 * bins, 0.0, bins - 1.0))];

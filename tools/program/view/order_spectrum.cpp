@@ -42,6 +42,7 @@ AmplitudeSpectrum amplitude_spectrum(const std::vector<double>& times, std::vect
     AmplitudeSpectrum spectrum;
     if (times.size() != values.size() || values.size() < 8) return spectrum;
     const double distance = times[1] - times[0];
+    if (!(distance > 0.0)) return spectrum;
     if (std::abs(times.back() - times[times.size() - 2] - distance) > 1e-3 * distance) values.pop_back();
     const auto count = static_cast<double>(values.size());
     const double mean = std::accumulate(values.begin(), values.end(), 0.0) / count;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <numeric>
 
 #include "engine/base/spelling.hpp"
@@ -59,6 +60,8 @@ std::pair<std::string, int> taken_apart(const std::string& word) {
 RecordedRun::RecordedRun(std::string path)
     : path_(std::move(path)), reader_(path_), scene_(scene_in(reader_.attributes(), "parameters")), times_(reader_.times()) {
     if (times_.empty()) throw engine::RecordError(path_ + ": the record has no rows yet");
+    const bool finite = std::all_of(times_.begin(), times_.end(), [](double time) { return std::isfinite(time); });
+    if (!finite || !std::is_sorted(times_.begin(), times_.end())) throw engine::RecordError(path_ + ": damaged: its times do not ascend");
 }
 
 std::string RecordedRun::conditions() const {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/view/order_spectrum.hpp"
 
@@ -217,10 +218,7 @@ Plot loss_plot(const RecordedRun& run) {
 std::string csv(const std::vector<Plot>& plots) {
     const bool fields = std::any_of(plots.begin(), plots.end(), [](const Plot& plot) { return !plot.fields.empty(); });
     std::string text = fields ? "plot,series,x,y,value\n" : "plot,series,x,y\n";
-    const auto quoted = [](std::string cell) {
-        for (std::size_t at = 0; (at = cell.find('"', at)) != std::string::npos; at += 2) cell.insert(at, "\"");
-        return '"' + cell + '"';
-    };
+    const auto quoted = [](const std::string& cell) { return tasks::csv_cell(cell, true, true); };
     for (const Plot& plot : plots) {
         for (const Field& field : plot.fields) {
             for (std::size_t k = 0; k < field.values.size(); ++k)

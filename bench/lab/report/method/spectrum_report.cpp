@@ -105,7 +105,7 @@ std::string spectrum_text(const SpectrumResult& result) {
     text += field("step x |largest|",
                   fmt::format("{:.3f} with {} of {}", result.step * largest_modulus(result.values), time_text(result.step), result.method));
     text += field("largest stable step", result.limit           ? limit_text(*result.limit)
-                                         : result.program_limit ? limit_text(*result.program_limit)
+                                         : result.program_limit ? tasks::text_of(*result.program_limit) + " predicted"
                                                                 : "not looked for");
     if (!result.attribution) return text;
     text += fmt::format("\nEigenvalues below -1e6 1/s by the contact that makes them (share: -d ln λ / d ln v0)\n{}",
@@ -147,12 +147,8 @@ ordered_json limit_json(const StepLimit& limit) {
             {"measured_unstable", limit.measured.unstable}};
 }
 
-ordered_json limit_json(const ProgramLimit& limit) {  // infinite steps are null
-    return {{"method", limit.method},
-            {"predicted", limit.predicted.step},
-            {"oscillation", limit.predicted.oscillation},
-            {"friction", limit.predicted.friction},
-            {"measured", limit.measured.step}};
+ordered_json limit_json(const std::string& method, const tasks::StepLimit& limit) {  // infinite steps are null
+    return {{"method", method}, {"predicted", limit.step}, {"oscillation", limit.oscillation}, {"friction", limit.friction}};
 }
 
 std::string spectrum_json(const SpectrumResult& result) {
@@ -165,7 +161,7 @@ std::string spectrum_json(const SpectrumResult& result) {
     json["method"] = result.method;
     json["step"] = result.step;
     if (result.limit) json["stable_step"] = limit_json(*result.limit);
-    if (result.program_limit) json["stable_step"] = limit_json(*result.program_limit);
+    if (result.program_limit) json["stable_step"] = limit_json(result.method, *result.program_limit);
     ordered_json values = ordered_json::array();
     for (const auto& value : result.values) values.push_back({value.real(), value.imag()});
     json["eigenvalues"] = std::move(values);

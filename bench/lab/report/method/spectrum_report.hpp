@@ -25,14 +25,14 @@ struct SpectrumResult {
     double time = 0.0;            ///< [s]
     long touching = 0;            ///< tips
     int unknowns = 0;
-    engine::Eigenvalues values;                 ///< all, or those at the edge
-    bool complete = true;                       ///< all
-    int dimension = 0;                          ///< of the Krylov space, if not complete
-    double residual = 0.0;                      ///< largest relative one, if not complete
-    std::string method;                         ///< of the scene
-    double step = 0.0;                          ///< of the scene [s]
-    std::optional<StepLimit> limit;             ///< absent: the method is no table of stages
-    std::optional<ProgramLimit> program_limit;  ///< absent: it is one
+    engine::Eigenvalues values;                     ///< all, or those at the edge
+    bool complete = true;                           ///< all
+    int dimension = 0;                              ///< of the Krylov space, if not complete
+    double residual = 0.0;                          ///< largest relative one, if not complete
+    std::string method;                             ///< of the scene
+    double step = 0.0;                              ///< of the scene [s]
+    std::optional<StepLimit> limit;                 ///< absent: the method is no table of stages
+    std::optional<tasks::StepLimit> program_limit;  ///< predicted only; absent: it is one
     std::optional<Attribution> attribution;
     double border = -1e6;  ///< of the attribution [1/s]
 };

@@ -52,6 +52,16 @@ TEST(EnergyLedger, NoiseThatARunMakesByItselfExcusesNothing) {
     EXPECT_FALSE(ledger.reliable());
 }
 
+/// A start that does not fit: what it dissipates at once is as noisy as it is large.
+TEST(EnergyLedger, NoiseExcusesNoMoreThanAHundredthOfTheLossesWhereThereAreInputs) {
+    EnergyBalance balance{.span = 20e-3, .change = -100.0, .loss = 101.1, .stored = 100.0, .deviation = 50.0, .samples = 500.0};
+    EXPECT_LT(balance.suspicion(), 1.0) << "a ring: nothing comes in";
+    balance.through = 600.0;
+    EXPECT_GT(balance.suspicion(), 1.0);
+    balance.loss = 100.6;  // no right run exceeded 0.0063
+    EXPECT_LT(balance.suspicion(), 1.0);
+}
+
 TEST(EnergyLedger, GoesOnFromItsMemoryBitByBit) {
     const EnergyLedger before = sampled(300.0, -297.0);
     std::vector<double> memory, again;
@@ -84,6 +94,7 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
         EnergySums sums;
         sums.time = now.time;
         sums.work[0] = 1e4 * now.time;
+        sums.work[1] = -9.8e3 * now.time;
         sums.loss[0] = 200.0 * now.time;
         means.add(now, sums, 7e-4);
     }
@@ -92,13 +103,43 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
     EXPECT_NEAR(means.all().efficiency, 0.98, 1e-9);
     EXPECT_EQ(means.all().periods, std::floor(0.1 / 7e-4));
     std::string names;
-    means.name_notes(names);
+    EnergyBalance balance{.work = 20.0, .loss = 20.0, .through = 1e3, .stored = 4.0, .samples = 100.0};
+    means.name_notes(balance, names);
     EXPECT_EQ(names, "gross_slip unsteady");
+    balance.loss = 0.05;  // 1e-5 of what came in are a fifth of it
+    means.name_notes(balance, names);
+    EXPECT_EQ(names, "gross_slip unsteady unresolved");
     std::vector<double> memory;
     means.save(memory);
     RunMeans again;
     EXPECT_TRUE(again.load(memory).empty());
     EXPECT_EQ(again.all().slip, means.all().slip);
+}
+
+/// 1 s of a machine that carries nothing, whose chain takes `pin_period` from pin to pin.
+std::string notes_of_idling(double pin_period) {
+    RunMeans means;
+    for (int k = 0; k <= 1000; ++k) {
+        model::Observation now;
+        now.time = 1e-3 * k;
+        now.ratio = 1.0;
+        now.slip = k % 2 == 0 ? 0.4 : -0.3;
+        now.slack = 100.0;
+        EnergySums sums;
+        sums.time = now.time;
+        sums.work = {100.0 * now.time, -10.0 * now.time, 150.0 * now.time};  // clamping brings energy, what moves keeps it
+        sums.loss[0] = 90.0 * now.time;
+        means.add(now, sums, pin_period);
+    }
+    std::string names;
+    means.name_notes({.work = 240.0, .loss = 90.0, .through = 250.0, .samples = 100.0}, names);
+    return names;
+}
+
+TEST(RunMeans, SayWhereSlipIsNoiseAndWhereEfficiencyIsThatOfIdling) {
+    EXPECT_EQ(notes_of_idling(1e-3), "gross_slip no_load") << "an efficiency of 64 % with nothing carried";
+    EXPECT_EQ(notes_of_idling(2.0), "standstill");
+    EXPECT_EQ(notes_of_idling(0.0), "standstill");
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -13,6 +12,7 @@
 #include "tools/program/output/replacing.hpp"
 #include "tools/program/report/chain_solids.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/view/machine_state.hpp"
 
 namespace cvtflow::tools {
 
@@ -36,17 +36,6 @@ tasks::Scene recorded_scene(const std::string& path, const engine::RunReader& ru
     }
 }
 
-/// One state of a record. @throws engine::RecordError if it is not of that machine
-engine::RecordedState state_of(const std::string& path, const engine::RunReader& run, std::size_t number, const model::ChainLayout& at) {
-    engine::RecordedState recorded = run.state(number);
-    const bool fits = recorded.state.size() == static_cast<std::size_t>(at.size()) &&
-                      recorded.phases.size() == static_cast<std::size_t>(model::tips_per_link * at.links);
-    const bool phases = std::all_of(recorded.phases.begin(), recorded.phases.end(),
-                                    [](std::uint8_t phase) { return phase <= static_cast<std::uint8_t>(model::Phase::slip); });
-    if (!fits || !phases) throw engine::RecordError(fmt::format("{}: state {} is not of its machine", path, number));
-    return recorded;
-}
-
 ExitStatus export_record(const ExportArguments& arguments) {
     if (arguments.vtk.empty()) throw UsageError("--vtk FILE.pvd is required: what should be written?");
     if (std::filesystem::path(arguments.vtk).extension() != ".pvd")
@@ -63,7 +52,8 @@ ExitStatus export_record(const ExportArguments& arguments) {
     VtkFrame frame;
     long shown = 0;
     for (std::size_t number = 0; number < states; number += static_cast<std::size_t>(arguments.every), ++shown) {
-        const engine::RecordedState recorded = state_of(arguments.record, run, number, variator.layout());
+        const engine::RecordedState recorded = machine_state(arguments.record, run, number, variator.layout());
+        if (!finite(recorded)) throw engine::RecordError(fmt::format("{}: state {} is not finite", arguments.record, number));
         solids.show(recorded.time, recorded.state.data(), reinterpret_cast<const model::Phase*>(recorded.phases.data()), frame);
         series.add(recorded.time, frame);
     }

@@ -20,6 +20,7 @@
 #include "tools/program/output/fmu/zip_file.hpp"
 #include "tools/program/output/output_place.hpp"
 #include "tools/program/output/replacing.hpp"
+#include "tools/program/output/text_file.hpp"
 #include "tools/program/text/text.hpp"
 
 namespace cvtflow::tools {
@@ -95,19 +96,6 @@ std::string fmu_bytes(const FmuArguments& arguments, const tasks::Scene& wanted,
     return zip_file(files);
 }
 
-/// Under its name only when it is complete.
-void write_whole(const std::string& path, const std::string& bytes) {
-    const std::string part = path + ".part";
-    std::ofstream file(part, std::ios::binary);
-    file << bytes << std::flush;
-    const bool written = file.good();
-    file.close();
-    if (written && std::rename(part.c_str(), path.c_str()) == 0) return;
-    const std::string reason = std::strerror(errno);
-    std::remove(part.c_str());
-    throw engine::RecordError(fmt::format("{}: cannot write: {}", path, reason));
-}
-
 ExitStatus export_fmu(const FmuArguments& arguments) {
     const LoadedScene loaded = load_scene(arguments.scene);
     const std::string file = arguments.output.empty() ? loaded.scene.name + ".fmu" : arguments.output;
@@ -117,7 +105,7 @@ ExitStatus export_fmu(const FmuArguments& arguments) {
         if (!notice.empty() && !arguments.quiet) print_error(notice);
     }
     Simulation simulation = settled(Scene::parse(tasks::write_scene(loaded.scene), loaded.scene.path.string()));
-    write_whole(file, fmu_bytes(arguments, loaded.scene, simulation));
+    write_text(file, fmu_bytes(arguments, loaded.scene, simulation));
     for (const std::string& notice : simulation.notices()) print_error(notice);
     if (!arguments.quiet)
         fmt::print("{}: FMI {}.0 for co-simulation, {}\n", file, arguments.version, size_text(static_cast<double>(fs::file_size(file))));

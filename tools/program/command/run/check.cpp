@@ -30,7 +30,7 @@ std::string size_line(const model::ChainLayout& at) {
 }
 
 std::string start_line(const tasks::Scene& scene, const tasks::Simulation& simulation) {
-    if (!scene.state_file.empty()) return "state file " + scene.state_file;
+    if (!scene.state_file.empty() && !simulation.needs_settling()) return "state file " + scene.state_file;
     const model::Start& start = scene.parameters.start;
     if (start.layout == model::StartLayout::ring) return fmt::format("geometric ring at {:.4g} rad/s", start.ring_speed);
     const std::string geometric = fmt::format("geometric at ratio {:.4g}", start.ratio);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "engine/base/error_text.hpp"
 #include "tasks/run/checkpoint.hpp"
 #include "tasks/run/run.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"
@@ -14,6 +15,7 @@
 #include "tools/program/output/interrupt.hpp"
 #include "tools/program/output/output_place.hpp"
 #include "tools/program/output/progress.hpp"
+#include "tools/program/output/replacing.hpp"
 #include "tools/program/text/batch_text.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -28,8 +30,37 @@ struct ResumeArguments {
     std::string output;
     std::optional<std::string> every;
     std::vector<std::string> settings;
-    bool quiet = false;
+    bool force = false, quiet = false;
 };
+
+constexpr std::string_view checkpoint_ending = ".checkpoint.h5";
+
+/// Where the record goes that belongs to a checkpoint: beside it, under its name. The path inside the checkpoint decides about no file: it
+/// only has to agree. @throws engine::RecordError if it does not
+std::string record_beside(const std::string& file, const tasks::Checkpoint& checkpoint) {
+    if (checkpoint.record.empty()) return {};
+    const bool named = file.ends_with(checkpoint_ending) && file.size() > checkpoint_ending.size();
+    const std::string beside = named ? file.substr(0, file.size() - checkpoint_ending.size()) + ".h5" : "";
+    const auto place = [](const std::string& name) {
+        std::error_code unknown;
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(name), unknown);
+    };
+    if (named && place(beside) == place(checkpoint.record)) return beside;
+    throw engine::RecordError(
+        fmt::format("{}: its run wrote the record {}, which is not beside it under its name; -o FILE goes on with it, "
+                    "-o none without a record",
+                    file, checkpoint.record));
+}
+
+/// What is there under the record's name and is replaced although it is another run's: what this run had left beside it says that it may.
+std::string replacing_another(const std::string& file, const tasks::Checkpoint& checkpoint) {
+    const bool left = std::filesystem::exists(file + ".before") || std::filesystem::exists(file + ".part");
+    if (!left || !std::filesystem::exists(file)) return {};
+    try {
+        if (tasks::is_record_of(checkpoint, file)) return {};
+    } catch (const engine::RecordError&) {}  // no record at all
+    return replacing(file, false, false);
+}
 
 tasks::Scene scene_to_go_on(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
     tasks::Scene scene =
@@ -55,23 +86,32 @@ ExitStatus go_on_sweep(const ResumeArguments& arguments) {
     return run_sweep(load_sweep(sweep_of(arguments.what)), options, arguments.quiet);
 }
 
+std::string record_place(const ResumeArguments& arguments, const tasks::Checkpoint& checkpoint) {
+    if (arguments.output.empty()) return record_beside(arguments.what, checkpoint);
+    return arguments.output == "none" ? "" : arguments.output;
+}
+
 ExitStatus go_on(const ResumeArguments& arguments) {
     if (std::filesystem::is_directory(arguments.what)) return go_on_sweep(arguments);
     const tasks::Checkpoint checkpoint = tasks::read_checkpoint(arguments.what);
     const tasks::Scene scene = scene_to_go_on(arguments, checkpoint);
     ProgressDisplay display(progress_style(arguments.quiet), scene.run.until);
     tasks::RunOptions options;
-    options.file = arguments.output.empty() ? checkpoint.record : arguments.output == "none" ? "" : arguments.output;
+    options.file = record_place(arguments, checkpoint);
+    options.replace = arguments.force;
     require_output(options.file, {arguments.what, scene.path, scene.state_file});
     options.cancel = &catch_interrupts();
     options.checkpoint = arguments.what;
     options.checkpoint_every = seconds_of("--checkpoint-every", arguments.every.value_or("60 s"));
     options.from = &checkpoint;
     if (!arguments.quiet) options.progress = [&display](const tasks::Progress& progress) { display.show(progress); };
+    if (const std::string replaced = replacing_another(options.file, checkpoint); !replaced.empty() && !arguments.quiet)
+        print_error(replaced);
     if (!arguments.quiet) print_error(fmt::format("{} goes on from t = {}", scene.name, time_text(checkpoint.integration.time)));
     const tasks::RunReport report = tasks::run_scene(scene, options);
     if (!arguments.quiet) {
-        fmt::print("{}: {}{}", scene.name, tasks::summary(report), field("record", options.file.empty() ? "none" : options.file));
+        fmt::print("{}: {}{}", engine::visible(scene.name), tasks::summary(report),
+                   field("record", options.file.empty() ? "none" : options.file));
     } else if (report.fault) {
         print_error(report.fault.message());
     }
@@ -91,11 +131,15 @@ Action declare_resume(CLI::App& app) {
         ->expected(1)
         ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    app.add_option("-o,--output", arguments->output, "Record to go on with (default: the run's); none: no record")->type_name("FILE");
+    app.add_option("-o,--output", arguments->output, "Record to go on with (default: NAME.h5 beside NAME.checkpoint.h5); none: no record")
+        ->type_name("FILE");
+    app.add_flag("--force", arguments->force, force_meaning);
     app.add_option("--checkpoint-every", arguments->every, "Wall time between checkpoints (default: 60 s)")->type_name("TIME");
     app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
-    app.footer("The run goes on bit for bit as if it had not stopped. A checkpoint of another scene, method or model is refused.\n\n" +
-               std::string(exit_status_help));
+    app.footer(
+        "The run goes on bit for bit as if it had not stopped. A checkpoint of another scene, method or model is refused.\n"
+        "Its record must be beside it, or named with -o, and be of this very run: any other file is replaced only with --force.\n\n" +
+        std::string(exit_status_help));
     return [arguments] { return go_on(*arguments); };
 }
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "engine/base/error_text.hpp"
 #include "tasks/batch/results/results.hpp"
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/command/command.hpp"
@@ -88,9 +89,9 @@ ExitStatus show(const TableArguments& arguments) {
         return ExitStatus::finished;
     }
     fmt::print("{}\n", table_text(table, chosen_columns(table.layout, arguments.columns)));
-    fmt::print("{}: {} of {} cases, {}, results hash {}\n", table.attribute("sweep"), table.size(), table.attribute("cases"),
-               table.attribute("status"), hash);
-    if (const std::string error = table.attribute("continuation_error"); !error.empty()) fmt::print("continuation changes, in {}\n", error);
+    const auto of = [&table](const char* name) { return engine::visible(table.attribute(name)); };
+    fmt::print("{}: {} of {} cases, {}, results hash {}\n", of("sweep"), table.size(), of("cases"), of("status"), hash);
+    if (const std::string error = of("continuation_error"); !error.empty()) fmt::print("continuation changes, in {}\n", error);
     return ExitStatus::finished;
 }
 

@@ -16,6 +16,12 @@ function readable(value) {
   return size !== 0 && (size >= 1e6 || size < 1e-4) ? value.toExponential(4) : String(Number(value.toPrecision(6)));
 }
 
+/** A text for Dygraphs, which takes labels for markup. */
+function escaped(text) {
+  const names = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\"": "&quot;", "'": "&#39;"};
+  return text.replace(/[&<>"']/g, (c) => names[c]);
+}
+
 function element(name, attributes, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes || {})) made.setAttribute(key, value);
@@ -189,7 +195,7 @@ class Curves {
             labelsSeparateLines: true,
       legend: labels.length > 2 ? "always" : "onmouseover",
       xlabel: "time [ms]",
-      ylabel: unit === "1" ? key : "[" + unit + "]",
+      ylabel: escaped(unit === "1" ? key : "[" + unit + "]"),
       dateWindow: this.window,
       axisLineColor: style.getPropertyValue("--soft"),
       gridLineColor: style.getPropertyValue("--line"),

@@ -1,0 +1,35 @@
+#include "tasks/step/control/input_points.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace cvtflow::tasks {
+
+namespace {
+
+[[nodiscard]] double next_point(const model::TimeTable& table, double t) noexcept {
+    if (table.time.size() == 1 || t >= table.time.back()) return std::numeric_limits<double>::infinity();
+    return *std::upper_bound(table.time.begin(), table.time.end(), t);
+}
+
+}  // namespace
+
+double next_input_point(const model::Parameters& p, const model::HeldInputs& held, double t) noexcept {
+    const double now = std::max(t, 0.0);  // while a start settles, inputs are those of t = 0
+    double next = std::numeric_limits<double>::infinity();
+    const auto look = [&](const model::TimeTable& table, bool in_use) {
+        if (in_use) next = std::min(next, next_point(table, now));
+    };
+    const bool by_speed = p.drive.mode == model::DriveMode::speed, controlled = p.control.enabled;
+    look(p.drive.speed, by_speed && !held.drive_speed);
+    look(p.drive.torque, !by_speed && !held.drive_torque);
+    look(p.load.torque, !held.load_torque);
+    look(p.clamping.driving, !held.driving);
+    look(p.clamping.driven, !held.driven);
+    look(p.control.ratio, controlled && !held.ratio);
+    look(p.control.slip, controlled);
+    look(p.control.safety, controlled);
+    return next;
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,95 @@
+"""Calls of an FMU in an order that the standard forbids are errors. Needs nothing but Python's standard library.
+
+    tests/api/fmu_stages_test.py CVTFLOW
+"""
+
+import ctypes
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+import zipfile
+
+PROGRAM = sys.argv.pop(1)
+OK, ERROR = 0, 3
+
+
+class Fmu:
+    """One instance of version 2 or 3, by its functions' short names."""
+
+    def __init__(self, folder, version):
+        self.version = version
+        file = f"{folder}/tiny{version}.fmu"
+        subprocess.run([PROGRAM, "export-fmu", "tiny", "-o", file, "-q", "--force", "--fmi", str(version)], check=True)
+        inside = pathlib.Path(folder, f"fmi{version}")
+        with zipfile.ZipFile(file) as parts:
+            parts.extractall(inside)
+        token = xml.etree.ElementTree.parse(inside / "modelDescription.xml").getroot()
+        self.library = ctypes.CDLL(str(next((inside / "binaries").rglob("*.so"))))
+        make = self.function("Instantiate" if version == 2 else "InstantiateCoSimulation")
+        make.restype = ctypes.c_void_p
+        resources, name = str(inside / "resources").encode(), b"one"
+        guid = (token.get("guid") or token.get("instantiationToken")).encode()
+        if version == 2:
+            callbacks = (ctypes.c_void_p * 5)()
+            self.instance = make(name, 1, guid, b"file://" + resources, callbacks, 0, 0)
+        else:
+            no = ctypes.c_bool(False)
+            self.instance = make(name, guid, resources + b"/", no, no, no, no, None, ctypes.c_size_t(0), None, None, None)
+        assert self.instance
+
+    def function(self, name):
+        return getattr(self.library, f"fmi{self.version}{name}")
+
+    def call(self, name, *more):
+        return self.function(name)(ctypes.c_void_p(self.instance), *more)
+
+    def enter(self):
+        if self.version == 2:
+            return self.call("EnterInitializationMode")
+        zero = ctypes.c_double(0.0)
+        return self.call("EnterInitializationMode", ctypes.c_bool(False), zero, zero, ctypes.c_bool(False), zero)
+
+    def setup(self):
+        zero = ctypes.c_double(0.0)
+        return self.call("SetupExperiment", 0, zero, zero, 0, zero) if self.version == 2 else OK
+
+    def exit(self):
+        return self.call("ExitInitializationMode")
+
+    def step(self, begin, length):
+        if self.version == 2:
+            return self.call("DoStep", ctypes.c_double(begin), ctypes.c_double(length), 0)
+        flags, reached = [ctypes.c_bool() for _ in range(3)], ctypes.c_double()
+        return self.call("DoStep", ctypes.c_double(begin), ctypes.c_double(length), ctypes.c_bool(True),
+                         *map(ctypes.byref, flags), ctypes.byref(reached))
+
+
+class Stages(unittest.TestCase):
+    def test_calls_out_of_order_are_errors_and_change_nothing(self):
+        for version in (2, 3):
+            with self.subTest(fmi=version), tempfile.TemporaryDirectory() as folder:
+                fmu = Fmu(folder, version)
+                self.assertEqual(fmu.exit(), ERROR)  # without enter
+                self.assertEqual(fmu.step(0.0, 1e-5), ERROR)
+                self.assertEqual(fmu.call("Terminate"), ERROR)
+                self.assertEqual(fmu.setup(), OK)
+                self.assertEqual(fmu.enter(), OK)
+                self.assertEqual(fmu.enter(), ERROR)
+                self.assertEqual(fmu.step(0.0, 1e-5), ERROR)
+                self.assertEqual(fmu.exit(), OK)
+                self.assertEqual(fmu.exit(), ERROR)  # a second initialisation
+                self.assertEqual(fmu.enter(), ERROR)
+                self.assertEqual(fmu.step(0.0, 1e-5), OK)
+                self.assertEqual(fmu.call("Terminate"), OK)
+                self.assertEqual(fmu.step(1e-5, 1e-5), ERROR)
+                self.assertEqual(fmu.call("Terminate"), ERROR)
+                self.assertEqual(fmu.call("Reset"), OK)
+                self.assertEqual([fmu.setup(), fmu.enter(), fmu.exit(), fmu.step(0.0, 1e-5)], [OK] * 4)
+                fmu.call("FreeInstance")
+
+
+if __name__ == "__main__":
+    unittest.main()

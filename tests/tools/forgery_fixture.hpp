@@ -1,0 +1,32 @@
+#pragma once
+/// Files that an enemy made: sound for HDF5, with a right seal and right hashes, and false in what they say. A seed decides what is forged.
+
+#include <hdf5.h>
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace cvtflow::tools {
+
+/// Which of our files it is.
+enum class Forged { record, state, table };
+
+/// Markup, escape sequences, formulas: what names and texts are replaced with.
+[[nodiscard]] std::string hostile_text(std::uint64_t number);
+
+/// Changes a file in place: shapes, types, links, missing and swollen data, numbers that are none, hostile names and texts. States keep a
+/// right hash, rows of tables their check. @return what was done
+std::string forge(const std::string& path, Forged kind, std::uint64_t seed);
+
+/// Opens a record, changes it through HDF5 and seals it anew.
+void change_record(const std::string& path, const std::function<void(hid_t file)>& change);
+/// All reals of a dataset.
+void fill_with_nan(hid_t file, const std::string& dataset);
+/// Another one under its name, of zeros. @param deflated as HDF5 can do it: next to nothing on disk
+void replace_dataset(hid_t file, const std::string& dataset, hid_t type, std::array<hsize_t, 2> sizes, bool deflated);
+/// An attribute of a dataset.
+void put_text(hid_t file, const std::string& dataset, const std::string& name, const std::string& text);
+
+}  // namespace cvtflow::tools

@@ -1,0 +1,94 @@
+#include <gmock/gmock.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "engine/base/error_text.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
+#include "tasks/tuning/tuned_scene.hpp"
+#include "tests/tools/batch_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::HasSubstr;
+
+/// Folders with pipes and links in them, and systems that let nothing be written.
+class HostilePlace : public Sweeps {
+protected:
+    void link(const std::string& to, const std::string& name) const { std::filesystem::create_symlink(folder_ / to, folder_ / name); }
+};
+
+TEST_F(HostilePlace, ReportsALimitOfFileSizesAsAnError) {
+    ASSERT_EQ(run_briefly({"-o", "good.h5"}).status, 0);
+    write("good.html", "the page before");
+    const Outcome report = shell("ulimit -f 8; $CVTFLOW report good.h5");
+    EXPECT_EQ(report.status, 1);
+    EXPECT_THAT(report.err, HasSubstr("cvtflow: good.html: cannot write: File too large"));
+    EXPECT_EQ(read("good.html"), "the page before");
+    EXPECT_FALSE(exists("good.html.part"));
+    const Outcome run = shell("ulimit -f 8; $CVTFLOW run tiny -q -o big.h5 --until '40 us' --set start.settling_time=20us");
+    EXPECT_EQ(run.status, 1);
+    EXPECT_THAT(run.err, HasSubstr("File too large"));
+}
+
+TEST_F(HostilePlace, SaysThatStandardOutputIsClosed) {
+    const Outcome outcome = shell("$CVTFLOW list scenes >&-");
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(outcome.err, "cvtflow: standard output: cannot write: it is closed\n");
+}
+
+TEST_F(HostilePlace, PassesOverAPipeInTheTuningCache) {
+    ASSERT_EQ(mkfifo((folder_ / "key.tuning").c_str(), 0600), 0);
+    alarm(20);  // a reader that waits would be ended
+    EXPECT_FALSE(tasks::read_tuning(folder_, "key").has_value());
+    alarm(0);
+}
+
+TEST_F(HostilePlace, KeepsASweepInItsFolder) {
+    write_sweep("\"6 N*m\"");
+    std::filesystem::create_directories(folder_ / "out");
+    std::filesystem::create_directories(folder_ / "elsewhere");
+    for (const char* inside : {"records", "checkpoints", "continuation", "states"}) {
+        link("elsewhere", std::string("out/") + inside);
+        const Outcome outcome = batch();
+        EXPECT_EQ(outcome.status, 1) << inside;
+        EXPECT_THAT(outcome.err, HasSubstr(std::string("out/") + inside + ": a symbolic link; a sweep writes into real folders only"));
+        std::filesystem::remove(folder_ / "out" / inside);
+    }
+    link("victim", "out/lock");  // dangling
+    EXPECT_EQ(batch().status, 1);
+    EXPECT_FALSE(exists("victim"));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_ / "elsewhere"));
+    std::filesystem::remove(folder_ / "out/lock");
+    EXPECT_EQ(batch().status, 0);
+}
+
+TEST(CsvCell, IsNoFormulaAndReadsBack) {
+    EXPECT_EQ(tasks::csv_cell("=cmd|' /C calc'!A1", true), "'=cmd|' /C calc'!A1");
+    for (const char* text : {"+1+1", "-1-1", "@SUM(A1)", "\tx"}) EXPECT_EQ(tasks::csv_cell(text, true).front(), '\'') << text;
+    for (const char* number : {"-1.5", "3e-7", "-inf"}) EXPECT_EQ(tasks::csv_cell(number, true), number);
+    EXPECT_EQ(tasks::csv_cell("-x", false), "-x");
+    EXPECT_EQ(tasks::csv_cell("a,\"b\"", true), "\"a,\"\"b\"\"\"");
+    EXPECT_EQ(tasks::csv_cell("\x1b[31m", true), "\\x1b[31m");
+    EXPECT_EQ(tasks::csv_lines(tasks::csv_cell("a,\"b\"\nc", true)).front(), std::vector<std::string>{"a,\"b\"\nc"});
+}
+
+TEST(Visible, SpellsOutWhatATerminalWouldObey) {
+    EXPECT_EQ(engine::visible("\x1b[2J"), "\\x1b[2J");
+    EXPECT_EQ(engine::visible("a\nb\tc"), "a\nb\tc");
+    EXPECT_EQ(engine::visible("\xc2\x9b"
+                              "2J"),
+              "\\xc2\\x9b2J");
+    EXPECT_EQ(engine::visible("µ °C –"), "µ °C –");
+    EXPECT_EQ(engine::visible(std::string_view("a\0b", 3)), "a\\x00b");
+}
+
+TEST_F(HostilePlace, CutsNoMessageAtANul) {
+    write("nul.toml", "chain.\"pi\\u0000ns\" = 3\n");
+    const Outcome outcome = run({"check", "nul.toml"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("pi\\x00ns: unknown key"));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools
