@@ -17,7 +17,7 @@ namespace {
 constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;       ///< share of outputs
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
-constexpr double standing_period = 0.5;  ///< time per pin, 16 mm/s: of the order of the speeds at which tips creep [s]
+constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
 constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
 
 constexpr NoteKind kinds[] = {
@@ -26,7 +26,7 @@ constexpr NoteKind kinds[] = {
     {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
     {"efficiency", "efficiency of all of the run, or of its last fifth, outside 0 … 1"},
     {"unsteady", "ratio of the first and the last fifth differ by more than 1 %, or slip by more than a fifth of it"},
-    {"standstill", "the chain moves by less than two pins a second: slip is noise"},
+    {"standstill", "the shafts turn by less than 0.1 rad/s: slip is noise"},
     {"no_load", "drive and load take less out of the machine than is lost in it: the efficiency is that of idling"},
     {"unresolved", "losses below what can be resolved: the energy balance would not show if 5 % of them were wrong"},
 };
@@ -62,6 +62,7 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     bin.slack += now.slack;
     bin.limited += now.control_limited ? 1.0 : 0.0;
     bin.loose += now.slack <= 0.0 ? 1.0 : 0.0;
+    bin.turning += 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1]));
     bin.energy = sums;
     pin_period_ = pin_period;
 }
@@ -74,6 +75,7 @@ void RunMeans::Bin::add(const Bin& other) noexcept {
     slack += other.slack;
     limited += other.limited;
     loose += other.loose;
+    turning += other.turning;
 }
 
 /// Twice as many outputs in each.
@@ -110,6 +112,7 @@ SpanMeans RunMeans::span(double from, double to) const {
     means.slack = sum.slack / sum.outputs;
     means.limited = sum.limited / sum.outputs;
     means.loose = sum.loose / sum.outputs;
+    means.turning = sum.turning / sum.outputs;
     means.begin = begin == 0 ? bins_.front().time : bins_[begin - 1].time;
     means.end = bins_[end - 1].time;
     means.periods = pin_period_ > 0.0 ? std::floor((means.end - means.begin) / pin_period_) : 0.0;
@@ -132,7 +135,7 @@ std::array<bool, 8> RunMeans::odd(const EnergyBalance& balance) const {
     const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };  // not a number: none
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
-    const bool stands = pin_period_ == 0.0 || pin_period_ > standing_period;
+    const bool stands = whole.turning < standing_speed;
     const bool idles = std::isfinite(whole.efficiency) && whole.carried < 1.0;
     return {std::abs(last.slip) > gross_slip && !stands,
             last.limited > often,

@@ -22,6 +22,7 @@ struct SpanMeans {
     double loose = 0.0;               ///< share of outputs at which the slack strand carried no tension
     double efficiency = 0.0;          ///< 1 - losses/input; not a number without input [1]
     double periods = 0.0;             ///< whole pin periods that efficiency is over; 0: less than one [1]
+    double turning = 0.0;             ///< speed of the shafts, whichever way, mean of both [rad/s]
     double carried = 0.0;             ///< what drive and load have taken out of the machine over its losses, in the same time [1]
 };
 
@@ -54,7 +55,8 @@ private:
     struct Bin {
         double outputs = 0.0, time = 0.0;  ///< how many [1]; their span [s]
         double ratio = 0.0, slip = 0.0, tight = 0.0, slack = 0.0, limited = 0.0,
-               loose = 0.0;  ///< sums of ratio, slip, limited, loose [1] and of tensions [N]
+               loose = 0.0;    ///< sums of ratio, slip, limited, loose [1] and of tensions [N]
+        double turning = 0.0;  ///< sum of speeds [rad/s]
         EnergySums energy;
 
         /// The sums of another one too; time and energies stay.

@@ -6,6 +6,7 @@
 Needs Debian's chromium and python3-h5py, and a cvtflow that was built with libjs-dygraphs and libjs-three.
 """
 
+import csv
 import os
 import shutil
 import subprocess
@@ -74,12 +75,12 @@ def spoil(attributes, number, kept=()):
 for forged, whole in (("forged.h5", True), ("<img src=x onerror=window.ran=1>.h5", False)):
     forged_record(forged, whole)
     cvtflow("report", forged, "-o", "forged_whole.html" if whole else "forged.html")
-cvtflow("report", "run.h5", "forged.h5", "-o", "forged_both.html")
-with open("forged.csv", "w") as table:
-    headings = ["case", "status", "load<img src=x onerror=window.ran=1>", "slip_mean", MARKUP[0], "error"]
-    table.write(",".join(headings) + "\n")
+cvtflow("report", "forged.h5", "<img src=x onerror=window.ran=1>.h5", "-o", "forged_both.html")
+with open("forged.csv", "w", newline="") as table:
+    rows = csv.writer(table)
+    rows.writerow(["case", "status", "load<img src=x onerror=window.ran=1>", "slip_mean", MARKUP[0], "error"])
     for case in range(6):
-        table.write(f"{case},ok,{case},{case * case},{MARKUP[case % 2][:20].replace(',', '')},\"{MARKUP[0]}\"\n")
+        rows.writerow([case, "ok", case, case * case, MARKUP[case % len(MARKUP)], MARKUP[0]])
 cvtflow("report", "forged.csv", "-o", "forged_sweep.html")
 
 

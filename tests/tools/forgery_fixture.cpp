@@ -56,7 +56,7 @@ Names names_in(hid_t file) {
     return names;
 }
 
-void put_text(hid_t object, const std::string& name, const std::string& text) {
+void set_text(hid_t object, const std::string& name, const std::string& text) {
     const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
     H5Tset_size(type, std::max<std::size_t>(1, text.size()));
     if (H5Aexists(object, name.c_str()) > 0) H5Adelete(object, name.c_str());
@@ -127,8 +127,8 @@ std::string forge_attribute(hid_t file, const std::string& dataset, Dice& dice) 
     const hid_t object = whole ? file : H5Dopen2(file, dataset.c_str(), H5P_DEFAULT);
     const std::uint64_t how = dice.below(4);
     if (how == 0 && H5Aexists(object, name.c_str()) > 0) H5Adelete(object, name.c_str());
-    if (how == 1) put_text(object, name, std::string(dice.below(60'000), 'x'));
-    if (how >= 2) put_text(object, name, hostile_text(dice.below(100)));
+    if (how == 1) set_text(object, name, std::string(dice.below(60'000), 'x'));
+    if (how >= 2) set_text(object, name, hostile_text(dice.below(100)));
     if (!whole) H5Dclose(object);
     return "attribute " + name;
 }
@@ -224,7 +224,7 @@ void replace_dataset(hid_t file, const std::string& dataset, hid_t type, std::ar
 
 void put_text(hid_t file, const std::string& dataset, const std::string& name, const std::string& text) {
     const hid_t object = H5Oopen(file, dataset.c_str(), H5P_DEFAULT);
-    put_text(object, name, text);
+    set_text(object, name, text);
     H5Oclose(object);
 }
 

@@ -96,7 +96,7 @@ void Forgery::survive_all(std::uint64_t seeds) {
     }
 }
 
-TEST_F(Forgery, NeitherCrashesNorSwellsACommand) { survive_all(60); }
+TEST_F(Forgery, NeitherCrashesNorSwellsACommand) { survive_all(20); }
 
 using NightlyForgery = Forgery;
 
@@ -130,7 +130,7 @@ protected:
 TEST_F(ForgedRecord, OfStatesThatAreNotFiniteIsReportedWithoutThem) {
     forged([](hid_t file) { fill_with_nan(file, "states/y"); });
     EXPECT_EQ(run({"report", "bad.h5"}).status, 0);
-    EXPECT_THAT(read("bad.html"), testing::HasSubstr("has no states that this program can show"));
+    EXPECT_NE(read("bad.html").find("has no states that this program can show"), std::string::npos);
     refused({"export", "bad.h5", "--vtk", "v.pvd"}, "bad.h5: state 0 is not finite");
 }
 

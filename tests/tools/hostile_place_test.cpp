@@ -21,18 +21,19 @@ protected:
 TEST_F(HostilePlace, ReportsALimitOfFileSizesAsAnError) {
     ASSERT_EQ(run_briefly({"-o", "good.h5"}).status, 0);
     write("good.html", "the page before");
-    const Outcome report = shell("ulimit -f 8; $CVTFLOW report good.h5");
+    const Outcome report = shell("ulimit -f 8; \\$CVTFLOW report good.h5");
     EXPECT_EQ(report.status, 1);
     EXPECT_THAT(report.err, HasSubstr("cvtflow: good.html: cannot write: File too large"));
     EXPECT_EQ(read("good.html"), "the page before");
     EXPECT_FALSE(exists("good.html.part"));
-    const Outcome run = shell("ulimit -f 8; $CVTFLOW run tiny -q -o big.h5 --until '40 us' --set start.settling_time=20us");
+    const Outcome run =
+        shell("ulimit -f 8; \\$CVTFLOW run tiny -q -o big.h5 --until '40 us' --set start.settling_time=20us --set start.ramp_time=10us");
     EXPECT_EQ(run.status, 1);
     EXPECT_THAT(run.err, HasSubstr("File too large"));
 }
 
 TEST_F(HostilePlace, SaysThatStandardOutputIsClosed) {
-    const Outcome outcome = shell("$CVTFLOW list scenes >&-");
+    const Outcome outcome = shell("\\$CVTFLOW list scenes >&-");
     EXPECT_EQ(outcome.status, 1);
     EXPECT_EQ(outcome.err, "cvtflow: standard output: cannot write: it is closed\n");
 }
@@ -61,6 +62,17 @@ TEST_F(HostilePlace, KeepsASweepInItsFolder) {
     EXPECT_TRUE(std::filesystem::is_empty(folder_ / "elsewhere"));
     std::filesystem::remove(folder_ / "out/lock");
     EXPECT_EQ(batch().status, 0);
+}
+
+TEST_F(HostilePlace, NamesLogsWithPercentSignsForSlurmAsTheyAre) {
+    std::filesystem::create_directory(folder_ / "bin");
+    write("bin/sbatch", "#!/bin/sh\necho \"$@\" >> calls\necho 7\n");
+    std::filesystem::permissions(folder_ / "bin/sbatch", std::filesystem::perms::owner_all);
+    write("sweep.toml", "");
+    const Outcome outcome = shell("PATH=bin:\\$PATH " CVTFLOW_SOURCE_DIR "/tools/slurm/submit sweep.toml 'a%j b'");
+    EXPECT_EQ(outcome.out, "7 7\n") << outcome.err;
+    EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/task-%a.txt"));
+    EXPECT_THAT(read("calls"), HasSubstr("a%%j b/log/merge.txt"));
 }
 
 TEST(CsvCell, IsNoFormulaAndReadsBack) {

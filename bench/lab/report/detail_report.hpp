@@ -1,5 +1,5 @@
 #pragma once
-/// What each dial of detail costs and changes, as a table: `cvtflow-lab detail` and `cvtflow tradeoff --detail`.
+/// What each dial of detail costs and changes, as a table: `cvtflow-lab detail` and `cvtflow-lab tradeoff --detail`.
 
 #include "bench/lab/measure/detail_measure.hpp"
 #include "tools/program/exit_status.hpp"

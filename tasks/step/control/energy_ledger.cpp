@@ -45,17 +45,29 @@ double EnergyBalance::relative() const noexcept { return loss > 0.0 ? std::abs(r
 
 double EnergyBalance::honest() const noexcept { return share_of_losses * loss + share_of_through * through + share_of_stored * stored; }
 
-double EnergyBalance::tolerance() const noexcept {
-    const double with_inputs = noise_share_with_inputs * std::sqrt(std::max(1.0, noise_span / span));
-    const double share = through > 0.0 ? std::min(with_inputs, noise_share_without) : noise_share_without;
-    return honest() + std::min(deviations * deviation, share * loss);
+namespace {
+
+/// What noise of samples may excuse, over the losses. A start that settles begins with a shock, and forgets it.
+[[nodiscard]] double noise_share(const EnergyBalance& balance, bool settling) noexcept {
+    if (settling || balance.through <= 0.0) return noise_share_without;
+    return std::min(noise_share_with_inputs * std::sqrt(std::max(1.0, noise_span / balance.span)), noise_share_without);
 }
 
-double EnergyBalance::suspicion() const noexcept {
-    if (samples < least_samples) return 0.0;
-    const double ratio = std::abs(residual()) / tolerance();
+[[nodiscard]] double tolerance_of(const EnergyBalance& balance, bool settling) noexcept {
+    return balance.honest() + std::min(deviations * balance.deviation, noise_share(balance, settling) * balance.loss);
+}
+
+[[nodiscard]] double suspicion_of(const EnergyBalance& balance, bool settling) noexcept {
+    if (balance.samples < least_samples) return 0.0;
+    const double ratio = std::abs(balance.residual()) / tolerance_of(balance, settling);
     return std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
 }
+
+}  // namespace
+
+double EnergyBalance::tolerance() const noexcept { return tolerance_of(*this, false); }
+
+double EnergyBalance::suspicion() const noexcept { return suspicion_of(*this, false); }
 
 double EnergySums::lost() const noexcept { return total(loss); }
 
@@ -145,7 +157,7 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
 /// A residual that noise alone could have made is looked at more closely; one that it could not is remembered.
 void EnergyLedger::close_window() noexcept {
     const EnergyBalance closed = balance_since(m_.part);
-    if (m_.part.begin >= m_.judged_from) m_.worst = std::max(m_.worst, closed.suspicion());
+    if (m_.part.begin >= m_.judged_from) m_.worst = std::max(m_.worst, suspicion_of(closed, m_.part.begin < 0.0));
     m_.doubt = std::abs(closed.residual()) > closed.honest() ? 1.0 : 0.0;
     m_.part = here();
 }
@@ -170,7 +182,7 @@ EnergyBalance EnergyLedger::balance() const noexcept { return balance_since(m_.a
 
 double EnergyLedger::suspicion() const noexcept {
     double most = m_.worst;
-    for (const Span* span : {&m_.all, &m_.part}) most = std::max(most, balance_since(*span).suspicion());
+    for (const Span* span : {&m_.all, &m_.part}) most = std::max(most, suspicion_of(balance_since(*span), span->begin < 0.0));
     return most;
 }
 

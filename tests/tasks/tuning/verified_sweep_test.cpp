@@ -86,7 +86,7 @@ TEST_F(VerifiedSweeps, MissTheirTargetWhereMoreThanOneCaseInTwentyDoes) {
 TEST_F(VerifiedSweeps, FindOutWhereATableIsNotAsAccurateAsItSays) {
     Sweep asked = sweep(three);
     asked.scalars.resize(1);
-    TunedSweep coarse{asked, {{"coarse", "leapfrog-chebyshev"}, 0.0, 0.0, {}}, std::nullopt};
+    TunedSweep coarse{asked, {{"coarse", "leapfrog-chebyshev"}, 0.0, 0.0}, std::nullopt};
     coarse.sweep.accuracy.target = 0.004;
     Sweep strict = asked;
     strict.accuracy.target = 0.004;

@@ -122,7 +122,7 @@ constexpr const char* spectrum_explanation =
     "The largest stable step is the longest with which no eigenvalue leaves the method's region of stability. Of tables of stages it is\n"
     "confirmed by steps of the full equations about the state: velocities are disturbed by 1e-9 m/s, and the disturbance grows or dies "
     "out.\n"
-    "Of methods that are programs it is that of their linearised step (cvtflow stability measures it).\n"
+    "Of methods that are programs it is that of their linearised step (cvtflow-lab stability measures it).\n"
     "--attribute: eigenvalues are proportional to 1/v0 of the contact that makes them, so each is told by a small change of v0.";
 
 }  // namespace
