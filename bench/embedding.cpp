@@ -23,9 +23,9 @@
 #include <thread>
 #include <vector>
 
+#include "bench/study/profile/report.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "tasks/study/profile/report.hpp"
 
 namespace {
 
@@ -175,7 +175,7 @@ void write_csv(const std::vector<Row>& rows, const Arguments& arguments) {
         file.print("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:016x},\"{}\",\"{} {}\",\"{}\",\"{}\",\"{}\",{},\"{}\"\n",
                    row.quantity, arguments.scene, row.busy, row.way, row.times.size(), 1e3 * row.times.front(), 1e3 * row.at(0.5),
                    1e3 * row.at(0.9), 1e3 * row.at(0.99), 1e3 * row.times.back(), row.others, row.hash, here.commit, here.compiler,
-                   here.build_type, cvtflow::tasks::compiler_flags(), cvtflow::engine::tbb_version(), here.cpu, here.cores, here.date);
+                   here.build_type, cvtflow::bench::compiler_flags(), cvtflow::engine::tbb_version(), here.cpu, here.cores, here.date);
     }
 }
 

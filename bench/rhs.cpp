@@ -33,7 +33,7 @@
 #include "plain/plain_rhs.hpp"
 #include "plain/system.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/study/detail_state.hpp"
+#include "tasks/tuning/detail_state.hpp"
 
 namespace {
 

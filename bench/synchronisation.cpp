@@ -27,6 +27,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/executor/further_executors.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/executor/runtimes.hpp"
@@ -274,6 +275,7 @@ Settings parse(int count, char** words) {
 }  // namespace
 
 int main(int count, char** words) {
+    cvtflow::bench::add_further_executors();
     const Settings settings = parse(count, words);
     StampRecorder recorder(1, 100000);
     std::vector<Contender> all = contenders(settings, recorder, TickScale());

@@ -15,7 +15,7 @@
 #include "tasks/run/channels/channels.hpp"
 #include "tasks/run/plain_slope.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/study/stability/frozen_step.hpp"
+#include "tasks/step/frozen_start.hpp"
 
 namespace cvtflow {
 inline namespace v0 {

@@ -17,15 +17,16 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "bench/executor/further_executors.hpp"
 #include "bench/peers/solvers.hpp"
+#include "bench/study/profile/report.hpp"
+#include "bench/study/profile/statistics.hpp"
 #include "engine/base/provenance.hpp"
 #include "engine/executor/cancellation.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "engine/thread/crowding.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/study/profile/report.hpp"
-#include "tasks/study/profile/statistics.hpp"
-#include "tasks/study/relative_error.hpp"
+#include "tasks/tuning/relative_error.hpp"
 #include "tools/program/plot/plot.hpp"
 
 namespace {
@@ -38,7 +39,7 @@ struct Settings {
     int rounds = 3;
     double agreement = 0.0;  ///< the smallest error of tensions that every solver has to come down to; 0: any [1]
     std::vector<double> tolerances{1e-2, 1e-3, 1e-4, 1e-5, 1e-6};
-    std::vector<tasks::Candidate> methods{{"rk4", 50e-9},
+    std::vector<bench::Candidate> methods{{"rk4", 50e-9},
                                           {"rk4", 25e-9},
                                           {"dumka3-p5", 3e-6},
                                           {"dumka3-p5", 2e-6},
@@ -67,7 +68,7 @@ std::vector<std::string> parts_of(const std::string& list) {
     return parts;
 }
 
-tasks::Candidate candidate_of(const std::string& word) {
+bench::Candidate candidate_of(const std::string& word) {
     const std::size_t at = word.find('@');
     if (at == std::string::npos) throw std::invalid_argument("--methods: METHOD@US, not '" + word + "'");
     return {word.substr(0, at), 1e-6 * std::stod(word.substr(at + 1))};
@@ -105,21 +106,21 @@ Settings parse(int count, char** words) {
 
 /// The longest time, a multiple of the interval, before any tip changes its phase [s].
 double quiet_stretch(const tasks::Scene& scene, const tasks::FrozenStart& start, const Settings& settings) {
-    tasks::ComparisonOptions options;
+    bench::ComparisonOptions options;
     options.duration = settings.time;
     options.output_interval = settings.interval;
     options.reference = {"rk4", 25e-9};
     options.rounds = 0;
     const engine::Cancellation never;
-    const tasks::Comparison look = tasks::compare(scene.parameters, start, {}, options, never);
+    const bench::Comparison look = bench::compare(scene.parameters, start, {}, options, never);
     if (look.reference.transitions.empty()) return settings.time;
     const double first = look.reference.transitions.front().time - start.time;
     return std::floor(first / settings.interval) * settings.interval;
 }
 
-std::vector<Row> our_rows(const tasks::Comparison& comparison, double duration) {
+std::vector<Row> our_rows(const bench::Comparison& comparison, double duration) {
     std::vector<Row> rows;
-    for (const tasks::Compared& each : comparison.candidates) {
+    for (const bench::Compared& each : comparison.candidates) {
         rows.push_back({each.candidate.method, fmt::format("{:.4g} us", 1e6 * each.step), each.fault ? each.fault.message() : "",
                         each.seconds / duration, each.error_axial, each.error_tension, each.counters.steps, each.counters.evaluations, 0});
     }
@@ -132,7 +133,7 @@ double error_of(const std::vector<std::vector<double>>& is, const std::vector<st
     return error.value();
 }
 
-Row peer_row(const bench::Peer& peer, bench::Problem& problem, double tolerance, const tasks::Course& reference, const Settings& settings,
+Row peer_row(const bench::Peer& peer, bench::Problem& problem, double tolerance, const bench::Course& reference, const Settings& settings,
              double duration) {
     std::vector<double> seconds;
     bench::PeerRun run;
@@ -141,7 +142,7 @@ Row peer_row(const bench::Peer& peer, bench::Problem& problem, double tolerance,
         seconds.push_back(run.seconds);
     }
     Row row{
-        peer.name,    fmt::format("{:g}", tolerance), run.fault, tasks::median(seconds) / duration, NAN, NAN, run.steps, run.evaluations,
+        peer.name,    fmt::format("{:g}", tolerance), run.fault, bench::median(seconds) / duration, NAN, NAN, run.steps, run.evaluations,
         run.jacobians};
     if (!run.fault.empty()) return row;
     row.error_axial = error_of(run.course.tip_axial, reference.tip_axial);
@@ -168,7 +169,7 @@ void write_csv(const std::string& path, const std::vector<Row>& rows, const Sett
         file.print("{},{:g},{},{},{},{},{},{:.6g},{:.4e},{:.4e},\"{}\",{},{:.3f},{},{},\"{} {}\",\"{}\",\"{}\",\"{}\",{},{}\n",
                    settings.scene, 1e6 * duration, row.solver, row.choice, row.steps, row.evaluations, row.jacobians, row.cost,
                    row.error_axial, row.error_tension, row.fault, settings.rounds, got, bench::sundials_version(), here.commit,
-                   here.compiler, here.build_type, tasks::compiler_flags(), engine::runtime_versions(), here.cpu, here.cores, here.date);
+                   here.compiler, here.build_type, bench::compiler_flags(), bench::runtime_versions(), here.cpu, here.cores, here.date);
     }
 }
 
@@ -215,11 +216,11 @@ int run(const Settings& settings) {
     const double duration = quiet_stretch(scene, start, settings);
     if (duration < settings.interval) throw std::runtime_error("a tip changes its phase within the first interval: take a shorter one");
     double got = engine::processors_got(1, 0.1);
-    tasks::ComparisonOptions options;
+    bench::ComparisonOptions options;
     options.duration = duration;
     options.output_interval = settings.interval;
     options.rounds = settings.rounds;
-    const tasks::Comparison comparison = tasks::compare(scene.parameters, start, settings.methods, options, never);
+    const bench::Comparison comparison = bench::compare(scene.parameters, start, settings.methods, options, never);
     std::vector<Row> rows = our_rows(comparison, duration);
     bench::Problem problem(scene, start, duration, settings.interval);
     for (const bench::Peer& peer : bench::peers()) {

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "bench/study/comparison.hpp"
 #include "model/jacobian/exact_jacobian.hpp"
 #include "model/observe/observation.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tasks/step/frozen_start.hpp"
-#include "tasks/study/comparison.hpp"
 
 namespace cvtflow::bench {
 
@@ -39,7 +39,7 @@ public:
     [[nodiscard]] std::vector<double> sizes() const;
 
     /// Adds an output to a course. t [s], state [unknowns]
-    void observe(double t, const double* state, tasks::Course& course);
+    void observe(double t, const double* state, bench::Course& course);
 
     [[nodiscard]] long evaluations() const noexcept { return evaluations_; }
     void forget_evaluations() noexcept { evaluations_ = 0; }

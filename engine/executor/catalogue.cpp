@@ -6,18 +6,10 @@
 #include <vector>
 
 #include "engine/base/spelling.hpp"
-#include "engine/executor/further/asio/asio_pool.hpp"
-#include "engine/executor/further/std_par/std_par.hpp"
-#include "engine/executor/further/taskflow/taskflow_graph.hpp"
-#include "engine/executor/openmp/omp_fork.hpp"
 #include "engine/executor/openmp/omp_region.hpp"
-#include "engine/executor/openmp/omp_tasks.hpp"
 #include "engine/executor/reference/barrier.hpp"
 #include "engine/executor/reference/serial.hpp"
 #include "engine/executor/tbb/flow.hpp"
-#include "engine/executor/tbb/flow_messages.hpp"
-#include "engine/executor/tbb/flow_per_cycle.hpp"
-#include "engine/executor/tbb/tbb_loop.hpp"
 
 namespace cvtflow::engine {
 
@@ -44,12 +36,8 @@ constexpr bool has_openmp = true;
 #else
 constexpr bool has_openmp = false;
 #endif
-constexpr bool has_std_par = CVTFLOW_HAS_STD_PAR, has_asio = CVTFLOW_HAS_ASIO, has_taskflow = CVTFLOW_HAS_TASKFLOW;
 
 constexpr std::string_view openmp = "OpenMP";
-constexpr std::string_view algorithms = "a standard library whose parallel algorithms run on oneTBB";
-constexpr std::string_view asio = "Boost.Asio (Debian: libboost-dev)";
-constexpr std::string_view taskflow = "Taskflow's headers (-DCVTFLOW_TASKFLOW=PATH)";
 
 constexpr std::array rows{
     ExecutorRow{.name = "serial",
@@ -62,57 +50,12 @@ constexpr std::array rows{
                 .parallel = true,
                 .waiting = Waiting::own,
                 .make = make<Flow>},
-    ExecutorRow{.name = "flow_messages",
-                .description = "oneTBB flow graph for the whole run, messages from cycle to cycle",
-                .parallel = true,
-                .waiting = Waiting::fixed,
-                .make = make<FlowMessages>},
-    ExecutorRow{.name = "flow_per_cycle",
-                .description = "oneTBB flow graph, started and waited for in every cycle",
-                .parallel = true,
-                .waiting = Waiting::fixed,
-                .make = make<FlowPerCycle>},
-    ExecutorRow{.name = "tbb_loop",
-                .description = "oneTBB parallel_for at every level",
-                .parallel = true,
-                .waiting = Waiting::fixed,
-                .make = make<TbbLoop>},
-    ExecutorRow{.name = "std_par",
-                .description = "std::for_each(std::execution::par) at every level",
-                .parallel = true,
-                .waiting = Waiting::fixed,
-                .needs = algorithms,
-                .make = make_if<StdPar, has_std_par>()},
-    ExecutorRow{.name = "omp_fork",
-                .description = "OpenMP parallel for at every level",
-                .parallel = true,
-                .waiting = Waiting::environment,
-                .needs = openmp,
-                .make = make_if<OmpFork, has_openmp>()},
     ExecutorRow{.name = "omp_region",
                 .description = "one OpenMP region for the whole run, barriers inside",
                 .parallel = true,
                 .waiting = Waiting::environment,
                 .needs = openmp,
                 .make = make_if<OmpRegion, has_openmp>()},
-    ExecutorRow{.name = "omp_tasks",
-                .description = "OpenMP tasks with depend, created anew in every cycle",
-                .parallel = true,
-                .waiting = Waiting::environment,
-                .needs = openmp,
-                .make = make_if<OmpTasks, has_openmp>()},
-    ExecutorRow{.name = "asio_pool",
-                .description = "Boost.Asio: a pool of threads, tasks posted when they are ready",
-                .parallel = true,
-                .waiting = Waiting::fixed,
-                .needs = asio,
-                .make = make_if<AsioPool, has_asio>()},
-    ExecutorRow{.name = "taskflow",
-                .description = "a Taskflow graph for the whole run, a condition task from cycle to cycle",
-                .parallel = true,
-                .waiting = Waiting::fixed,
-                .needs = taskflow,
-                .make = make_if<TaskflowGraph, has_taskflow>()},
     ExecutorRow{.name = "barrier",
                 .description = "own threads that meet at a barrier after every level",
                 .parallel = true,
@@ -120,17 +63,20 @@ constexpr std::array rows{
                 .make = make<Barrier>},
 };
 
-bool is_present(const ExecutorRow& row) { return row.make != nullptr; }
-
-/// Those that are present first, else in the order above. (Not at compile time: with -fsanitize=undefined g++ 12 does not take the address
-/// of a function for a constant.)
+/// Those that are present first, else in the order in which they came.
 struct Catalogue {
-    std::array<ExecutorRow, rows.size()> all = rows;
-    std::size_t present = static_cast<std::size_t>(std::stable_partition(all.begin(), all.end(), is_present) - all.begin());
+    std::vector<ExecutorRow> all{rows.begin(), rows.end()};
+    std::size_t present = 0;
+
+    Catalogue() { sort(); }
+    void sort() {
+        const auto is_present = [](const ExecutorRow& row) { return row.make != nullptr; };
+        present = static_cast<std::size_t>(std::stable_partition(all.begin(), all.end(), is_present) - all.begin());
+    }
 };
 
-const Catalogue& catalogue() {
-    static const Catalogue sorted;
+Catalogue& catalogue() {
+    static Catalogue sorted;
     return sorted;
 }
 
@@ -139,6 +85,11 @@ const Catalogue& catalogue() {
 std::span<const ExecutorRow> executors() noexcept { return std::span(catalogue().all).first(catalogue().present); }
 
 std::span<const ExecutorRow> absent_executors() noexcept { return std::span(catalogue().all).subspan(catalogue().present); }
+
+void add_executors(std::span<const ExecutorRow> further) {
+    catalogue().all.insert(catalogue().all.end(), further.begin(), further.end());
+    catalogue().sort();
+}
 
 const ExecutorRow* find_executor(std::string_view name) noexcept {
     const auto there = executors();

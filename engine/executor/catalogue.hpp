@@ -1,5 +1,6 @@
 #pragma once
-/// The executors this program knows: one row each in catalogue.cpp.
+/// The executors that programs use: one row each in catalogue.cpp. A program may add rows of its own, as the laboratory does
+/// (bench/executor).
 
 #include <memory>
 #include <span>
@@ -33,6 +34,9 @@ struct ExecutorRow {
 [[nodiscard]] std::span<const ExecutorRow> executors() noexcept;
 /// Those that are not, because what they need was not found when it was built.
 [[nodiscard]] std::span<const ExecutorRow> absent_executors() noexcept;
+
+/// Adds rows to the catalogue, before anything else asks it: spans and rows that were handed out before are no longer valid.
+void add_executors(std::span<const ExecutorRow> further);
 
 /// The row of that name among executors(), or nullptr.
 [[nodiscard]] const ExecutorRow* find_executor(std::string_view name) noexcept;

@@ -9,11 +9,7 @@ namespace cvtflow::engine {
 [[nodiscard]] std::string tbb_version();
 /// "201511" (the standard's date, as the compiler knows it), or "none".
 [[nodiscard]] std::string openmp_version();
-/// "1.74.0" of Boost, whose Asio it is; or "none".
-[[nodiscard]] std::string asio_version();
-/// "4.1.0", or "none".
-[[nodiscard]] std::string taskflow_version();
-/// All of them, for people: "oneTBB 2021.8, interface 12080; OpenMP 201511; Boost 1.74.0"; those that are absent are not named.
+/// Both, for people: "oneTBB 2021.8, interface 12080; OpenMP 201511".
 [[nodiscard]] std::string runtime_versions();
 /// Processors that the calling thread may use.
 [[nodiscard]] int usable_processors();

@@ -8,7 +8,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/study/relative_error.hpp"
+#include "tasks/tuning/relative_error.hpp"
 
 namespace cvtflow::tasks {
 

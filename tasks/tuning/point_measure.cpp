@@ -7,7 +7,7 @@
 #include <ctime>
 
 #include "tasks/run/saved_start.hpp"
-#include "tasks/study/detail_state.hpp"
+#include "tasks/tuning/detail_state.hpp"
 
 namespace cvtflow::tasks {
 

@@ -6,8 +6,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "tasks/study/detail_state.hpp"
-#include "tasks/study/tradeoff/pareto.hpp"
+#include "tasks/tuning/detail_state.hpp"
+#include "tasks/tuning/pareto.hpp"
 
 namespace cvtflow::tasks {
 

@@ -13,7 +13,7 @@
 #include "tasks/batch/results/results.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/toml/units.hpp"
-#include "tasks/study/detail_state.hpp"
+#include "tasks/tuning/detail_state.hpp"
 
 namespace cvtflow::tasks {
 

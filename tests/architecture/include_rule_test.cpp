@@ -1,6 +1,6 @@
 /// Who may include whom, and where threads and third parties may be spoken of.
 ///
-///     model  → std, Eigen (.cpp)                                tools, bench, tests → everything
+///     model  → std, Eigen (.cpp)                                bench, tests → everything; tools → all but bench and tests
 ///     engine → std, POSIX, fmt and Eigen (.cpp), HDF5 in engine/record (.cpp), oneTBB and OpenMP in engine/executor and engine/thread
 ///     (.cpp) tasks  → model, engine, std, any third party (.cpp) api    → model, engine, tasks, std; its public headers (api/include) →
 ///     std and one another only threads, locks and atomics: engine/executor and engine/thread only
@@ -55,9 +55,6 @@ Names permitted(const SourceFile& file) {
     if (file.path.starts_with("api/fmi/")) return {"fmt"};  // compiled in
     if (file.part() == "api") return {};
     if (file.path.starts_with("engine/record/")) return {"Eigen", "fmt", "HDF5"};
-    if (file.path.starts_with("engine/executor/further/taskflow/")) return {"taskflow"};
-    if (file.path.starts_with("engine/executor/further/asio/")) return {"boost"};
-    if (file.path == "engine/executor/runtimes.cpp") return {"oneTBB", "boost", "taskflow"};  // their versions
     if (file.path.starts_with("engine/executor/") || file.path.starts_with("engine/thread/")) return {"Eigen", "fmt", "oneTBB", "OpenMP"};
     return {"Eigen", "fmt"};
 }
@@ -103,6 +100,14 @@ TEST(IncludeRule, PartsIncludeOnlyTheirFriends) {
     }
 }
 
+/// The product is built, and changed, without what measures it.
+TEST(IncludeRule, NobodyIncludesTheLaboratory) {
+    for (const SourceFile& file : source_files()) {
+        if (file.part() == "bench" || file.part() == "tests") continue;
+        for (const Include& include : includes_of(file.text)) EXPECT_FALSE(include.name.starts_with("bench/")) << where(file, include);
+    }
+}
+
 TEST(IncludeRule, ThirdPartiesAreIncludedWhereTheyBelong) {
     for (const SourceFile& file : library()) {
         const Names allowed = permitted(file);
@@ -119,7 +124,8 @@ TEST(IncludeRule, HeadersThatIncludeThirdPartiesArePrivate) {
     for (const SourceFile& file : source_files()) {
         for (const Include& include : includes_of(file.text)) {
             if (!include.quoted || !hidden.contains(include.name)) continue;
-            const bool own = room_of(include.name) == room_of(file.path);
+            const bool further = file.path.starts_with("bench/executor/") && include.name.starts_with("engine/executor/");
+            const bool own = further || room_of(include.name) == room_of(file.path);  // further executors run in the same arenas
             EXPECT_TRUE(own || file.part() == "tests") << where(file, include) << " is private to its folder";
         }
     }
@@ -136,14 +142,7 @@ const std::map<std::string, std::vector<Names>> floors{
      {{"engine/base", "engine/linear"},
       {"engine/graph", "engine/event", "engine/thread"},
       {"engine/method", "engine/executor", "engine/record"}}},
-    {"tasks",
-     {{"tasks/step"},
-      {"tasks/method"},
-      {"tasks/scene"},
-      {"tasks/schedule"},
-      {"tasks/run"},
-      {"tasks/batch", "tasks/study"},
-      {"tasks/tuning"}}},
+    {"tasks", {{"tasks/step"}, {"tasks/method"}, {"tasks/scene"}, {"tasks/schedule"}, {"tasks/run"}, {"tasks/batch"}, {"tasks/tuning"}}},
 };
 
 /// -1 for rooms that stand nowhere.

@@ -1,13 +1,13 @@
 /// Claims about the leapfrog with friction inside the step, on the baseline at full detail, against RK4 at 12.5 ns.
-/// The same figures by hand: cvtflow compare baseline rk4@50ns dumka3-p5@2us leapfrog-rkc@1us leapfrog-rkc@2us leapfrog-chebyshev@2us
+/// The same figures by hand: cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us leapfrog-rkc@1us leapfrog-rkc@2us leapfrog-chebyshev@2us
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "bench/study/tradeoff/error_measure.hpp"
 #include "model/observe/observation.hpp"
-#include "tasks/study/tradeoff/error_measure.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {
@@ -17,19 +17,19 @@ const engine::Cancellation never;
 
 std::vector<std::string> choice(const std::string& method, const std::string& step) { return {"run.method=" + method, "run.step=" + step}; }
 
-tasks::ErrorMeasure measure_of(const std::string& scene, const std::vector<std::string>& settings = {}) {
+bench::ErrorMeasure measure_of(const std::string& scene, const std::vector<std::string>& settings = {}) {
     std::vector<std::string> all{"run.schedule=serial"};
     all.insert(all.end(), settings.begin(), settings.end());
-    return {ready_scene(scene, all), tasks::MeasureSettings{}, never};
+    return {ready_scene(scene, all), bench::MeasureSettings{}, never};
 }
 
-const tasks::ErrorMeasure& baseline() {
-    static const tasks::ErrorMeasure measure = measure_of("baseline");
+const bench::ErrorMeasure& baseline() {
+    static const bench::ErrorMeasure measure = measure_of("baseline");
     return measure;
 }
 
-tasks::TrajectoryErrors errors(const tasks::ErrorMeasure& measure, const std::string& method, const std::string& step) {
-    const tasks::TrajectoryErrors found = measure.errors(measure.run(choice(method, step))).overall;
+bench::TrajectoryErrors errors(const bench::ErrorMeasure& measure, const std::string& method, const std::string& step) {
+    const bench::TrajectoryErrors found = measure.errors(measure.run(choice(method, step))).overall;
     testing::Test::RecordProperty(method + "@" + step, std::to_string(found.axial_force));
     return found;
 }
@@ -37,8 +37,8 @@ tasks::TrajectoryErrors errors(const tasks::ErrorMeasure& measure, const std::st
 /// One force evaluation per step, 14 where DUMKA3-P5 takes 27 of 2 us.
 TEST(FrictionLeapfrogClaim, AtTwoMicrosecondsItIsAsExactAsDumka3WithOneEvaluationPerStep) {
     for (const std::string method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {
-        const tasks::Trajectory run = baseline().run(choice(method, "2us"));
-        const tasks::TrajectoryErrors found = baseline().errors(run).overall;
+        const bench::Trajectory run = baseline().run(choice(method, "2us"));
+        const bench::TrajectoryErrors found = baseline().errors(run).overall;
         EXPECT_LT(found.axial_force, 2e-4) << method;
         EXPECT_LT(found.tension, 1e-4) << method;
         EXPECT_LT(found.slip, 1e-3) << method;
@@ -51,9 +51,9 @@ TEST(FrictionLeapfrogClaim, AtTwoMicrosecondsItIsAsExactAsDumka3WithOneEvaluatio
 /// the last.
 TEST(FrictionLeapfrogClaim, StagesInSinglePrecisionAreAsExactAsInDouble) {
     for (const std::string scene : {"baseline", "low", "overdrive", "load_ramp"}) {
-        const tasks::ErrorMeasure measure = measure_of(scene);
+        const bench::ErrorMeasure measure = measure_of(scene);
         for (const std::string method : {"leapfrog-chebyshev", "leapfrog-rkc"}) {
-            const tasks::TrajectoryErrors single = errors(measure, method, "1us"), twice = errors(measure, method + "-double", "1us");
+            const bench::TrajectoryErrors single = errors(measure, method, "1us"), twice = errors(measure, method + "-double", "1us");
             EXPECT_NE(single.axial_force, twice.axial_force) << scene << ": it is the same method";
             EXPECT_NEAR(single.axial_force / twice.axial_force, 1.0, 0.01) << scene << " " << method;
             EXPECT_NEAR(single.tension / twice.tension, 1.0, 0.01) << scene << " " << method;
@@ -98,9 +98,9 @@ TEST(FrictionLeapfrogClaim, AsTheSaturationSpeedVanishesSolvedFrictionTendsToALi
 /// What a user is told on one scene holds on another.
 TEST(NightlyFrictionLeapfrog, KeepsItsErrorsOnLowOverdriveAndTheLoadRamp) {
     for (const std::string scene : {"low", "overdrive", "load_ramp"}) {
-        const tasks::ErrorMeasure measure = measure_of(scene);
+        const bench::ErrorMeasure measure = measure_of(scene);
         for (const char* method : {"leapfrog-rkc", "leapfrog-chebyshev"}) {  // the second is what scenes use that name no method
-            const tasks::TrajectoryErrors found = errors(measure, method, "2us");
+            const bench::TrajectoryErrors found = errors(measure, method, "2us");
             EXPECT_LT(found.axial_force, 1e-3) << scene << ' ' << method;
             EXPECT_LT(found.tension, 1e-3) << scene << ' ' << method;
         }

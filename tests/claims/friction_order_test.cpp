@@ -5,10 +5,10 @@
 
 #include <cmath>
 
+#include "bench/study/method_trial.hpp"
+#include "bench/study/spectrum.hpp"
 #include "engine/linear/eigenvalues.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/study/method_trial.hpp"
-#include "tasks/study/spectrum.hpp"
 #include "tests/claims/rig_fixture.hpp"
 #include "tests/claims/smooth_fixture.hpp"
 
@@ -25,7 +25,7 @@ Smooth with_friction(Smooth scene, double saturation_speed) {
 void expect_order(const Smooth& scene, const std::string& method, double order, const std::vector<int>& numbers) {
     const tasks::FrozenStart start{0.0, scene.state, scene.phases};
     const auto solution = [&](const std::string& name, int steps) {
-        const tasks::TrialEnd end = tasks::try_method(scene.parameters, start, name, smooth_span / steps, smooth_span);
+        const bench::TrialEnd end = bench::try_method(scene.parameters, start, name, smooth_span / steps, smooth_span);
         EXPECT_FALSE(end.fault) << name;
         EXPECT_EQ(end.counters.truncated, 0);
         EXPECT_EQ(end.report.find("did not converge"), std::string::npos) << end.report;
@@ -70,15 +70,15 @@ TEST(FrictionOrder, LeapfrogsAreStableToTheImaginaryBoundaryWithinTwoPercent) {
     make_conservative(p);
     const Rig start(p);
     double fastest = 0.0;
-    for (const auto& value : tasks::spectrum(start.variator(), 0.0, start.state_copy(), start.phases()))
+    for (const auto& value : bench::spectrum(start.variator(), 0.0, start.state_copy(), start.phases()))
         fastest = std::max(fastest, std::abs(value.imag()));
     // Saturating contacts bound what is unstable: two runs are compared that begin a picometre apart.
     const auto grows = [&](const std::string& method, double share) {
         std::vector<double> state = start.state_copy();
         const double h = share * 2.0 / fastest;
-        const tasks::TrialEnd one = tasks::try_method(p, {0.0, state, start.phases()}, method, h, 60.0 * h);
+        const bench::TrialEnd one = bench::try_method(p, {0.0, state, start.phases()}, method, h, 60.0 * h);
         for (std::size_t k = 0; k < state.size(); ++k) state[k] += 1e-12 * std::sin(1.0 + 2.399 * static_cast<double>(k));
-        const tasks::TrialEnd other = tasks::try_method(p, {0.0, state, start.phases()}, method, h, 60.0 * h);
+        const bench::TrialEnd other = bench::try_method(p, {0.0, state, start.phases()}, method, h, 60.0 * h);
         return one.fault || other.fault || distance(one.state, other.state) > 1e-3;
     };
     for (const std::string method : {"leapfrog-be", "leapfrog-sdirk2", "leapfrog-rkc"}) {

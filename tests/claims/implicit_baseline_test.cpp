@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "bench/study/method_trial.hpp"
 #include "tasks/method/implicit/catalogue.hpp"
 #include "tasks/method/implicit/linear_plan.hpp"
-#include "tasks/study/method_trial.hpp"
-#include "tasks/study/relative_error.hpp"
+#include "tasks/tuning/relative_error.hpp"
 
 namespace cvtflow::claims {
 namespace {
@@ -19,25 +19,25 @@ protected:
         static const tasks::FrozenStart settled = tasks::frozen_start(tasks::Simulation(scene()));
         return settled;
     }
-    static tasks::TrialEnd end(const std::string& method, double h = step) {
-        return tasks::try_method(scene().parameters, start(), method, h, duration);
+    static bench::TrialEnd end(const std::string& method, double h = step) {
+        return bench::try_method(scene().parameters, start(), method, h, duration);
     }
-    static double axial_error(const tasks::TrialEnd& end) { return tasks::relative_error(end.axial_force, reference().axial_force); }
+    static double axial_error(const bench::TrialEnd& end) { return tasks::relative_error(end.axial_force, reference().axial_force); }
 
 private:
     static const tasks::Scene& scene() {
         static const tasks::Scene baseline = tasks::read_scene(CVTFLOW_SOURCE_DIR "/scenes/baseline.toml");
         return baseline;
     }
-    static const tasks::TrialEnd& reference() {
-        static const tasks::TrialEnd tight = end("rk4", 12.5e-9);
+    static const bench::TrialEnd& reference() {
+        static const bench::TrialEnd tight = end("rk4", 12.5e-9);
         return tight;
     }
 };
 
 TEST_F(NightlyImplicit, NewtonFromRestWithBacktrackingConverges) {
     // Survey: 2 to 5 iterations, no step unconverged; the published finding that Newton fails is that of the next test.
-    const tasks::TrialEnd trial = end("trapezoidal-analytic");
+    const bench::TrialEnd trial = end("trapezoidal-analytic");
     ASSERT_FALSE(trial.fault);
     EXPECT_EQ(trial.newton->unconverged, 0);
     EXPECT_LT(static_cast<double>(trial.newton->iterations), 6.0 * static_cast<double>(trial.newton->steps));
@@ -45,7 +45,7 @@ TEST_F(NightlyImplicit, NewtonFromRestWithBacktrackingConverges) {
 }
 
 TEST_F(NightlyImplicit, PlainNewtonFromTheExplicitStepFailsInManySteps) {
-    const tasks::TrialEnd trial = end("trapezoidal-plain");
+    const bench::TrialEnd trial = end("trapezoidal-plain");
     ASSERT_FALSE(trial.fault);
     EXPECT_GT(3 * trial.newton->unconverged, trial.newton->steps);
     EXPECT_GT(axial_error(trial), 1e-2);
@@ -55,7 +55,7 @@ TEST_F(NightlyImplicit, EveryWayToTheMatrixEndsAtTheSameError) {
     const double exact = axial_error(end("trapezoidal-analytic"));
     for (const tasks::NewtonVariant& variant : tasks::newton_variants()) {
         if (!variant.options.backtracking) continue;
-        const tasks::TrialEnd trial = end(variant.name);
+        const bench::TrialEnd trial = end(variant.name);
         ASSERT_FALSE(trial.fault) << variant.name;
         EXPECT_LE(trial.newton->unconverged, trial.newton->steps / 20) << variant.name;
         EXPECT_NEAR(axial_error(trial), exact, 0.1 * exact) << variant.name;
@@ -66,7 +66,7 @@ TEST_F(NightlyImplicit, LinearlyImplicitMethodsLoseOnSaturatingFriction) {
     // The same step, orders 2 to 4, exact Jacobians: a hundred times the error of the trapezoidal rule, whose friction is solved for.
     const double solved = axial_error(end("trapezoidal-analytic"));
     for (const tasks::LinearPlan& plan : tasks::linear_plans()) {
-        const tasks::TrialEnd trial = end(plan.name);
+        const bench::TrialEnd trial = end(plan.name);
         if (!trial.fault) {
             EXPECT_GT(axial_error(trial), 100.0 * solved) << plan.name;
         }

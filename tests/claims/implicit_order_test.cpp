@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "bench/study/method_trial.hpp"
 #include "tasks/method/method_choice.hpp"
-#include "tasks/study/method_trial.hpp"
 #include "tests/claims/smooth_fixture.hpp"
 
 namespace cvtflow::claims {
@@ -15,7 +15,7 @@ namespace {
 void expect_order(const Smooth& scene, const std::string& method, const std::vector<int>& numbers) {
     const tasks::FrozenStart start{0.0, scene.state, scene.phases};
     const auto solution = [&](const std::string& name, int steps) {
-        const tasks::TrialEnd end = tasks::try_method(scene.parameters, start, name, smooth_span / steps, smooth_span);
+        const bench::TrialEnd end = bench::try_method(scene.parameters, start, name, smooth_span / steps, smooth_span);
         EXPECT_FALSE(end.fault) << name;
         EXPECT_EQ(end.counters.truncated, 0);
         return end.state;

@@ -5,20 +5,20 @@
 
 #include <map>
 
-#include "tasks/study/extremes/lottery.hpp"
+#include "bench/study/extremes/lottery.hpp"
 
 namespace cvtflow::tasks {
 namespace {
 
 /// Draws machines and prints the counts by status. Whoever is called finished agrees with a run of shorter steps, at most a hundredth is
 /// called unreliable and right, nine of ten finish.
-void play_honestly(long first, long count, const LotteryRules& rules) {
+void play_honestly(long first, long count, const bench::LotteryRules& rules) {
     std::map<std::string, long> statuses;
     double slip = 0.0, loss = 0.0;
     long alarms = 0, ready = 0;
-    for (const LotteryTicket& ticket : play_all(1, first, count, 2, rules)) {
+    for (const bench::LotteryTicket& ticket : bench::play_all(1, first, count, 2, rules)) {
         ++statuses[ticket.status];
-        EXPECT_TRUE(ticket.honest(rules)) << "machine " << ticket.number << " (cvtflow lottery --first " << ticket.number
+        EXPECT_TRUE(ticket.honest(rules)) << "machine " << ticket.number << " (cvtflow-lab lottery --first " << ticket.number
                                           << " --machines 1): slip off by " << ticket.slip_error(rules) << ", losses by "
                                           << ticket.loss_error() << ", suspicion " << ticket.suspicion;
         alarms += ticket.false_alarm(rules);
@@ -40,7 +40,7 @@ void play_honestly(long first, long count, const LotteryRules& rules) {
 }
 
 TEST(Lottery, FortyMachinesEndRightOrSayThatTheyDoNot) {
-    LotteryRules brief;
+    bench::LotteryRules brief;
     brief.settling_time = 6e-3;
     brief.duration = 8e-3;
     brief.refinement = 3.0;
@@ -50,15 +50,15 @@ TEST(Lottery, FortyMachinesEndRightOrSayThatTheyDoNot) {
 TEST(NightlyLottery, FourHundredMachinesEndRightOrSayThatTheyDoNot) { play_honestly(40, 400, {}); }
 
 TEST(Lottery, DrawsTheSameMachineForTheSameSeedAndAnotherForEveryNumber) {
-    EXPECT_EQ(lottery_machine(3, 5).settings, lottery_machine(3, 5).settings);
-    EXPECT_NE(lottery_machine(3, 5).settings, lottery_machine(3, 6).settings);
-    EXPECT_NE(lottery_machine(3, 5).settings, lottery_machine(4, 5).settings);
+    EXPECT_EQ(bench::lottery_machine(3, 5).settings, bench::lottery_machine(3, 5).settings);
+    EXPECT_NE(bench::lottery_machine(3, 5).settings, bench::lottery_machine(3, 6).settings);
+    EXPECT_NE(bench::lottery_machine(3, 5).settings, bench::lottery_machine(4, 5).settings);
 }
 
 TEST(Lottery, DrawsChainsLoadsThatJumpAndReadyScenesAmongForty) {
     std::map<std::string, int> drawn;
     for (long number = 0; number < 40; ++number) {
-        const LotteryMachine machine = lottery_machine(1, number);
+        const bench::LotteryMachine machine = bench::lottery_machine(1, number);
         drawn["ready"] += !machine.scene.empty();
         for (const std::string& setting : machine.settings) {
             for (const char* kind : {"chain.pitch=[", "chain.pitch=0", "half.width=", "joint.radius=", "plate.count=", "load.torque=[[",

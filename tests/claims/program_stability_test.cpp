@@ -1,5 +1,5 @@
-/// Claims about the stability of methods that are programs and not tables, against theory. The same by hand: cvtflow stability leapfrog-rkc
-/// ark436 …
+/// Claims about the stability of methods that are programs and not tables, against theory. The same by hand: cvtflow-lab stability
+/// leapfrog-rkc ark436 …
 
 #include "tasks/method/program_stability.hpp"
 

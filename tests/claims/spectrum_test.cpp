@@ -1,17 +1,17 @@
 /// The spectrum of the variator (design check 10.6): where its stiffness comes from.
 
-#include "tasks/study/spectrum.hpp"
+#include "bench/study/spectrum.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "bench/study/attribution.hpp"
+#include "bench/study/stability/stable_step.hpp"
 #include "engine/linear/eigenvalues.hpp"
 #include "engine/method/analysis/stable_step.hpp"
 #include "engine/method/catalogue.hpp"
-#include "tasks/study/attribution.hpp"
-#include "tasks/study/stability/stable_step.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {
@@ -39,7 +39,7 @@ public:
     [[nodiscard]] Extent extent(const model::Parameters& parameters) const {
         const model::Variator variator(parameters);
         Extent extent{0.0, 0.0, 0};
-        for (const auto& value : tasks::spectrum(variator, simulation_.time(), state_, simulation_.phases())) {
+        for (const auto& value : bench::spectrum(variator, simulation_.time(), state_, simulation_.phases())) {
             extent.fastest_decay = std::max(extent.fastest_decay, -value.real());
             extent.fastest_oscillation = std::max(extent.fastest_oscillation, std::abs(value.imag()));
             extent.fast += value.real() < -1e6 ? 1 : 0;
@@ -91,7 +91,7 @@ const tasks::FrozenStart& baseline_start() {
 
 engine::Eigenvalues edge_of(const model::Parameters& parameters) {
     const tasks::FrozenStart& start = baseline_start();
-    return engine::extremal_eigenvalues(tasks::jacobian(model::Variator(parameters), start.time, start.state, start.phases),
+    return engine::extremal_eigenvalues(bench::jacobian(model::Variator(parameters), start.time, start.state, start.phases),
                                         static_cast<int>(start.state.size()), {.first_dimension = 800, .progress = {}})
         .values;
 }
@@ -99,7 +99,7 @@ engine::Eigenvalues edge_of(const model::Parameters& parameters) {
 TEST(Spectrum, OfTheBaselinePredictsTheLongestStableStepOfRk4WithinFivePercent) {
     const tasks::Scene baseline = ready_scene("baseline");
     const engine::Eigenvalues edge = edge_of(baseline.parameters);
-    const tasks::Extent extent = tasks::extent_of(edge);
+    const bench::Extent extent = bench::extent_of(edge);
     EXPECT_GT(extent.decay, 0.5e8);
     EXPECT_LT(extent.decay, 1.0e8);
     EXPECT_NEAR(extent.oscillation, 0.9e6, 0.2e6);
@@ -107,17 +107,17 @@ TEST(Spectrum, OfTheBaselinePredictsTheLongestStableStepOfRk4WithinFivePercent) 
     const engine::StagePlan& rk4 = *engine::find_method("rk4");
     const engine::StableStep predicted = engine::largest_stable_step(rk4, edge);
     EXPECT_NEAR(predicted.step * extent.decay, 2.785, 0.001);
-    const tasks::MeasuredStep measured =
-        tasks::measured_stable_step(model::Variator(baseline.parameters), rk4, baseline_start(), predicted.step);
+    const bench::MeasuredStep measured =
+        bench::measured_stable_step(model::Variator(baseline.parameters), rk4, baseline_start(), predicted.step);
     RecordProperty("predicted_ns", std::to_string(1e9 * predicted.step));
     RecordProperty("measured_ns", std::to_string(1e9 * measured.limit()));
     EXPECT_NEAR(measured.limit() / predicted.step, 1.0, 0.05);
 }
 
 TEST(NightlySpectrum, OfTheBaselineIsThePublishedOneAndItsBandsBelongToJointsPlatesAndTips) {
-    const tasks::Attribution found = tasks::attribute(ready_scene("baseline").parameters, baseline_start(), -1e6, {});
-    std::vector<tasks::Extent> one_after_the_other;
-    for (const std::size_t k : {0, 1, 4, 5}) one_after_the_other.push_back(tasks::extent_of(found.slowed[k].values));
+    const bench::Attribution found = bench::attribute(ready_scene("baseline").parameters, baseline_start(), -1e6, {});
+    std::vector<bench::Extent> one_after_the_other;
+    for (const std::size_t k : {0, 1, 4, 5}) one_after_the_other.push_back(bench::extent_of(found.slowed[k].values));
     for (std::size_t k = 0; k < one_after_the_other.size(); ++k) {
         RecordProperty("decay_" + std::to_string(k), std::to_string(one_after_the_other[k].decay));
         RecordProperty("fast_" + std::to_string(k), one_after_the_other[k].below_1e6);
@@ -136,8 +136,8 @@ TEST(NightlySpectrum, OfTheBaselineIsThePublishedOneAndItsBandsBelongToJointsPla
 TEST(NightlySpectrum, ExtremalEigenvaluesOfTheBaselineAreThoseOfTheDenseMethod) {
     const model::Parameters parameters = ready_scene("baseline").parameters;
     const tasks::FrozenStart& start = baseline_start();
-    const tasks::Extent all = tasks::extent_of(tasks::spectrum(model::Variator(parameters), start.time, start.state, start.phases));
-    const tasks::Extent edge = tasks::extent_of(edge_of(parameters));
+    const bench::Extent all = bench::extent_of(bench::spectrum(model::Variator(parameters), start.time, start.state, start.phases));
+    const bench::Extent edge = bench::extent_of(edge_of(parameters));
     EXPECT_NEAR(edge.decay / all.decay, 1.0, 1e-6);
     EXPECT_NEAR(edge.oscillation / all.oscillation, 1.0, 1e-6);
     EXPECT_EQ(edge.below_1e6, all.below_1e6);

@@ -1,5 +1,5 @@
 /// Claims about stabilised methods on the baseline at full detail: what was published about DUMKA3, and what fitted polynomials add.
-/// The same figures by hand: cvtflow compare baseline rk4@50ns dumka3-p5@2us fitted@2us …
+/// The same figures by hand: cvtflow-lab compare baseline rk4@50ns dumka3-p5@2us fitted@2us …
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/study/tradeoff/error_measure.hpp"
 #include "engine/method/table/dumka3_coefficients.hpp"
-#include "tasks/study/tradeoff/error_measure.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 
 namespace cvtflow::claims {
@@ -22,8 +22,8 @@ std::vector<std::string> stepped(const std::string& method, const std::string& s
 }
 
 /// 120 us from the settled state, tips free to enter and leave, against RK4 at 12.5 ns.
-const tasks::ErrorMeasure& baseline_measure() {
-    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), tasks::MeasureSettings{}, uncancelled);
+const bench::ErrorMeasure& baseline_measure() {
+    static const bench::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), bench::MeasureSettings{}, uncancelled);
     return measure;
 }
 
@@ -67,8 +67,8 @@ TEST(NightlyStabilised, PolynomialFiveOfDumka3IsFiveTimesFasterThanRk4) {
 }
 
 /// Twice as long: six transitions.
-const tasks::ErrorMeasure& longer() {
-    static const tasks::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), {240e-6, 12e-6, stepped("rk4", "12.5ns"), 1},
+const bench::ErrorMeasure& longer() {
+    static const bench::ErrorMeasure measure(ready_scene("baseline", {"run.schedule=serial"}), {240e-6, 12e-6, stepped("rk4", "12.5ns"), 1},
                                              uncancelled);
     return measure;
 }
@@ -83,7 +83,7 @@ Cheapest cheapest(const std::string& family, const std::vector<std::string>& met
     Cheapest fewest;
     for (const std::string& method : methods) {
         for (const char* step : {"0.5us", "1us", "1.5us", "2us", "3us", "4us"}) {
-            const tasks::Trajectory run = longer().run(stepped(method, step));
+            const bench::Trajectory run = longer().run(stepped(method, step));
             const double error = longer().errors(run).overall.axial_force;
             if (error <= 1e-3) fewest.rough = std::min(fewest.rough, run.evaluations_per_second());
             if (error <= 1e-4) fewest.fine = std::min(fewest.fine, run.evaluations_per_second());

@@ -7,14 +7,14 @@
 #include <string>
 #include <tuple>
 
+#include "bench/study/spectrum.hpp"
+#include "bench/study/stability/frozen_step.hpp"
+#include "bench/study/tradeoff/error_measure.hpp"
 #include "engine/executor/catalogue.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/study/spectrum.hpp"
-#include "tasks/study/stability/frozen_step.hpp"
-#include "tasks/study/tradeoff/error_measure.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 #include "tests/sample_fixture.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
@@ -76,20 +76,21 @@ TEST(ReusedSlopes, AreThoseThatWouldBeEvaluated) {
     }
     ASSERT_EQ(simulation.counters().truncated, 0);
     ASSERT_EQ(simulation.counters().steps, 20);
-    FrozenStepper stepper(simulation.variator(), *engine::find_method("dumka3-p1"), start.phases);
+    bench::FrozenStepper stepper(simulation.variator(), *engine::find_method("dumka3-p1"), start.phases);
     stepper.advance(start.time, 5e-8, 20, start.state);
     for (std::size_t k = 0; k < start.state.size(); ++k)
         EXPECT_NEAR(simulation.state()[k], start.state[k], 1e-10 * std::abs(start.state[k]) + 1e-12) << k;
 }
 
 TEST(ErrorControl, TighterTolerancesAreMoreExact) {
-    MeasureSettings settings;
+    bench::MeasureSettings settings;
     settings.duration = 24e-6;
-    const ErrorMeasure measure(settled_tiny(), settings, not_cancelled);
+    const bench::ErrorMeasure measure(settled_tiny(), settings, not_cancelled);
     for (const char* method : {"dopri54", "dumka3-p3", "rkc-s10"}) {
         double last = 1e300;
         for (const char* tolerance : {"1", "1e-2", "1e-4"}) {
-            const Trajectory run = measure.run(with(method, "1us", {"run.step_control=error", std::string("run.tolerance=") + tolerance}));
+            const bench::Trajectory run =
+                measure.run(with(method, "1us", {"run.step_control=error", std::string("run.tolerance=") + tolerance}));
             ASSERT_FALSE(run.fault) << method << ": " << run.fault.message();
             const double error = measure.errors(run).overall.axial_force;
             EXPECT_LT(error, last) << method << ' ' << tolerance;
@@ -103,7 +104,7 @@ TEST(ErrorControl, EndsStepsAtOutputsAndStaysBelowTheTolerance) {
     const ControlledOutcome run =
         controlled_outcome(settled_tiny(with("dopri54", "10us", {"run.step_control=error", "run.tolerance=1e-3"})));
     ASSERT_FALSE(run.fault) << run.fault.message();
-    EXPECT_GT(run.counters.rejected, 0) << "the first step is far too long; largest error " << run.errors.largest << " in "
+    EXPECT_GT(run.counters.rejected, 0) << "the first step is bench::far too long; largest error " << run.errors.largest << " in "
                                         << run.counters.steps;
     EXPECT_LE(run.errors.largest, 1e-3);
     EXPECT_GT(run.errors.mean(), 0.0);
@@ -147,7 +148,7 @@ TEST(SpectralBound, IsTheExtentOfTheSpectrum) {
     const int evaluations = bound.estimate(start.time, start.state.data(), start.phases.data());
     EXPECT_LE(evaluations, 301);
     double real = 0.0, imaginary = 0.0;
-    for (const auto& value : spectrum(simulation.variator(), start.time, start.state, start.phases)) {
+    for (const auto& value : bench::spectrum(simulation.variator(), start.time, start.state, start.phases)) {
         real = std::max(real, -value.real());
         imaginary = std::max(imaginary, std::abs(value.imag()));
     }
@@ -161,11 +162,11 @@ TEST(SpectralBound, IsTheExtentOfTheSpectrum) {
 }
 
 TEST(SpectralMethods, StayStableAtStepsFarBeyondThoseOfRk4) {
-    MeasureSettings settings;
+    bench::MeasureSettings settings;
     settings.duration = 24e-6;
-    const ErrorMeasure measure(settled_tiny(), settings, not_cancelled);
+    const bench::ErrorMeasure measure(settled_tiny(), settings, not_cancelled);
     for (const char* method : {"dumka3", "rkc", "rock2", "fitted"}) {
-        const Trajectory run = measure.run(with(method, "500ns"));
+        const bench::Trajectory run = measure.run(with(method, "500ns"));
         ASSERT_FALSE(run.fault) << method << ": " << run.fault.message();
         EXPECT_LT(measure.errors(run).overall.tension, 1e-2) << method;
     }

@@ -2,10 +2,13 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "engine/method/catalogue.hpp"
+#include "tasks/method/method_choice.hpp"
 #include "tasks/run/channels/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/scene.hpp"
 #include "tests/tools/program_fixture.hpp"
 
 namespace cvtflow::tools {
@@ -15,18 +18,14 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::vector<std::string> names{"run",     "resume",   "batch",     "table",     "merge",     "settle",      "check",  "info",
-                                     "plot",    "report",   "list",      "explain",   "schema",    "local-error", "method", "fit",
-                                     "compare", "spectrum", "stability", "pin-entry", "profile",   "newton",      "detail", "tradeoff",
-                                     "tune",    "extremes", "dot",       "export",    "export-fmu"};
-
 class Commands : public Program {};
 
 TEST_F(Commands, AreAllInTheHelp) {
     const Outcome help = run({"--help"});
     EXPECT_EQ(help.status, 0);
+    const Words names = commands_of(CVTFLOW_PROGRAM);
+    EXPECT_EQ(names.size(), 16u);
     for (const std::string& name : names) {
-        EXPECT_THAT(help.out, HasSubstr("\n  " + name + " "));
         const Outcome own = run({name, "--help"});
         EXPECT_EQ(own.status, 0) << name;
         EXPECT_THAT(own.out, HasSubstr("Usage: cvtflow " + name)) << name;
@@ -61,14 +60,9 @@ TEST_F(Commands, TakeAnInstructionSetBeforeOrAfterTheirName) {
     EXPECT_THAT(unknown.err, HasSubstr("instruction set \"sse9\" is unknown"));
 }
 
-TEST_F(Commands, TradeoffWithDetailAloneComparesLevelsOfDetail) {
-    const Outcome outcome = run({"tradeoff", "tiny", "--detail"});
-    EXPECT_NE(outcome.status, 0);
-    EXPECT_THAT(outcome.err, HasSubstr("tiny: has no settled state of full detail"));
-}
-
 TEST_F(Commands, ListEveryRowOfTheCatalogues) {
-    const std::string methods = run({"list", "methods"}).out, channels = run({"list", "channels"}).out, keys = run({"list", "keys"}).out;
+    const std::string methods = run({"list", "methods", "--all"}).out, channels = run({"list", "channels"}).out,
+                      keys = run({"list", "keys"}).out;
     for (const engine::StagePlan& plan : engine::methods()) EXPECT_THAT(methods, HasSubstr("\n" + plan.name + " "));
     for (const tasks::Channel& channel : tasks::channels()) EXPECT_THAT(channels, HasSubstr("\n" + std::string(channel.name) + " "));
     for (const tasks::Parameter& parameter : tasks::parameter_table())
@@ -79,9 +73,18 @@ TEST_F(Commands, ListEveryRowOfTheCatalogues) {
     EXPECT_THAT(run({"list", "executors", "units"}).out, AllOf(HasSubstr("\nserial "), HasSubstr("\na torque ")));
 }
 
+TEST_F(Commands, ListTheMethodsThatOneWouldUse) {
+    std::istringstream list(run({"list", "methods"}).out);
+    std::vector<std::string> names;
+    for (std::string line; std::getline(list, line) && !line.empty();) names.push_back(line.substr(0, line.find(' ')));
+    ASSERT_EQ(names.size(), 8u) << "a heading, a rule and six methods";
+    EXPECT_EQ(names[2], tasks::Scene().run.method) << "the default is the first";
+    for (std::size_t k = 2; k < names.size(); ++k) EXPECT_THAT(tasks::method_names(), testing::Contains(names[k]));
+}
+
 TEST_F(Commands, ListDerivedOrderAndStabilityOfMethods) {
     // Of the classical method: order 4, real interval 2.785, imaginary interval 2 sqrt(2).
-    EXPECT_THAT(run({"list", "methods"}).out, testing::ContainsRegex("\nrk4 +4 +4 +2\\.785 +2\\.828 "));
+    EXPECT_THAT(run({"list", "methods", "--all"}).out, testing::ContainsRegex("\nrk4 +4 +4 +2\\.785 +2\\.828 "));
 }
 
 TEST_F(Commands, ExplainKeysAndSections) {
@@ -156,131 +159,6 @@ TEST_F(Commands, InfoShowsStates) {
                 AllOf(StartsWith("s.h5: state, "), HasSubstr("\n  time                0 s\n"), HasSubstr("\n  unknowns            648\n")));
     EXPECT_THAT(text, AllOf(HasSubstr("\n  state hash "), HasSubstr("\n  settled with        scene tiny, 24 pins\n"),
                             HasSubstr(" 20 us of settling\n")));
-}
-
-TEST_F(Commands, LocalErrorShowsTheOrder) {
-    const Outcome outcome = run({"local-error", "tiny", "--settle", "--set", "start.settling_time=1ms", "--set", "start.ramp_time=0.5ms",
-                                 "--friction", "both", "--steps", "80ns,160ns"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, StartsWith("tiny: error of one step of rk4 (order 4: slope 5 where the solution is smooth), phases held, "));
-    EXPECT_THAT(outcome.out, AllOf(HasSubstr("\npiecewise friction\n"), HasSubstr("\nsmoothed friction\n"), HasSubstr("\n  160 ns "),
-                                   HasSubstr("\n   80 ns ")));
-}
-
-TEST_F(Commands, LocalErrorOfSeveralMethodsIsATableAndAPictureEach) {
-    const Outcome outcome = run(
-        std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns", "-o", "errors"} + brief_settling);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out,
-                AllOf(HasSubstr("tiny: error of one step of rk4 (order 4"), HasSubstr("\ntiny: error of one step of heun (order 2")));
-    EXPECT_THAT(
-        outcome.out,
-        HasSubstr("\n  written             errors/local-error.csv, errors/local-error.json, errors/local-error-axial-force-piecewise.svg, "
-                  "errors/local-error-velocities-piecewise.svg\n"));
-    EXPECT_THAT(read("errors/local-error.csv"),
-                AllOf(StartsWith("method,friction,step,positions,velocities,axial_force,tension\nrk4,piecewise,1.6"),
-                      HasSubstr("\nheun,piecewise,8")));
-    EXPECT_THAT(read("errors/local-error-velocities-piecewise.svg"), AllOf(HasSubstr(">rk4</text>"), HasSubstr(">heun</text>")));
-}
-
-TEST_F(Commands, WriteAsJsonWhatTheyMeasure) {
-    const auto json_of = [&](const std::vector<std::string>& words, const std::string& file) {
-        const Outcome outcome = run(words + std::vector<std::string>{"--json"});
-        EXPECT_EQ(outcome.status, 0) << outcome.err;
-        EXPECT_THAT(outcome.out, HasSubstr("\n  written             results/" + file + "\n"));
-        const auto json = nlohmann::json::parse(read("results/" + file));
-        EXPECT_TRUE(json["provenance"].contains("commit")) << file;
-        return json;
-    };
-    const auto errors =
-        json_of(std::vector<std::string>{"local-error", "tiny", "--methods", "rk4,heun", "--steps", "80ns,160ns"} + brief_settling,
-                "local-error.json");
-    ASSERT_EQ(errors["curves"].size(), 2u);
-    EXPECT_GT(double(errors["curves"][1]["errors"][0]["velocities"]), double(errors["curves"][0]["errors"][0]["velocities"]))
-        << "heun has half the order";
-    const auto maps = json_of({"stability", "rk4", "leapfrog-rkc", "sw2", "-q"}, "stability.json");
-    EXPECT_NEAR(double(maps["tables"][0]["imaginary"]), 2.0 * std::sqrt(2.0), 1e-3);
-    EXPECT_NEAR(double(maps["programs"][0]["oscillator"]["h_omega"]), 2.0, 1e-3);  // of every leapfrog
-    EXPECT_TRUE(maps["programs"][1].contains("linear"));
-    ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "s.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
-    const auto trade = json_of({"tradeoff", "tiny", "rk4@50ns", "--reference", "rk4@25ns", "--duration", "24us", "--rounds", "2",
-                                "--confirm", "24us", "--confirm-against", "rk4@25ns", "--set", "start.state=s.h5"},
-                               "tradeoff_tiny.json");
-    EXPECT_EQ(trade["choices"][0]["wall_seconds_per_second"].size(), 2u);
-    const auto detail =
-        json_of({"detail", "baseline", "--settle", "20us", "--average", "20us", "--control", "0 s"}, "detail_baseline.json");
-    EXPECT_EQ(detail["variants"].size(), 14u);
-    EXPECT_EQ(detail["variants"].back()["mass_scaling"], 3.0);
-    EXPECT_TRUE(detail["variants"][0]["thrust_ratio"].is_null()) << "it was not looked for";
-}
-
-TEST_F(Commands, DetailNeedsAStateOfFullDetailAndItsDialsFree) {
-    const Outcome other =
-        run({"detail", "baseline", "--set", std::string("start.state=") + CVTFLOW_SOURCE_DIR + "/scenes/states/baseline-medium.h5"});
-    EXPECT_EQ(other.status, 1);
-    EXPECT_THAT(other.err, AllOf(StartsWith("cvtflow: baseline: variants start from a settled state of full detail: --set start.state="),
-                                 HasSubstr("\n  detail.order = 3, settled with 1\n")));
-    const Outcome held = run({"detail", "baseline", "--set", "detail.order=1"});
-    EXPECT_EQ(held.status, 2);
-    EXPECT_EQ(held.err, "cvtflow: --set detail.order=1: detail.order is one of the dials that are compared\n");
-}
-
-TEST_F(Commands, DetailComparesTheLevelsOfTheCatalogueWithTheFinestAtAQuarterOfItsStep) {
-    const Outcome outcome = run(
-        {"detail", "baseline", "--rungs", "--settle", "20us", "--average", "20us", "--control", "0 s", "--json", "--csv", "-o", "ladder"});
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    const auto ladder = nlohmann::json::parse(read("ladder/ladder.json"));
-    const auto presets = tasks::detail_presets();
-    ASSERT_EQ(ladder["points"].size(), 1u);
-    const auto& point = ladder["points"][0];
-    EXPECT_EQ(point["reference"]["detail"], presets.back().name);
-    EXPECT_EQ(point["reference"]["share"], 0.25);
-    ASSERT_EQ(point["rungs"].size(), presets.size());
-    for (std::size_t k = 0; k < presets.size(); ++k) EXPECT_EQ(point["rungs"][k]["detail"], presets[presets.size() - 1 - k].name);
-    EXPECT_NEAR(double(point["reference"]["step"]) / double(point["rungs"][0]["step"]), 0.25, 0.02);
-    for (const auto& rung : point["rungs"]) EXPECT_GT(double(rung["seconds"]), 0.0);
-    EXPECT_THAT(read("ladder/ladder.csv"), StartsWith("point,detail,share,"));
-    const Outcome both = run({"detail", "--rungs", "--all"});
-    EXPECT_EQ(both.status, 2);
-}
-
-TEST_F(Commands, DetailKeepsFaultsOutOfItsTable) {
-    const std::vector<std::string> brief{"--settle", "20us", "--average", "20us", "--control", "0 s"};
-    const Outcome all = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=6um"} + brief);
-    EXPECT_EQ(all.status, 1);
-    EXPECT_THAT(all.err, StartsWith("cvtflow: baseline: full detail, with which all is compared, ended: a tip of pin "));
-    EXPECT_EQ(all.out, "");
-    const Outcome some = run(std::vector<std::string>{"detail", "baseline", "--set", "tip.deepest=20um"} +
-                             brief);  // rigid pulleys take the jolt with deeper tips
-    EXPECT_EQ(some.status, 5);
-    EXPECT_THAT(some.err, HasSubstr("cvtflow: baseline: p=3 each   8 pt rigid: a tip of pin "));
-    EXPECT_THAT(some.out, testing::ContainsRegex("\n  p=3 each   8 pt rigid +1684 +- +- +- "));
-    EXPECT_THAT(some.out, testing::Not(HasSubstr("a tip of")));
-}
-
-TEST_F(Commands, PinEntryCountsAndMeasuresErrors) {
-    const Outcome outcome = run(std::vector<std::string>{"pin-entry", "tiny", "rk4@50ns", "dumka3-p2@1us", "--time", "24us", "--reference",
-                                                         "rk4@25ns", "--rounds", "1", "--pin", "0", "-q", "-o", "c"} +
-                                brief_settling);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.out, StartsWith("tiny: 24 us from t = 0 s, against rk4@25ns; one thread, medians of 1 round, in turns\n"));
-    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +50 ns +[0-9]+ +[0-9 ]+ +[0-9.e+]+ +1\\.00 +[0-9.e+]+ +1\\.00 "));
-    EXPECT_THAT(read("c/comparison.csv"), StartsWith("method,step,steps,evaluations,transitions,"));
-    EXPECT_THAT(read("c/pin-force.csv"), StartsWith("time,reference,rk4@50ns,dumka3-p2@1us\n0,"));
-    EXPECT_EQ(nlohmann::json::parse(read("c/comparison.json"))["candidates"].size(), 2u);
-    EXPECT_THAT(read("c/pin-force.svg"), HasSubstr(">reference</text>"));
-}
-
-TEST_F(Commands, DotDrawsATaskPerSegment) {
-    const std::string text = run({"dot", "tiny", "--segments", "3"}).out;
-    EXPECT_THAT(text, AllOf(StartsWith("digraph "), HasSubstr("force[2]"), testing::Not(HasSubstr("force[3]"))));
-}
-
-TEST_F(Commands, DotDrawsTheCyclesOfAMethodByTheirTasks) {
-    const std::string kick = run({"dot", "tiny", "--segments", "3", "--method", "leapfrog-rkc", "--cycle", "friction"}).out;
-    EXPECT_THAT(kick, AllOf(StartsWith("digraph "), HasSubstr("friction[2]"), testing::Not(HasSubstr("record"))));
-    const std::string solve = run({"dot", "tiny", "--method", "trapezoidal-full", "--cycle", "backward"}).out;
-    EXPECT_THAT(solve, AllOf(HasSubstr("label=\"forward[0]\""), HasSubstr("label=\"join\"")));
 }
 
 }  // namespace

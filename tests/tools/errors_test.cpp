@@ -4,6 +4,8 @@
 #include <hdf5.h>
 #include <sys/stat.h>
 
+#include <cstdio>
+
 #include "engine/record/hdf5/file_seal.hpp"
 #include "tests/tools/program_fixture.hpp"
 
@@ -47,7 +49,8 @@ protected:
 
     void expect(const Mistake& mistake) const {
         const Outcome outcome = run(mistake.arguments);
-        std::string message = "cvtflow: " + mistake.message + "\n";
+        const std::filesystem::path program = program_of(mistake.arguments);
+        std::string message = program.filename().string() + ": " + mistake.message + "\n";
         for (std::size_t at; (at = message.find("FOLDER")) != std::string::npos;) message.replace(at, 6, folder_.string());
         EXPECT_EQ(outcome.err, message) << testing::PrintToString(mistake.arguments);
         EXPECT_EQ(outcome.status, mistake.status) << testing::PrintToString(mistake.arguments);
@@ -58,19 +61,32 @@ protected:
 TEST_F(Errors, OnTheCommandLineExitWithTwo) {
     const std::vector<Mistake> mistakes{
         {{}, 2, "A subcommand is required (cvtflow --help)"},
-        {{"rum"}, 2, "no command 'rum', did you mean 'run'? (cvtflow --help)"},
-        {{"gearbox"}, 2, "no command 'gearbox' (cvtflow --help)"},
+        {{"rum"}, 2, "no command 'rum', did you mean 'run'? (cvtflow --help, or cvtflow-lab rum)"},
+        {{"gearbox"}, 2, "no command 'gearbox' (cvtflow --help, or cvtflow-lab gearbox)"},
         {{"run"}, 2, "SCENE is required (cvtflow run --help)"},
         {{"run", "tiny", "extra"}, 2, "The following argument was not expected: extra (cvtflow run --help)"},
         {{"run", "tiny", "--frobnicate"}, 2, "The following argument was not expected: --frobnicate (cvtflow run --help)"},
         {{"info"}, 2, "FILE is required (cvtflow info --help)"},
         {{"explain"}, 2, "KEY is required (cvtflow explain --help)"},
         {{"list", "method"}, 2, "WHAT: no list 'method', did you mean 'methods'? (cvtflow list --help)"},
-        {{"stability"}, 2, "METHOD is required (cvtflow stability --help)"},
-        {{"pin-entry", "tiny"}, 2, "METHOD@STEP is required (cvtflow pin-entry --help)"},
-        {{"local-error", "tiny", "--friction", "x"}, 2, "--friction: x not in {piecewise,smoothed,both} (cvtflow local-error --help)"},
+        {{"stability"}, 2, "METHOD is required (cvtflow-lab stability --help)"},
+        {{"pin-entry", "tiny"}, 2, "METHOD@STEP is required (cvtflow-lab pin-entry --help)"},
+        {{"local-error", "tiny", "--friction", "x"}, 2, "--friction: x not in {piecewise,smoothed,both} (cvtflow-lab local-error --help)"},
     };
     for (const Mistake& mistake : mistakes) expect(mistake);
+}
+
+TEST_F(Errors, InTheProgramNameTheOtherOne) {
+    const auto told = [&](const std::string& program, const std::string& command) {
+        std::FILE* pipe = popen(("'" + program + "' " + command + " 2>&1").c_str(), "r");
+        char line[200] = "";
+        static_cast<void>(std::fgets(line, sizeof line, pipe));
+        pclose(pipe);
+        return std::string(line);
+    };
+    for (const std::string& command : commands_of(CVTFLOW_LAB))
+        EXPECT_THAT(told(CVTFLOW_PROGRAM, command), testing::HasSubstr("(cvtflow --help, or cvtflow-lab " + command + ")\n"));
+    EXPECT_EQ(told(CVTFLOW_LAB, "run"), "cvtflow-lab: no command 'run' (cvtflow-lab --help, or cvtflow run)\n");
 }
 
 TEST_F(Errors, InValuesOfOptionsExitWithTwo) {

@@ -14,6 +14,12 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
+/// A text as it stands in a manual page.
+std::string hyphenated(std::string text) {
+    for (std::size_t at = text.find('-'); at != std::string::npos; at = text.find('-', at + 2)) text.insert(at, "\\");
+    return text;
+}
+
 class Manual : public Program {
 protected:
     /// Output of a shell command in the test's folder, which must succeed.
@@ -25,22 +31,23 @@ protected:
         EXPECT_EQ(pclose(pipe), 0) << command;
         return output;
     }
-    std::string made(const std::string& kind) const {
-        return output_of("'" CVTFLOW_SOURCE_DIR "/tools/documents/manual' " + kind + " '" CVTFLOW_PROGRAM "'");
+    std::string made(const std::string& kind, const std::string& program = CVTFLOW_PROGRAM) const {
+        return output_of("'" CVTFLOW_SOURCE_DIR "/tools/documents/manual' " + kind + " '" + program + "'");
     }
 };
 
 TEST_F(Manual, EveryKindKnowsEveryCommand) {
-    const std::vector<std::string> all = commands();
-    ASSERT_GT(all.size(), 20u);
-    const std::string page = made("man"), bash = made("bash"), zsh = made("zsh"), fish = made("fish");
-    for (const std::string& name : all) {
-        std::string escaped = name;  // a hyphen of a manual page
-        for (std::size_t at = escaped.find('-'); at != std::string::npos; at = escaped.find('-', at + 2)) escaped.insert(at, "\\");
-        EXPECT_THAT(page, HasSubstr("Usage: cvtflow " + escaped)) << name;
-        EXPECT_THAT(bash, HasSubstr("        " + name + ") words='")) << name;
-        EXPECT_THAT(zsh, HasSubstr("\n    " + name + ") _arguments")) << name;
-        EXPECT_THAT(fish, HasSubstr("-a '" + name + "' -d ")) << name;
+    for (const std::string program : {CVTFLOW_PROGRAM, CVTFLOW_LAB}) {
+        const std::vector<std::string> all = commands_of(program);
+        ASSERT_GE(all.size(), 10u);
+        const std::string page = made("man", program), bash = made("bash", program), zsh = made("zsh", program),
+                          fish = made("fish", program);
+        for (const std::string& name : all) {
+            EXPECT_THAT(page, HasSubstr(hyphenated("Usage: " + program.substr(program.rfind('/') + 1) + " " + name))) << name;
+            EXPECT_THAT(bash, HasSubstr("        " + name + ") words='")) << name;
+            EXPECT_THAT(zsh, HasSubstr("\n    " + name + ") _arguments")) << name;
+            EXPECT_THAT(fish, HasSubstr("-a '" + name + "' -d ")) << name;
+        }
     }
 }
 
@@ -62,6 +69,12 @@ TEST_F(Manual, BashCompletesCommandsOptionsAndNamesOfTheCatalogues) {
     EXPECT_THAT(complete("cvtflow run bas", 2), HasSubstr("baseline"));
     EXPECT_THAT(complete("cvtflow run tiny --method leapfrog-ch", 4), HasSubstr("leapfrog-chebyshev"));
     EXPECT_EQ(complete("cvtflow explain tip.rad", 2), "tip.radius\n");
+}
+
+TEST_F(Manual, BashCompletesCommandsOfTheLaboratory) {
+    write("completions", made("bash", CVTFLOW_LAB));
+    EXPECT_EQ(output_of("bash -c '. ./completions; COMP_WORDS=(cvtflow-lab granu); COMP_CWORD=1; _cvtflow_lab; echo \"${COMPREPLY[@]}\"'"),
+              "granularity\n");
 }
 
 TEST_F(Manual, AnUnknownKindIsAnErrorOfUsage) {

@@ -6,7 +6,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -38,9 +40,32 @@ void redirect(const fs::path& file, int descriptor) {
 
 }  // namespace
 
+Words commands_of(const std::string& program) {
+    std::FILE* pipe = popen(("'" + program + "' --help").c_str(), "r");
+    if (pipe == nullptr) throw std::runtime_error("popen");
+    std::string help;
+    char buffer[4096];
+    while (const std::size_t size = std::fread(buffer, 1, sizeof buffer, pipe)) help.append(buffer, size);
+    pclose(pipe);
+    Words names;
+    bool listed = false;
+    std::istringstream lines(help);
+    for (std::string line; std::getline(lines, line);) {
+        if (listed && line.starts_with("  ") && line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
+        listed = line.starts_with("Commands ") || (listed && line.starts_with("  "));
+    }
+    return names;
+}
+
+std::string program_of(const Words& words) {
+    static const Words lab = commands_of(CVTFLOW_LAB);
+    const bool there = !words.empty() && std::find(lab.begin(), lab.end(), words.front()) != lab.end();
+    return there ? CVTFLOW_LAB : CVTFLOW_PROGRAM;
+}
+
 Child::Child(std::vector<std::string> arguments, const fs::path& folder, const std::vector<std::string>& environment, unsigned seconds)
     : out_(fs::temp_directory_path() / unique_name("out")), err_(fs::temp_directory_path() / unique_name("err")) {
-    arguments.insert(arguments.begin(), CVTFLOW_PROGRAM);
+    arguments.insert(arguments.begin(), program_of(arguments));
     std::vector<char*> words;
     for (std::string& argument : arguments) words.push_back(argument.data());
     words.push_back(nullptr);
@@ -100,20 +125,9 @@ Outcome Program::run_briefly(const std::vector<std::string>& more) const {
     return run(arguments);
 }
 
-Words Program::commands() const {
-    std::istringstream help(run({"--help"}).out);
-    Words names;
-    bool listed = false;
-    for (std::string line; std::getline(help, line);) {
-        if (listed && line.starts_with("  ") && line[2] != ' ') names.push_back(line.substr(2, line.find(' ', 2) - 2));
-        listed = line.starts_with("Commands ") || (listed && line.starts_with("  "));
-    }
-    return names;
-}
-
 std::string Program::draw(const std::vector<std::string>& arguments, int columns) const {
     std::vector<std::string> all = arguments;
-    all.insert(all.begin(), CVTFLOW_PROGRAM);
+    all.insert(all.begin(), program_of(all));
     std::vector<char*> words;
     for (std::string& argument : all) words.push_back(argument.data());
     words.push_back(nullptr);

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs the program as a user does: as a child process, in a folder of its own.
+/// Runs a program as a user does: as a child process, in a folder of its own. It is cvtflow-lab where that has the command, else cvtflow.
 
 #include <gtest/gtest.h>
 #include <sys/types.h>
@@ -25,6 +25,12 @@ using Words = std::vector<std::string>;  ///< of a command line
     words.insert(words.end(), more.begin(), more.end());
     return words;
 }
+
+/// Every command of a program, as its help lists them.
+[[nodiscard]] Words commands_of(const std::string& program);
+
+/// The program that has the command with which these words begin: cvtflow-lab, else cvtflow.
+[[nodiscard]] std::string program_of(const Words& words);
 
 /// A child process; killed when it goes out of scope.
 class Child {
@@ -61,8 +67,6 @@ protected:
     Outcome run(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {}) const;
     /// run() with the scene tiny, settling and running for 20 us; a fraction of a second.
     Outcome run_briefly(const std::vector<std::string>& more = {}) const;
-    /// Every command of the program, as its help lists them.
-    [[nodiscard]] Words commands() const;
     /// What run() draws on a terminal of that width, stdout included.
     [[nodiscard]] std::string draw(const std::vector<std::string>& arguments, int columns) const;
     void write(const std::string& name, const std::string& text) const;

@@ -18,6 +18,14 @@
 #include "tasks/run/run.hpp"
 
 namespace cvtflow::tools {
+namespace {
+
+std::string_view name_in_messages = "cvtflow";
+
+}  // namespace
+
+void name_program(std::string_view name) noexcept { name_in_messages = name; }
+std::string_view program_name() noexcept { return name_in_messages; }
 
 void to_stderr(std::string_view text) noexcept {
     if (std::fwrite(text.data(), 1, text.size(), stderr) != text.size()) std::clearerr(stderr);
@@ -28,7 +36,8 @@ void print_error(std::string_view message) {
     for (std::size_t begin = 0; begin <= message.size();) {
         const std::size_t end = std::min(message.find('\n', begin), message.size());
         const bool continued = message.substr(begin).starts_with("  ");
-        to_stderr(fmt::format("{}{}\n", continued ? "" : "cvtflow: ", engine::visible(message.substr(begin, end - begin))));
+        to_stderr(fmt::format("{}{}{}\n", continued ? "" : program_name(), continued ? "" : ": ",
+                              engine::visible(message.substr(begin, end - begin))));
         begin = end + 1;
     }
 }
@@ -49,11 +58,13 @@ int guarded(const std::function<int()>& work) noexcept {
         print_error(error.what());
         return static_cast<int>(ExitStatus::usage);
     } catch (const std::bad_alloc&) {
-        to_stderr("cvtflow: no memory\n");
+        to_stderr(program_name());
+        to_stderr(": no memory\n");
     } catch (const std::exception& error) {
         print_error(engine::error_text(error));
     } catch (...) {
-        to_stderr("cvtflow: an exception of unknown type\n");
+        to_stderr(program_name());
+        to_stderr(": an exception of unknown type\n");
     }
     return static_cast<int>(ExitStatus::error);
 }

@@ -18,6 +18,10 @@ public:
 /// To stderr as it is; a stderr that is closed or full is no reason to end a run.
 void to_stderr(std::string_view text) noexcept;
 
+/// The name of this process's program, which its messages begin with: "cvtflow" until it is named. Must outlive the process's messages.
+void name_program(std::string_view name) noexcept;
+[[nodiscard]] std::string_view program_name() noexcept;
+
 /// On stderr, "cvtflow: " before each line that does not go on the one before.
 void print_error(std::string_view message);
 

@@ -1,104 +1,13 @@
 /// cvtflow: the command line.
 
-#include <fmt/format.h>
-
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cstdio>
-#include <cstdlib>
-#include <stdexcept>
-#include <string>
-#include <vector>
-
-#include "engine/base/provenance.hpp"
-#include "engine/base/spelling.hpp"
-#include "engine/record/hdf5/hdf5_exit.hpp"
-#include "engine/record/run/schema.hpp"
-#include "model/basis/isa.hpp"
 #include "tools/program/command/command.hpp"
-#include "tools/program/guard.hpp"
-
-namespace cvtflow::tools {
-namespace {
-
-std::string version_text() {
-    const engine::Provenance here = engine::current_provenance();
-    return fmt::format("cvtflow {} ({})\nbuilt with {} as {} for {}\nrunning on {}, {} core{}, {}", here.version, here.commit,
-                       here.compiler, here.build_type, here.instruction_set, here.cpu, here.cores, here.cores == 1 ? "" : "s", here.os);
-}
-
-/// A misspelt command would be reported by CLI11 as an argument that was not expected.
-bool is_command(const std::string& word) {
-    std::vector<std::string> names;
-    for (const Command& command : commands()) names.emplace_back(command.name);
-    if (std::find(names.begin(), names.end(), word) != names.end()) return true;
-    const std::string near = engine::closest(word, names);
-    print_error(fmt::format("no command '{}'{} (cvtflow --help)", word, near.empty() ? "" : fmt::format(", did you mean '{}'?", near)));
-    return false;
-}
-
-/// Read by every model that is made from then on, and by child processes.
-void choose_isa(const std::string& name) {
-    try {
-        const model::Isa isa = model::isa_named(name);
-        setenv("CVTFLOW_ISA", std::string(model::name_of(isa)).c_str(), 1);
-    } catch (const std::invalid_argument& error) {
-        throw CLI::ValidationError("--isa", error.what());
-    }
-}
-
-/// --help and --version come as errors with code 0.
-int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);
-    const auto chosen = app.get_subcommands();
-    print_error(fmt::format("{} (cvtflow {}--help)", error.what(), chosen.empty() ? "" : chosen.front()->get_name() + " "));
-    return static_cast<int>(ExitStatus::usage);
-}
-
-int execute(int argc, char** argv) {
-    CLI::App app("Dynamics of chain-driven continuously variable transmissions.", "cvtflow");
-    app.set_version_flag("--version", version_text, "Print version, build and machine");
-    app.require_subcommand(1);
-    app.add_option_function<std::string>("--isa", choose_isa,
-                                         "Instruction set of the kernels: baseline, avx2, avx512 (default: the processor's best)")
-        ->type_name("NAME");
-    app.get_formatter()->column_width(32);
-    std::vector<Action> actions;
-    for (const Command& command : commands()) {
-        CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.description) + ".");
-        sub->group(std::string(command.group));
-        sub->fallthrough();  // --isa may follow the command
-        actions.push_back(command.declare(*sub));
-    }
-    app.footer(
-        "cvtflow COMMAND --help tells more. First steps:\n"
-        "  cvtflow list scenes\n"
-        "  cvtflow run tiny\n"
-        "  cvtflow info results/tiny.h5\n\n" +
-        std::string(exit_status_help));
-    if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return static_cast<int>(ExitStatus::usage);
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::ParseError& error) {
-        return report_parse_error(app, error);
-    }
-    for (std::size_t i = 0; i < actions.size(); ++i) {
-        const std::string name(commands()[i].name);
-        if (!app.got_subcommand(name)) continue;
-        const ExitStatus status = actions[i]();
-        if (const CLI::Option* quiet = app.get_subcommand(name)->get_option_no_throw("--quiet"); quiet == nullptr || quiet->count() == 0)
-            print_notices();
-        return static_cast<int>(status);
-    }
-    return static_cast<int>(ExitStatus::usage);
-}
-
-}  // namespace
-}  // namespace cvtflow::tools
 
 int main(int argc, char** argv) {
-    cvtflow::tools::take_standard_descriptors();
-    cvtflow::engine::leave_hdf5_alone_at_exit();
-    cvtflow::engine::try_files_first();
-    return cvtflow::tools::finish_output(cvtflow::tools::guarded([&] { return cvtflow::tools::execute(argc, argv); }));
+    using namespace cvtflow::tools;
+    return run_program({"cvtflow", "Dynamics of chain-driven continuously variable transmissions", commands(),
+                        "  cvtflow list scenes\n"
+                        "  cvtflow run tiny\n"
+                        "  cvtflow info results/tiny.h5",
+                        "cvtflow-lab"},
+                       argc, argv);
 }

@@ -11,7 +11,7 @@ namespace cvtflow::tasks {
 class StepChoice {
 public:
     /// Longest step that is ever chosen [s]: the step grid starts from it. What friction leaves of a step is of first order (2 us: slip off
-    /// by 1 to 3 % on one machine in twenty of `cvtflow lottery`).
+    /// by 1 to 3 % on one machine in twenty of `cvtflow-lab lottery`).
     static constexpr double longest_step = 1.5e-6;
     /// Longest time between two questions [s].
     static constexpr double ask_interval = 125e-6;

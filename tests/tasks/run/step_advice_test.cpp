@@ -8,9 +8,9 @@
 #include <limits>
 #include <memory>
 
+#include "bench/study/spectrum.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/study/spectrum.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -37,7 +37,8 @@ TEST(StableStep, FindsTheOutermostEigenvaluesOfTheDenseSpectrum) {
     const Simulation& simulation = *owner;
     const std::vector<double> state(simulation.state(), simulation.state() + simulation.variator().layout().size());
     double radius = 0.0;
-    for (const auto& value : spectrum(simulation.variator(), 0.0, state, simulation.phases())) radius = std::max(radius, std::abs(value));
+    for (const auto& value : bench::spectrum(simulation.variator(), 0.0, state, simulation.phases()))
+        radius = std::max(radius, std::abs(value));
     const auto extreme = extreme_eigenvalues(simulation.variator(), 0.0, simulation.state(), simulation.phases());
     ASSERT_FALSE(extreme.empty());
     EXPECT_NEAR(std::abs(extreme.front()), radius, 0.05 * radius);

@@ -65,8 +65,8 @@ TEST_F(OutputPlace, NoInputIsReplacedUnderWhateverName) {
     expect_refused(run({"settle", "scene.toml", "-o", "scene.toml"}), "scene.toml: cannot create: it would replace the input scene.toml");
     expect_refused(run_to({"-o", "none", "--checkpoint-every", "1 h", "--checkpoint", "scene.toml"}),
                    "scene.toml: cannot create: it would replace the input scene.toml");
-    expect_refused(run({"profile", "scene.toml", "--csv", "scene.toml"}),
-                   "scene.toml: cannot create: it would replace the input scene.toml");
+    EXPECT_EQ(run({"profile", "scene.toml", "--csv", "scene.toml"}).err,
+              "cvtflow-lab: scene.toml: cannot create: it would replace the input scene.toml\n");
     ASSERT_EQ(run({"settle", "scene.toml", "-q", "-o", "state.h5"}).status, 0);
     const std::string state = read("state.h5"), path = (folder_ / "state.h5").string();
     expect_refused(run_to({"--set", "start.state=state.h5", "-o", "state.h5"}),

@@ -8,11 +8,11 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "bench/study/method_trial.hpp"
 #include "engine/graph/race_check.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/step/assembly/segment_tasks.hpp"
-#include "tasks/study/method_trial.hpp"
 #include "tests/claims/operating_point_fixture.hpp"
 #include "tests/engine/executor/executor_fixture.hpp"
 
@@ -158,8 +158,8 @@ void expect_solution(const std::vector<std::string>& settings, double g, double 
                      const std::string& scene = "baseline") {
     Contacts contacts(settings, g, scene);
     const std::string title = settings.front() + " g = " + std::to_string(1e6 * g) + "e-6, " + std::to_string(amount) + ": ";
-    const model::Columns far = contacts.velocities(10.0 * amount), before = contacts.velocities(amount);
-    contacts.slips(far, &model::SlipGroup::own);
+    const model::Columns bench::far = contacts.velocities(10.0 * amount), before = contacts.velocities(amount);
+    contacts.slips(bench::far, &model::SlipGroup::own);
     contacts.assemble();
     contacts.slips(before, &model::SlipGroup::predicted);
     ASSERT_TRUE(contacts.run().is_done()) << title;
@@ -228,7 +228,8 @@ TEST(FrictionImplicit, ConvergesHoweverLowSaturationSpeedsAre) {
                 "baseline",
                 {"joint.saturation_speed=" + speed(5e-3), "plate.saturation_speed=" + speed(1e-2), "tip.saturation_speed=" + speed(1e-2)});
             const bool leapfrog = method.starts_with("leapfrog");
-            const TrialEnd end = try_method(scene.parameters, frozen_start(Simulation(scene)), method, 1e-6, leapfrog ? 50e-6 : 10e-6);
+            const bench::TrialEnd end =
+                bench::try_method(scene.parameters, frozen_start(Simulation(scene)), method, 1e-6, leapfrog ? 50e-6 : 10e-6);
             EXPECT_FALSE(end.fault) << method << " " << factor;
             EXPECT_GE(end.counters.steps, leapfrog ? 50 : 10);
             EXPECT_EQ(end.report.find("did not converge"), std::string::npos) << method << " " << factor << ": " << end.report;

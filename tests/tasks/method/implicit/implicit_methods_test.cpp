@@ -4,11 +4,11 @@
 
 #include <cmath>
 
+#include "bench/study/method_trial.hpp"
 #include "engine/graph/race_check.hpp"
 #include "settled_fixture.hpp"
 #include "tasks/method/implicit/catalogue.hpp"
-#include "tasks/study/method_trial.hpp"
-#include "tasks/study/relative_error.hpp"
+#include "tasks/tuning/relative_error.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 
 namespace cvtflow::tasks {
@@ -28,7 +28,9 @@ Scene brief(const std::string& method, const std::vector<std::string>& extra = {
 
 TEST(ImplicitMethods, AllWaysToNewtonsMatrixLeadToTheSameSolution) {
     const Settled settled;
-    const auto end = [&](const char* method) { return try_method(settled.parameters(), settled.start(), method, 500e-9, 2e-6).state; };
+    const auto end = [&](const char* method) {
+        return bench::try_method(settled.parameters(), settled.start(), method, 500e-9, 2e-6).state;
+    };
     const std::vector<double> exact = end("trapezoidal-analytic");
     for (const NewtonVariant& variant : newton_variants()) {
         if (!variant.options.backtracking) continue;
@@ -41,7 +43,7 @@ TEST(ImplicitMethods, NewtonConvergesWithEveryMatrix) {
     const Settled settled;
     for (const NewtonVariant& variant : newton_variants()) {
         if (!variant.options.backtracking) continue;
-        const TrialEnd end = try_method(settled.parameters(), settled.start(), variant.name, 1e-6, 20e-6);
+        const bench::TrialEnd end = bench::try_method(settled.parameters(), settled.start(), variant.name, 1e-6, 20e-6);
         ASSERT_FALSE(end.fault) << variant.name;
         EXPECT_EQ(end.newton->unconverged, 0) << variant.name;
         EXPECT_GE(end.newton->steps, 20);
@@ -53,8 +55,8 @@ TEST(ImplicitMethods, NewtonConvergesWithEveryMatrix) {
 TEST(ImplicitMethods, AreStableWhereExplicitOnesAreNot) {
     const Settled settled;
     for (const char* method : {"rk4", "dopri54"})
-        EXPECT_TRUE(try_method(settled.parameters(), settled.start(), method, 10e-6, 200e-6).fault) << method;
-    EXPECT_FALSE(try_method(settled.parameters(), settled.start(), "trapezoidal-analytic", 10e-6, 200e-6).fault);
+        EXPECT_TRUE(bench::try_method(settled.parameters(), settled.start(), method, 10e-6, 200e-6).fault) << method;
+    EXPECT_FALSE(bench::try_method(settled.parameters(), settled.start(), "trapezoidal-analytic", 10e-6, 200e-6).fault);
 }
 
 class EveryImplicitMethod : public testing::TestWithParam<std::string> {

@@ -6,7 +6,7 @@
 
 #include "tasks/method/implicit/coloured_jacobian.hpp"
 #include "tasks/scene/scene.hpp"
-#include "tasks/study/stability/frozen_step.hpp"
+#include "tasks/step/frozen_start.hpp"
 
 namespace cvtflow::tasks {
 

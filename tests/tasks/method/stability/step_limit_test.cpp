@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "tasks/study/stability/frozen_step.hpp"
+#include "tasks/step/frozen_start.hpp"
 #include "tests/tasks/settled_tiny_fixture.hpp"
 
 namespace cvtflow::tasks {

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "engine/base/spelling.hpp"
-#include "engine/executor/catalogue.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "engine/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
@@ -17,6 +16,7 @@
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"
 #include "tools/program/command/command.hpp"
+#include "tools/program/text/executor_text.hpp"
 #include "tools/program/text/method_text.hpp"
 #include "tools/program/text/text.hpp"
 
@@ -24,7 +24,28 @@ namespace cvtflow::tools {
 
 namespace {
 
+/// The methods that one would use, and why.
+struct Choice {
+    const char* method;
+    const char* reason;
+};
+
+constexpr std::array choices{
+    Choice{"leapfrog-chebyshev", "the default: one evaluation of all forces a step, friction in stages of its own; automatic steps"},
+    Choice{"leapfrog-chebyshev-double", "the default with friction in double precision, to see that single precision changes nothing"},
+    Choice{"leapfrog-rkc", "as the default, with smaller errors of friction in short steps"},
+    Choice{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); chooses its stages by the spectrum"},
+    Choice{"dumka3-p5", "explicit with fixed steps, 2 us at full detail: no splitting of friction, a sixth of the cost of rk4"},
+    Choice{"rk4", "the reference: order 4, 45 ns or less at full detail"},
+};
+
 std::string methods() {
+    Table table({{"method"}, {"used for"}});
+    for (const Choice& choice : choices) table.add({choice.method, choice.reason});
+    return table.text() + "\nAll methods, with stages, order and stability: cvtflow list methods --all.\n";
+}
+
+std::string all_methods() {
     Table table({{"method"},
                  {"stages", Align::right},
                  {"order", Align::right},
@@ -44,7 +65,7 @@ std::string methods() {
         families += fmt::format("\n  {}\n    {}: {}", family.form, family.description, family.limits);
     return table.text() + "\nAny member of these families by its name:" + families +
            "\n\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution. More: "
-           "cvtflow method NAME.\n";
+           "cvtflow-lab method NAME.\n";
 }
 
 std::string detail() {
@@ -69,7 +90,7 @@ std::string detail() {
            "The\n"
            "slip of \"coarse\" and \"medium\" is off by 10 to 28 % at low ratio and at a quarter of the load. What it is at a scene of "
            "yours:\n"
-           "cvtflow detail SCENE --rungs; cvtflow tune SCENE chooses by it.\n";
+           "cvtflow-lab detail SCENE --rungs; cvtflow tune SCENE chooses by it.\n";
 }
 
 std::string channels() {
@@ -95,16 +116,7 @@ std::string scenes() {
     return table.text() + fmt::format("\nFrom {}. Further folders: environment variable CVTFLOW_SCENES.\n", fmt::join(folders, ", "));
 }
 
-std::string executors() {
-    Table table({{"executor"}, {"threads"}, {"description"}});
-    for (const engine::ExecutorRow& row : engine::executors())
-        table.add({std::string(row.name), row.parallel ? "many" : "one", std::string(row.description)});
-    std::string absent;
-    for (const engine::ExecutorRow& row : engine::absent_executors())
-        absent += fmt::format("  {:<12}{}\n  {:<12}needs {}\n", row.name, row.description, "", row.needs);
-    return table.text() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) +
-           (absent.empty() ? "" : fmt::format("\nNot in this program:\n{}", absent));
-}
+std::string executors() { return executor_table() + fmt::format("\nRuntimes: {}.\n", engine::runtime_versions()) + absent_executor_text(); }
 
 std::string keys() {
     const tasks::Scene defaults;
@@ -134,14 +146,15 @@ struct Listing {
     std::string_view name;
     std::string_view description;
     std::string (*text)();
+    std::string (*all)() = nullptr;  ///< with --all, where that is more
 };
 
 constexpr std::array listings{
-    Listing{"methods", "Integration methods: stages, order, stability", methods},
+    Listing{"methods", "Integration methods; --all: every one, with stages, order, stability", methods, all_methods},
     Listing{"detail", "Levels of detail, coarsest first", detail},
     Listing{"channels", "Recorded quantities", channels},
     Listing{"scenes", "Ready scenes", scenes},
-    Listing{"executors", "Ways to run the task graph", executors},
+    Listing{"executors", "Ways to run the task graph; more to compare: cvtflow-lab executors", executors},
     Listing{"keys", "All keys of scenes", keys},
     Listing{"units", "Units of quantities", units},
 };
@@ -161,9 +174,12 @@ std::string refusal(const std::string& name) {
                         : fmt::format("no list '{}', did you mean '{}'?", name, near);
 }
 
-ExitStatus list(const std::vector<std::string>& names) {
+ExitStatus list(const std::vector<std::string>& names, bool all) {
     std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : "\n") + find_listing(name)->text();
+    for (const std::string& name : names) {
+        const Listing& listing = *find_listing(name);
+        text += (text.empty() ? "" : "\n") + (all && listing.all != nullptr ? listing.all() : listing.text());
+    }
     fmt::print("{}", text);
     return ExitStatus::finished;
 }
@@ -173,10 +189,12 @@ ExitStatus list(const std::vector<std::string>& names) {
 Action declare_list(CLI::App& app) {
     const auto names = std::make_shared<std::vector<std::string>>();
     app.add_option("WHAT", *names, "One or more of the names below")->required()->type_name("")->check(CLI::Validator(refusal, ""));
+    const auto all = std::make_shared<bool>(false);
+    app.add_flag("--all", *all, "Every row, not only the usual ones (methods)");
     std::string footer = "Lists:";
     for (const Listing& listing : listings) footer += fmt::format("\n  {:<12}{}", listing.name, listing.description);
     app.footer(footer);
-    return [names] { return list(*names); };
+    return [names, all] { return list(*names, *all); };
 }
 
 }  // namespace cvtflow::tools

@@ -1,0 +1,140 @@
+#include "bench/executor/further_executors.hpp"
+
+#include <array>
+#include <memory>
+
+#include "bench/executor/asio/asio_pool.hpp"
+#include "bench/executor/openmp/omp_fork.hpp"
+#include "bench/executor/openmp/omp_tasks.hpp"
+#include "bench/executor/std_par/std_par.hpp"
+#include "bench/executor/taskflow/taskflow_graph.hpp"
+#include "bench/executor/tbb/flow_messages.hpp"
+#include "bench/executor/tbb/flow_per_cycle.hpp"
+#include "bench/executor/tbb/tbb_loop.hpp"
+#include "engine/executor/catalogue.hpp"
+#include "engine/executor/runtimes.hpp"
+
+#if CVTFLOW_HAS_ASIO
+#include <boost/version.hpp>
+#endif
+#if CVTFLOW_HAS_TASKFLOW
+#include <taskflow/taskflow.hpp>
+#endif
+
+namespace cvtflow::bench {
+
+namespace {
+
+using engine::ExecutorRow, engine::Waiting;
+
+using Make = std::unique_ptr<engine::Executor> (*)(const engine::ExecutorOptions& options);
+
+template <class Kind>
+std::unique_ptr<engine::Executor> make(const engine::ExecutorOptions& options) {
+    return std::make_unique<Kind>(options);
+}
+
+/// nullptr for a kind whose source is not compiled.
+template <class Kind, bool compiled>
+constexpr Make make_if() {
+    if constexpr (compiled)
+        return make<Kind>;
+    else
+        return nullptr;
+}
+
+#ifdef _OPENMP
+constexpr bool has_openmp = true;
+#else
+constexpr bool has_openmp = false;
+#endif
+constexpr bool has_std_par = CVTFLOW_HAS_STD_PAR, has_asio = CVTFLOW_HAS_ASIO, has_taskflow = CVTFLOW_HAS_TASKFLOW;
+
+constexpr std::string_view openmp = "OpenMP";
+constexpr std::string_view algorithms = "a standard library whose parallel algorithms run on oneTBB";
+constexpr std::string_view asio = "Boost.Asio (Debian: libboost-dev)";
+constexpr std::string_view taskflow = "Taskflow's headers (-DCVTFLOW_TASKFLOW=PATH)";
+
+constexpr std::array rows{
+    ExecutorRow{.name = "flow_messages",
+                .description = "oneTBB flow graph for the whole run, messages from cycle to cycle",
+                .parallel = true,
+                .waiting = Waiting::fixed,
+                .make = make<FlowMessages>},
+    ExecutorRow{.name = "flow_per_cycle",
+                .description = "oneTBB flow graph, started and waited for in every cycle",
+                .parallel = true,
+                .waiting = Waiting::fixed,
+                .make = make<FlowPerCycle>},
+    ExecutorRow{.name = "tbb_loop",
+                .description = "oneTBB parallel_for at every level",
+                .parallel = true,
+                .waiting = Waiting::fixed,
+                .make = make<TbbLoop>},
+    ExecutorRow{.name = "std_par",
+                .description = "std::for_each(std::execution::par) at every level",
+                .parallel = true,
+                .waiting = Waiting::fixed,
+                .needs = algorithms,
+                .make = make_if<StdPar, has_std_par>()},
+    ExecutorRow{.name = "omp_fork",
+                .description = "OpenMP parallel for at every level",
+                .parallel = true,
+                .waiting = Waiting::environment,
+                .needs = openmp,
+                .make = make_if<OmpFork, has_openmp>()},
+    ExecutorRow{.name = "omp_tasks",
+                .description = "OpenMP tasks with depend, created anew in every cycle",
+                .parallel = true,
+                .waiting = Waiting::environment,
+                .needs = openmp,
+                .make = make_if<OmpTasks, has_openmp>()},
+    ExecutorRow{.name = "asio_pool",
+                .description = "Boost.Asio: a pool of threads, tasks posted when they are ready",
+                .parallel = true,
+                .waiting = Waiting::fixed,
+                .needs = asio,
+                .make = make_if<AsioPool, has_asio>()},
+    ExecutorRow{.name = "taskflow",
+                .description = "a Taskflow graph for the whole run, a condition task from cycle to cycle",
+                .parallel = true,
+                .waiting = Waiting::fixed,
+                .needs = taskflow,
+                .make = make_if<TaskflowGraph, has_taskflow>()},
+};
+
+[[maybe_unused]] std::string version_text(int major, int minor, int patch) {
+    return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
+}
+
+}  // namespace
+
+void add_further_executors() {
+    static const bool once = (engine::add_executors(rows), true);
+    static_cast<void>(once);
+}
+
+std::string asio_version() {
+#if CVTFLOW_HAS_ASIO
+    return version_text(BOOST_VERSION / 100000, BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100);
+#else
+    return "none";
+#endif
+}
+
+std::string taskflow_version() {
+#if CVTFLOW_HAS_TASKFLOW
+    return version_text(TF_MAJOR_VERSION, TF_MINOR_VERSION, TF_PATCH_VERSION);
+#else
+    return "none";
+#endif
+}
+
+std::string runtime_versions() {
+    std::string text = engine::runtime_versions();
+    if (asio_version() != "none") text += "; Boost " + asio_version();
+    if (taskflow_version() != "none") text += "; Taskflow " + taskflow_version();
+    return text;
+}
+
+}  // namespace cvtflow::bench

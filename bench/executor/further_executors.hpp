@@ -1,0 +1,18 @@
+#pragma once
+/// The executors that are compared with those of the program: one row each in further_executors.cpp.
+
+#include <string>
+
+namespace cvtflow::bench {
+
+/// Adds them to the engine's catalogue, once per process, before anything else asks it. Some may be absent from this build.
+void add_further_executors();
+
+/// "1.74.0" of Boost, whose Asio it is; or "none".
+[[nodiscard]] std::string asio_version();
+/// "4.1.0", or "none".
+[[nodiscard]] std::string taskflow_version();
+/// engine::runtime_versions() and these.
+[[nodiscard]] std::string runtime_versions();
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,22 @@
+#include "bench/executor/tbb/flow_per_cycle.hpp"
+
+#include "bench/executor/tbb/task_nodes.hpp"
+#include "engine/executor/tbb/tbb_section.hpp"
+
+namespace cvtflow::bench {
+
+using namespace engine;
+
+void FlowPerCycle::execute(Run& run, int first) {
+    TbbSection section(options().threads, options().pin);
+    section.execute([&](oneapi::tbb::task_group_context& context) {
+        oneapi::tbb::flow::graph graph(context);
+        TaskNodes nodes(graph, run);
+        for (int cycle = first; cycle != Controller::stop; cycle = run.decide(0)) {
+            nodes.start(cycle);
+            graph.wait_for_all();
+        }
+    });
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "bench/lab/command/command.hpp"
+#include "bench/study/extremes/judge.hpp"
+#include "tools/program/arguments/ready_scenes.hpp"
+#include "tools/program/guard.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+struct ExtremesArguments {
+    std::string group;
+    bool nightly = false, cases = false;
+};
+
+void print_cases(const ExtremeVerdict& verdict) {
+    for (const ExtremeCase& one : verdict.cases) {
+        fmt::print("    {:<6} {:<18} {:<9} step {:.2g} s (stable {:.2g} s), {} steps, balance {:.1g}, half step {:.1g}, {:.2f} s  {}\n",
+                   one.detail, one.method, ending_name(one.ending), one.step, one.stable_step, one.steps, one.balance, one.refinement,
+                   one.wall, one.message);
+    }
+}
+
+ExitStatus extremes(const ExtremesArguments& arguments) {
+    ExtremeJudge judge(tasks::read_scene(find_scene("tiny")));
+    fmt::print("{:<10} {:<72} {:<6} {}\n", "group", "row", "", "outcome: number of cases (4 methods x 3 levels of detail)");
+    int rows = 0, failed = 0;
+    for (const Extreme& row : bench::extremes()) {
+        if ((!arguments.group.empty() && row.group != arguments.group) || (row.nightly && !arguments.nightly)) continue;
+        const ExtremeVerdict verdict = judge.judge(row);
+        ++rows;
+        failed += verdict.passed ? 0 : 1;
+        fmt::print("{:<10} {:<72} {:<6} {}\n", row.group, row.name, verdict.passed ? "ok" : "NOT OK", verdict.outcome());
+        if (arguments.cases) print_cases(verdict);
+        std::fflush(stdout);
+    }
+    fmt::print("{} rows, {} not as stated\n", rows, failed);
+    if (rows == 0) throw UsageError(fmt::format("no group '{}' of extremes", arguments.group));
+    return failed == 0 ? ExitStatus::finished : ExitStatus::fault;
+}
+
+}  // namespace
+
+Action declare_extremes(CLI::App& app) {
+    const auto arguments = std::make_shared<ExtremesArguments>();
+    app.add_option(
+        "--group", arguments->group,
+        "Only this group: friction, damping, stiffness, masses, pins, pitch, plates, joints, operation, contact, steps, numbers, limits");
+    app.add_flag("--nightly", arguments->nightly, "Also rows that take minutes");
+    app.add_flag("--cases", arguments->cases, "Every case of every row");
+    app.footer(
+        "Every row runs the scene tiny at the edge of something, by four methods at three levels of detail. It is right (energy balance, "
+        "agreement\n"
+        "with half the step), refused with a message, ended by a named fault, or announced as beyond stability. Exit status 3: a row is "
+        "not as stated.");
+    return [arguments] { return extremes(*arguments); };
+}
+
+}  // namespace cvtflow::bench

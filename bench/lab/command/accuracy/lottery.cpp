@@ -1,0 +1,89 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+
+#include "bench/lab/command/command.hpp"
+#include "bench/study/extremes/lottery.hpp"
+#include "tools/program/guard.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+struct LotteryArguments {
+    std::uint64_t seed = 1;
+    long first = 0, machines = 40;
+    int threads = 1;
+    bool settings = false, csv = false;
+    LotteryRules rules;
+};
+
+std::string line_of(const LotteryTicket& t, const LotteryArguments& a) {
+    if (a.csv)
+        return fmt::format("{},{},{:.6g},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{:.3g},{:.3g},{:.3g},{:.3f}\n", t.number, t.detail, t.step,
+                           t.status, t.notes, t.slip, t.exact_slip, t.loss, t.exact_loss, t.residual, t.exact_residual, t.suspicion,
+                           t.wall);
+    return fmt::format("{:>5} {:<17} {:>8.3g} {:<12} {:>8.3f} % {:>+8.3f} % {:>9.4g} J {:>+8.3f} % {:>8.2g} {:>8.2g} {:>8.2g}  {}{}\n",
+                       t.number, t.detail, t.step, t.status, 100.0 * t.slip, 100.0 * (t.exact_loss > 0.0 ? t.slip_error(a.rules) : 0.0),
+                       t.loss, 100.0 * (t.exact_loss > 0.0 ? t.loss_error() : 0.0), t.residual, t.exact_residual, t.suspicion, t.notes,
+                       t.message.empty() ? "" : " " + t.message);
+}
+
+std::string heading(bool csv) {
+    if (csv) return "machine,detail,step,status,notes,slip,exact_slip,loss,exact_loss,residual,exact_residual,suspicion,wall\n";
+    return fmt::format("{:>5} {:<17} {:>8} {:<12} {:>10} {:>10} {:>11} {:>10} {:>8} {:>8} {:>8}  {}\n", "", "detail", "step [s]", "status",
+                       "slip", "off by", "losses", "off by", "residual", "finer", "suspicion", "notes");
+}
+
+ExitStatus lottery(const LotteryArguments& arguments) {
+    if (arguments.settings) {
+        for (long k = 0; k < arguments.machines; ++k) {
+            fmt::print("# machine {}\n", arguments.first + k);
+            const LotteryMachine machine = lottery_machine(arguments.seed, arguments.first + k);
+            if (!machine.scene.empty()) fmt::print("# of scene {}\n", machine.scene);
+            for (const std::string& setting : machine.settings) fmt::print("--set {}\n", setting);
+        }
+        return ExitStatus::finished;
+    }
+    const auto tickets = play_all(arguments.seed, arguments.first, arguments.machines, arguments.threads, arguments.rules);
+    fmt::print("{}", heading(arguments.csv));
+    std::map<std::string, int> statuses;
+    int broken = 0, alarms = 0;
+    for (const LotteryTicket& ticket : tickets) {
+        fmt::print("{}", line_of(ticket, arguments));
+        ++statuses[ticket.status];
+        broken += ticket.honest(arguments.rules) ? 0 : 1;
+        alarms += ticket.false_alarm(arguments.rules) ? 1 : 0;
+    }
+    std::string counts;
+    for (const auto& [status, count] : statuses) counts += fmt::format("{}{} {}", counts.empty() ? "" : ", ", count, status);
+    to_stderr(fmt::format("{} machines: {}; {} called finished and off by more than {:g} %, {} called unreliable and right\n",
+                          tickets.size(), counts, broken, 100.0 * arguments.rules.tolerance, alarms));
+    return broken == 0 ? ExitStatus::finished : ExitStatus::fault;
+}
+
+}  // namespace
+
+Action declare_lottery(CLI::App& app) {
+    const auto arguments = std::make_shared<LotteryArguments>();
+    app.add_option("--machines", arguments->machines, "How many (default: 40)")->check(CLI::Range(1L, 1000000L))->type_name("N");
+    app.add_option("--first", arguments->first, "Number of the first one (default: 0)")->check(CLI::NonNegativeNumber)->type_name("N");
+    app.add_option("--seed", arguments->seed, "Another seed draws other machines (default: 1)")->type_name("N");
+    app.add_option("--threads", arguments->threads, "Machines side by side (default: 1)")->check(CLI::Range(1, 1024))->type_name("N");
+    app.add_flag("--settings", arguments->settings, "Print the settings of the machines and run nothing");
+    app.add_flag("--csv", arguments->csv, "Print a CSV table");
+    app.footer(
+        "Every physical parameter is drawn within a factor of 2 of its default, with clamping, speed, load, ratio, detail, laws and chain; "
+        "a third are ready\n"
+        "scenes of which some parameters are drawn, with their states. Loads also are zero, reversed or jump. Each machine settles\n"
+        "for 20 ms and runs for 20 ms with the default method and step, then again with steps a quarter as long. What is called finished "
+        "must agree\n"
+        "with that to 1 % in slip and losses.\n\nExit status 3: a machine was called finished and was wrong.");
+    return [arguments] { return lottery(*arguments); };
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,28 @@
+#pragma once
+/// The subcommands of cvtflow-lab: a file in a folder of bench/lab/command and a row in commands.cpp each.
+
+#include "tools/program/program.hpp"
+
+namespace cvtflow::bench {
+
+/// In the order of the help text.
+[[nodiscard]] std::span<const tools::Command> commands() noexcept;
+
+tools::Action declare_local_error(CLI::App& app);
+tools::Action declare_method(CLI::App& app);
+tools::Action declare_fit(CLI::App& app);
+tools::Action declare_compare(CLI::App& app);
+tools::Action declare_spectrum(CLI::App& app);
+tools::Action declare_stability(CLI::App& app);
+tools::Action declare_pin_entry(CLI::App& app);
+tools::Action declare_profile(CLI::App& app);
+tools::Action declare_granularity(CLI::App& app);
+tools::Action declare_dot(CLI::App& app);
+tools::Action declare_executors(CLI::App& app);
+tools::Action declare_newton(CLI::App& app);
+tools::Action declare_detail(CLI::App& app);
+tools::Action declare_tradeoff(CLI::App& app);
+tools::Action declare_extremes(CLI::App& app);
+tools::Action declare_lottery(CLI::App& app);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,41 @@
+#include "bench/lab/command/command.hpp"
+
+#include <array>
+
+namespace cvtflow::bench {
+namespace {
+
+constexpr const char* schedule = "Commands about schedules";
+constexpr const char* method = "Commands about methods";
+constexpr const char* accuracy = "Commands about accuracy";
+
+}  // namespace
+
+std::span<const tools::Command> commands() noexcept {
+    using tools::Command;
+    static constexpr std::array rows{
+        Command{"profile", schedule, "Measure schedules against each other: time, stages, synchronisation, scaling", declare_profile},
+        Command{"granularity", schedule, "Measure how short tasks may be: efficiency of every executor against the length of a task",
+                declare_granularity},
+        Command{"executors", schedule, "List executors: those of the program and further ones to compare, and which are missing",
+                declare_executors},
+        Command{"dot", schedule, "Draw the task graph of a step in Graphviz' language", declare_dot},
+        Command{"method", method, "Show what a method is: order, stability, growth of errors within a step, its table", declare_method},
+        Command{"stability", method, "Regions of stability of methods, over the eigenvalues of a scene", declare_stability},
+        Command{"spectrum", method, "Eigenvalues at a state: what a method has to cope with, and where it comes from", declare_spectrum},
+        Command{"fit", method, "Fit a stability polynomial to a scene's spectrum", declare_fit},
+        Command{"local-error", method, "Measure the error of a single step against its length", declare_local_error},
+        Command{"pin-entry", method, "Run methods through the entry of a pin: its axial force, errors, evaluations, time in turns",
+                declare_pin_entry},
+        Command{"newton", method, "Try the implicit methods: Newton's convergence, cost and error by variant and step", declare_newton},
+        Command{"compare", accuracy, "Run methods and steps on a scene: errors, evaluations, time", declare_compare},
+        Command{"tradeoff", accuracy, "Measure what accuracy costs: methods and steps, the Pareto front, a recommendation",
+                declare_tradeoff},
+        Command{"detail", accuracy, "Compare levels of detail: what each dial costs and what it changes", declare_detail},
+        Command{"extremes", accuracy, "Run the edges of every parameter and say what comes of each", declare_extremes},
+        Command{"lottery", accuracy, "Run machines drawn by chance with defaults and count how they end", declare_lottery},
+    };
+    return rows;
+}
+
+}  // namespace cvtflow::bench

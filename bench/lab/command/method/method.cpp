@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+
+#include "bench/lab/command/command.hpp"
+#include "bench/lab/report/method/program_stability_report.hpp"
+#include "engine/base/spelling.hpp"
+#include "engine/method/catalogue.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/scene/scene.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/text/method_text.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+constexpr std::size_t short_table = 24;
+
+struct MethodArguments {
+    std::string name;
+    double length = 0.0;
+    bool table = false;
+};
+
+std::string program_text(const tasks::MethodProgram& program) {
+    const std::string text =
+        field("source", program.source) + field("order", fmt::format("{}", program.order)) +
+        field("evaluations", program.evaluations > 0 ? fmt::format("{} a step", program.evaluations) : "as many as the step needs") +
+        field("systems solved", program.solves);
+    if (program.stability == nullptr) return text + field("stability", "of the tables of stages that it chooses among");
+    return text + program_figures(program_result(program));
+}
+
+ExitStatus method(const MethodArguments& arguments) {
+    if (const tasks::MethodProgram* program = tasks::find_program(arguments.name)) {
+        fmt::print("{}: {}\n{}", program->name, program->description, program_text(*program));
+        return ExitStatus::finished;
+    }
+    const auto plan = engine::make_method(arguments.name);
+    if (!plan) throw UsageError(tasks::no_method(arguments.name));
+    fmt::print("{}: {}\n{}", plan->name, plan->description, method_figures(*plan, arguments.length));
+    if (arguments.table || plan->stages.size() <= short_table) {
+        fmt::print("\n{}", method_table(*plan));
+    } else {
+        fmt::print("\n  --table prints the {} stages\n", plan->stages.size());
+    }
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_method(CLI::App& app) {
+    const auto arguments = std::make_shared<MethodArguments>();
+    app.add_option("NAME", arguments->name, "Method (cvtflow list methods), e.g. dopri54, rkc-s37-e10, fitted-l200-w2")
+        ->required()
+        ->type_name("");
+    app.add_option("--real", arguments->length, "Measure growth and gain on [-LENGTH, 0] (default: the whole real interval of stability)")
+        ->type_name("LENGTH")
+        ->check(CLI::PositiveNumber);
+    app.add_flag("--table", arguments->table, "Print the table, however long");
+    app.footer(
+        "Everything is derived from the table: order by rooted trees, stability by executing it on y' = lambda y.\n"
+        "growth: largest |Y|/|y| of a stage. gain: largest factor by which an error made in one stage has grown at the step's end; where\n"
+        "friction saturates, every crossing of the corner is such an error.");
+    return [arguments] { return method(*arguments); };
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,146 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "bench/lab/command/command.hpp"
+#include "bench/lab/measure/settled_start.hpp"
+#include "bench/lab/report/method/spectrum_report.hpp"
+#include "bench/study/spectrum.hpp"
+#include "engine/method/catalogue.hpp"
+#include "tasks/method/auto_step.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/step/control/longest_step.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output/output_folder.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+struct SpectrumArguments {
+    SceneArguments scene;
+    OutputArguments output;
+    bool extremal = false, attribute = false, quiet = false;
+};
+
+/// Tells what is being done, on stderr.
+class Teller {
+public:
+    explicit Teller(bool quiet) : quiet_(quiet) {}
+    void operator()(const std::string& what) const {
+        if (!quiet_) print_error(what);
+    }
+
+private:
+    bool quiet_;
+};
+
+void find_values(SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start, bool extremal,
+                 const Teller& tell) {
+    std::vector<double> matrix = jacobian(variator, start.time, start.state, start.phases);
+    result.unknowns = static_cast<int>(start.state.size());
+    result.complete = !extremal;
+    if (!extremal) {
+        if (result.unknowns > 1500)
+            tell(fmt::format("all {} eigenvalues: a minute or two (--extremal: seconds)", count_text(result.unknowns)));
+        result.values = engine::eigenvalues(std::move(matrix), result.unknowns);
+        return;
+    }
+    const auto progress = [&](int dimension, int settled, int wanted) {
+        tell(fmt::format("Krylov space of {}: {} of {} eigenvalues settled", dimension, settled, wanted));
+    };
+    engine::ExtremalEigenvalues edge =
+        engine::extremal_eigenvalues(std::move(matrix), result.unknowns, {.left_of = result.border, .progress = progress});
+    result.values = std::move(edge.values);
+    result.dimension = edge.dimension;
+    result.residual = edge.residual;
+}
+
+/// Absent for methods that are programs.
+std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Variator& variator, const tasks::FrozenStart& start,
+                                  const Teller& tell) {
+    if (tasks::find_program(result.method) != nullptr) return {};
+    const engine::StagePlan plan = *engine::make_method(result.method);
+    tell(fmt::format("largest stable step of {}", result.method));
+    StepLimit limit{result.method, engine::largest_stable_step(plan, result.values), {}};
+    limit.measured = measured_stable_step(variator, plan, start, limit.predicted.step, extent_of(result.values).growth);
+    return limit;
+}
+
+/// Absent for tables of stages. Predicted by the linearised step: steps of the full equations about a moving state meet transitions, which
+/// hid a growth or made one (up to five times too short).
+std::optional<tasks::StepLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator,
+                                                 const tasks::FrozenStart& start, const Teller& tell) {
+    if (tasks::find_program(scene.run.method) == nullptr) return {};
+    tell(fmt::format("largest stable step of {}", scene.run.method));
+    return tasks::predicted_step_limit(variator, scene.parameters, scene.run.method, start);
+}
+
+ExitStatus spectrum(const SpectrumArguments& arguments) {
+    const Teller tell(arguments.quiet);
+    const LoadedScene loaded = load_scene(arguments.scene);
+    const tasks::Scene& scene = loaded.scene;
+    if (!loaded.notice.empty()) tell(loaded.notice);
+    const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "its eigenvalues");
+    const model::Variator variator(scene.parameters);
+    SpectrumResult result;
+    result.scene = scene.name;
+    result.friction = model::friction_law_names[static_cast<std::size_t>(scene.parameters.detail.friction)];
+    result.time = start.time;
+    result.touching = touching_tips(start);
+    result.method = scene.run.method;
+    result.step = scene.run.step.value_or(tasks::longest_automatic_step(scene.parameters.detail.pins));
+    find_values(result, variator, start, arguments.extremal, tell);
+    result.limit = limit_of(result, variator, start, tell);
+    result.program_limit = program_limit_of(scene, variator, start, tell);
+    if (arguments.attribute) result.attribution = attribute(scene.parameters, start, result.border, tell);
+    OutputFolder folder(arguments.output);
+    folder.write("spectrum.csv", spectrum_csv(result));
+    folder.write("spectrum.json", spectrum_json(result));
+    if (result.complete) {
+        folder.write("spectrum-linear.svg", svg(spectrum_plot(result, Scale::linear)));
+        folder.write("spectrum-symlog.svg", svg(spectrum_plot(result, Scale::symlog)));
+    } else {
+        folder.write("spectrum-edge.svg", svg(edge_plot(result)));  // the plane would be empty but for a line
+    }
+    if (result.attribution) folder.write("spectrum-slowed.svg", svg(slowed_plot(result)));
+    fmt::print("{}{}", spectrum_text(result), folder.written());
+    return ExitStatus::finished;
+}
+
+constexpr const char* spectrum_explanation =
+    "Phases are held; the Jacobian is taken by central differences. --extremal finds the eigenvalues with Re < -1e6 1/s and the pair that\n"
+    "oscillates fastest, by Arnoldi's method, the others only the dense method. Their picture counts those that decay faster; all are "
+    "drawn in the complex plane.\n"
+    "The largest stable step is the longest with which no eigenvalue leaves the method's region of stability. Of tables of stages it is\n"
+    "confirmed by steps of the full equations about the state: velocities are disturbed by 1e-9 m/s, and the disturbance grows or dies "
+    "out.\n"
+    "Of methods that are programs it is that of their linearised step (cvtflow-lab stability measures it).\n"
+    "--attribute: eigenvalues are proportional to 1/v0 of the contact that makes them, so each is told by a small change of v0.";
+
+}  // namespace
+
+Action declare_spectrum(CLI::App& app) {
+    const auto arguments = std::make_shared<SpectrumArguments>();
+    declare_scene(app, arguments->scene);
+    declare_shortcut(app, arguments->scene, "--state", "start.state", "FILE");
+    declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
+    declare_fresh_start(app, arguments->scene);
+    app.add_flag("--extremal", arguments->extremal, "Only eigenvalues at the edge: seconds instead of minutes");
+    app.add_flag("--attribute", arguments->attribute,
+                 "Tell which contacts make which eigenvalues, and what ten times their saturation speeds do");
+    declare_output(app, arguments->output);
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.footer(spectrum_explanation);
+    return [arguments] { return spectrum(*arguments); };
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,181 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+
+#include "bench/lab/command/command.hpp"
+#include "bench/lab/measure/settled_start.hpp"
+#include "bench/lab/report/method/program_stability_report.hpp"
+#include "bench/lab/report/method/stability_report.hpp"
+#include "bench/study/spectrum.hpp"
+#include "engine/method/analysis/stability.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/method/stability/predicted_step.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output/output_folder.hpp"
+#include "tools/program/text/provenance_json.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+struct StabilityArguments {
+    std::vector<std::string> methods;
+    SceneArguments scene;
+    OutputArguments output;
+    bool all = false, quiet = false;
+    double step = 0.0;
+};
+
+/// Methods of both kinds.
+struct Chosen {
+    std::vector<engine::StagePlan> plans;
+    std::vector<tasks::MethodProgram> programs;
+};
+
+Chosen chosen(const StabilityArguments& arguments) {
+    Chosen all;
+    for (const std::string& name : arguments.methods) {
+        require_method(name);
+        const tasks::MethodProgram* program = tasks::find_program(name);
+        if (program == nullptr) {
+            all.plans.push_back(*tasks::plan_for(name));
+        } else if (program->stability == nullptr) {
+            throw UsageError(fmt::format("{} chooses among tables of stages: ask for one of them (cvtflow list methods)", name));
+        } else {
+            all.programs.push_back(*program);
+        }
+    }
+    return all;
+}
+
+/// A scene's eigenvalues, and where its methods are tried.
+struct Ground {
+    std::string scene;
+    tasks::Scene whole;
+    tasks::FrozenStart start;
+    std::optional<model::Variator> variator;
+    engine::Eigenvalues values;  ///< only for tables
+};
+
+Ground ground_of(const StabilityArguments& arguments, bool with_eigenvalues) {
+    const LoadedScene loaded = load_scene(arguments.scene);
+    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
+    Ground ground{loaded.scene.name, loaded.scene, settled_start(loaded.scene, arguments.scene.settle, "its eigenvalues"), {}, {}};
+    ground.variator.emplace(loaded.scene.parameters);
+    if (!with_eigenvalues) return ground;
+    const int size = static_cast<int>(ground.start.state.size());
+    if (!arguments.quiet) print_error(fmt::format("eigenvalues of {}", ground.scene));
+    std::vector<double> matrix = jacobian(*ground.variator, ground.start.time, ground.start.state, ground.start.phases);
+    ground.values = arguments.all ? engine::eigenvalues(std::move(matrix), size)
+                                  : engine::extremal_eigenvalues(std::move(matrix), size, {.progress = {}}).values;
+    return ground;
+}
+
+void try_on(StabilityResult& result, const Ground& ground) {
+    const std::string& name = result.plan.name;
+    const Extent extent = extent_of(ground.values);
+    StepLimit limit{name, engine::largest_stable_step(result.plan, ground.values), {}};
+    limit.measured = measured_stable_step(*ground.variator, result.plan, ground.start, limit.predicted.step, extent.growth);
+    result.growth = engine::stage_growth(result.plan, limit.predicted.step * extent.decay);
+    result.gain = engine::perturbation_gain(result.plan, limit.predicted.step * extent.decay);
+    result.limit = limit;
+}
+
+void try_on(ProgramResult& result, const Ground& ground) {
+    const std::string& name = result.program.name;
+    ProgramLimit limit{name, tasks::predicted_step_limit(*ground.variator, ground.whole.parameters, name, ground.start), {}};
+    limit.measured = measured_step_limit(ground.whole, name, ground.start, limit.predicted.step);
+    result.limit = limit;
+}
+
+std::vector<StabilityResult> look_at(const std::vector<engine::StagePlan>& plans, const StabilityArguments& arguments,
+                                     const std::optional<Ground>& ground, OutputFolder& folder) {
+    std::vector<StabilityResult> results;
+    for (const engine::StagePlan& plan : plans) {
+        if (!arguments.quiet) print_error(plan.name);
+        results.push_back(stability_of(plan));
+        if (ground) try_on(results.back(), *ground);
+        const double step = arguments.step > 0.0 ? arguments.step : ground ? results.back().limit->predicted.step : 1.0;
+        const std::string picture = fmt::format("stability-{}.svg", plan.name);
+        if (folder.wants(picture))
+            folder.write(picture, svg(stability_map(results.back(), ground ? ground->values : engine::Eigenvalues{}, step,
+                                                    ground ? ground->scene : "")));
+    }
+    if (!results.empty()) folder.write("stability.csv", stability_csv(results));
+    return results;
+}
+
+std::vector<ProgramResult> look_at(const std::vector<tasks::MethodProgram>& programs, const StabilityArguments& arguments,
+                                   const std::optional<Ground>& ground, OutputFolder& folder) {
+    std::vector<ProgramResult> results;
+    for (const tasks::MethodProgram& program : programs) {
+        if (!arguments.quiet) print_error(program.name);
+        results.push_back(program_result(program));
+        results.back().step = arguments.step;
+        if (ground) try_on(results.back(), *ground);
+        const std::string picture = fmt::format("stability-{}.svg", program.name);
+        if (folder.wants(picture)) folder.write(picture, svg(program_map(results.back())));
+    }
+    if (!results.empty()) folder.write("stability-programs.csv", program_csv(results));
+    return results;
+}
+
+std::string json_of(const std::vector<StabilityResult>& tables, const std::vector<ProgramResult>& programs, const std::string& scene) {
+    auto tried = nlohmann::ordered_json::array(), apart = nlohmann::ordered_json::array();
+    for (const StabilityResult& result : tables) tried.push_back(stability_json(result));
+    for (const ProgramResult& result : programs) apart.push_back(program_json(result));
+    return json_text({{"scene", scene}, {"provenance", provenance_json()}, {"tables", tried}, {"programs", apart}});
+}
+
+ExitStatus stability(const StabilityArguments& arguments) {
+    const Chosen methods = chosen(arguments);
+    OutputFolder folder(arguments.output);
+    std::optional<Ground> ground;
+    if (!arguments.scene.scene.empty()) ground = ground_of(arguments, !methods.plans.empty());
+    const std::vector<StabilityResult> tables = look_at(methods.plans, arguments, ground, folder);
+    const std::vector<ProgramResult> programs = look_at(methods.programs, arguments, ground, folder);
+    folder.write("stability.json", json_of(tables, programs, arguments.scene.scene));
+    if (!tables.empty()) fmt::print("{}{}", stability_table(tables), programs.empty() ? "" : "\n");
+    fmt::print("{}{}{}", program_table(programs), limit_lines(programs), folder.written());
+    return ExitStatus::finished;
+}
+
+constexpr const char* stability_explanation =
+    "real, imag, ray: how far |R(z)| <= 1 reaches from 0 along the axes and along rays of that damping ratio. With --scene also:\n"
+    "growth, gain: largest stage value, and largest factor on an error made in a stage, over the scene's decays at the largest stable "
+    "step;\n"
+    "the step itself, predicted by the eigenvalues and confirmed by steps about the state (cvtflow-lab spectrum --help).\n"
+    "Maps show eigenvalues times the largest stable step, or times --step; --all also the inner ones (a minute or two at full detail).\n"
+    "Methods that are no tables are looked at on what they are made for. Friction apart: q' = v, v' = -omega^2 q - c v, over h omega and h "
+    "c;\n"
+    "'with friction': h omega that is stable with any c, and the h c that limits it. Solving for the whole state: u' = lambda u with the "
+    "exact\n"
+    "Jacobian. growth, gain: as above, over all decays; left: what a step leaves of the stiffest. 'any': beyond 1e6. With --scene also "
+    "their\n"
+    "largest stable step: predicted from the linearised equations of the whole variator, and measured by the step that a run would take; "
+    "the\n"
+    "oscillation that sets it is the point on the map (the same mode's frequency and friction).";
+
+}  // namespace
+
+Action declare_stability(CLI::App& app) {
+    const auto arguments = std::make_shared<StabilityArguments>();
+    app.add_option("METHOD", arguments->methods, "Methods (cvtflow list methods)")->required()->type_name("");
+    app.add_option("--scene", arguments->scene.scene, "Scene whose eigenvalues the methods have to cope with")->type_name("SCENE");
+    declare_changes(app, arguments->scene);
+    declare_fresh_start(app, arguments->scene);
+    app.add_option("--step", arguments->step, "Step of the map in seconds")->type_name("SECONDS")->check(CLI::PositiveNumber);
+    app.add_flag("--all", arguments->all, "All eigenvalues instead of those at the edge");
+    declare_output(app, arguments->output);
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.footer(stability_explanation);
+    return [arguments] { return stability(*arguments); };
+}
+
+}  // namespace cvtflow::bench

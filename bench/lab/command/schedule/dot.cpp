@@ -1,0 +1,76 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "bench/lab/command/command.hpp"
+#include "engine/graph/dot.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/step/step_graph.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/guard.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+/// Every step has these, in the order of tasks::Cycle.
+const std::vector<std::string> common_cycles{"evaluate", "detect", "locate", "truncate"};
+
+struct DotArguments {
+    SceneArguments scene;
+    std::string cycle = "evaluate";
+};
+
+/// Names of a graph's cycles: those that every step has, and a method's own by any of their tasks.
+std::vector<std::pair<std::string, int>> cycles_of(const engine::TaskGraph& graph) {
+    std::vector<std::pair<std::string, int>> cycles;
+    for (std::size_t k = 0; k < common_cycles.size(); ++k) cycles.emplace_back(common_cycles[k], static_cast<int>(k));
+    for (int task = 0; task < graph.size(); ++task) {
+        const std::pair<std::string, int> named{graph.task(task).stem(), graph.task(task).cycle};
+        const auto same = [&](const auto& cycle) { return cycle.first == named.first; };
+        if (named.second >= tasks::method_cycles && std::none_of(cycles.begin(), cycles.end(), same)) cycles.push_back(named);
+    }
+    return cycles;
+}
+
+int cycle_named(const engine::TaskGraph& graph, const std::string& name, const std::string& method) {
+    std::vector<std::string> names;
+    for (const auto& [known, cycle] : cycles_of(graph)) {
+        if (known == name) return cycle;
+        names.push_back(known);
+    }
+    throw UsageError(fmt::format("--cycle {}: a step of {} has {}", name, method, fmt::join(names, ", ")));
+}
+
+ExitStatus dot(const DotArguments& arguments) {
+    const tasks::Scene scene = load_scene(arguments.scene).scene;
+    tasks::Workspace workspace(scene.parameters, *tasks::plan_for(scene.run.method),
+                               tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
+    const std::unique_ptr<tasks::StepMethod> method = tasks::make_step_method(scene.run.method, workspace);
+    const engine::TaskGraph graph = tasks::step_graph(workspace, {.kind = scene.run.assembly}, method.get());
+    fmt::print("{}", engine::to_dot(graph, cycle_named(graph, arguments.cycle, scene.run.method)));
+    return ExitStatus::finished;
+}
+
+}  // namespace
+
+Action declare_dot(CLI::App& app) {
+    const auto arguments = std::make_shared<DotArguments>();
+    arguments->scene.settle = true;  // the start does not matter
+    declare_scene(app, arguments->scene);
+    declare_shortcut(app, arguments->scene, "--segments", "run.segments", "N");
+    declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    app.add_option("--cycle", arguments->cycle,
+                   "Cycle to draw: evaluate, detect, locate, truncate, or one of the method's own by a task in it")
+        ->type_name("NAME")
+        ->capture_default_str();
+    app.footer("Example: cvtflow-lab dot tiny --segments 3 | dot -Tsvg > step.svg");
+    return [arguments] { return dot(*arguments); };
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,251 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "bench/executor/further_executors.hpp"
+#include "bench/lab/command/command.hpp"
+#include "bench/lab/measure/wait_policies.hpp"
+#include "bench/lab/report/profile_report.hpp"
+#include "bench/lab/text/profile_text.hpp"
+#include "bench/study/profile/report.hpp"
+#include "engine/base/provenance.hpp"
+#include "engine/executor/runtimes.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output/output_folder.hpp"
+#include "tools/program/output/output_place.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+struct ProfileArguments {
+    SceneArguments scene;
+    ScheduleChoice choice;
+    MeasureOptions measure;
+    double round_milliseconds = 60.0;
+    std::string csv, json, trace, stages, curves;
+    OutputArguments output;
+    std::string wait = "balanced";
+    bool policies = false;
+    bool quiet = false;
+};
+
+const std::map<std::string, engine::Wait> waits{
+    {"spin", engine::Wait::spin}, {"balanced", engine::Wait::balanced}, {"passive", engine::Wait::passive}};
+
+void write_file(const std::string& path, const std::string& text) {
+    if (path.empty()) return;
+    std::ofstream file(path, std::ios::binary);
+    file << text;
+    file.close();
+    if (!file) throw std::runtime_error(path + ": cannot write");
+}
+
+std::string machine_text(const Profile& result) {
+    const engine::Provenance here = engine::current_provenance();
+    return field("machine",
+                 fmt::format("{}, {}, {} usable", here.cpu, plural(here.cores, "core"), plural(tasks::usable_threads(), "thread"))) +
+           field("program", fmt::format("cvtflow {} ({}), {} {}", here.version, here.commit, here.compiler, here.build_type)) +
+           field("flags", compiler_flags()) + field("libraries", bench::runtime_versions()) +
+           field("load average", fmt::format("{:.2f} before, {:.2f} after", result.load_before, result.load_after)) +
+           field(result.crowded() ? "crowded" : "quiet",
+                 crowding_text(result) + (result.crowded() ? ": others are busy, compare with care" : ""));
+}
+
+MeasureOptions options_of(const ProfileArguments& arguments) {
+    MeasureOptions options = arguments.measure;
+    options.round_seconds = 1e-3 * arguments.round_milliseconds;
+    std::vector<int>& loads = options.neighbours;
+    loads.push_back(0);
+    std::sort(loads.begin(), loads.end());
+    loads.erase(std::unique(loads.begin(), loads.end()), loads.end());
+    return options;
+}
+
+/// This command's words again, but for what the sweep says itself.
+std::vector<std::string> repeated(const ProfileArguments& arguments, const MeasureOptions& options) {
+    std::vector<std::string> words{"profile",      arguments.scene.scene,
+                                   "--steps",      fmt::format("{}", options.steps),
+                                   "--rounds",     fmt::format("{}", options.rounds),
+                                   "--round-ms",   fmt::format("{}", arguments.round_milliseconds),
+                                   "--neighbours", fmt::format("{}", fmt::join(options.neighbours, ","))};
+    const auto add = [&](const std::string& option, const std::string& value) {
+        if (!value.empty()) words.insert(words.end(), {option, value});
+    };
+    for (const std::string& setting : arguments.scene.settings) add("--set", setting);
+    for (const Shortcut& shortcut : arguments.scene.shortcuts) add(shortcut.option, shortcut.value.value_or(""));
+    add("--detail", arguments.scene.detail);
+    add("--threads", fmt::format("{}", fmt::join(arguments.choice.threads, ",")));
+    add("--segments", fmt::format("{}", fmt::join(arguments.choice.segments, ",")));
+    if (options.steps == 0) words.erase(words.begin() + 2, words.begin() + 4);
+    return words;
+}
+
+/// Tables, JSON and pictures of -o; @return which were written
+std::string write_folder(const ProfileArguments& arguments, const tasks::Scene& scene, const Profile& result, const std::string& csv,
+                         const std::string& json) {
+    OutputFolder folder(arguments.output);
+    folder.write("profile.csv", csv);
+    folder.write("stages.csv", profile_stages_csv(scene, result));
+    folder.write("profile.json", json);
+    folder.write("stages.svg", svg(stages_plot(scene.name, result)));
+    folder.write("loads.svg", svg(loads_plot(scene.name, result)));
+    if (result.predicts()) {
+        folder.write("curves.csv", profile_curves_csv(scene, result));
+        folder.write("curves.svg", svg(curves_plot(scene.name, result)));
+    }
+    return folder.written();
+}
+
+/// @return what -o has written
+std::string write_files(const ProfileArguments& arguments, const tasks::Scene& scene, const MeasureOptions& options, const Profile& result,
+                        const std::vector<PolicyResult>& policies) {
+    std::string rows;
+    auto list = nlohmann::ordered_json::array();
+    for (const PolicyResult& each : policies) {
+        rows += each.csv_rows;
+        list.push_back({{"policy", each.name}, {"profile", each.json}});
+    }
+    const std::string csv = profile_csv(scene, result) + rows;
+    auto json = nlohmann::ordered_json::parse(profile_json(scene, options, result));
+    json["policies"] = list;
+    write_file(arguments.csv, csv);
+    write_file(arguments.json, json.dump(2) + "\n");
+    if (!arguments.trace.empty()) write_file(arguments.trace, profile_trace(result));
+    write_file(arguments.stages, profile_stages_csv(scene, result));
+    if (result.predicts()) write_file(arguments.curves, profile_curves_csv(scene, result));
+    return write_folder(arguments, scene, result, csv, json.dump(2) + "\n");
+}
+
+/// Whether everything that was asked for is there, with a line for what is not.
+ExitStatus verdict(const ProfileArguments& arguments, const Profile& result) {
+    for (const std::string& line : result.differences) print_error(fmt::format("states differ: {}", line));
+    const bool refused = !arguments.curves.empty() && !result.predicts();
+    if (refused) print_error(fmt::format("{}: not written, there is no prediction: {}", arguments.curves, crowding_text(result)));
+    return result.differences.empty() && !refused ? ExitStatus::finished : ExitStatus::error;
+}
+
+ExitStatus profile(const ProfileArguments& arguments) {
+    const LoadedScene loaded = load_scene(arguments.scene);
+    if (!loaded.notice.empty() && !arguments.quiet) print_error(loaded.notice);
+    const tasks::Scene& scene = loaded.scene;
+    for (const std::string& file : {arguments.csv, arguments.json, arguments.trace, arguments.stages, arguments.curves})
+        require_no_input(file, {scene.path, scene.state_file});
+    const MeasureOptions options = options_of(arguments);
+    ScheduleChoice choice = arguments.choice;
+    choice.wait = waits.at(arguments.wait);
+    const auto schedules = chosen_schedules(scene, choice);
+    const auto progress = [&](const std::string& line) {
+        if (!arguments.quiet) print_error(line);
+    };
+    const Profile result = profile_schedules(scene, schedules, options, progress);
+    fmt::print("{}: {}, alternating, medians of {}\n{}", scene.name, plural(static_cast<long>(schedules.size()), "schedule"),
+               plural(options.rounds, "round"), machine_text(result));
+    for (const std::string& part : {timing_text(result), neighbours_text(result), stages_text(result), serial_text(result),
+                                    model_text(result), predictions_text(result)}) {
+        if (!part.empty()) fmt::print("\n{}", part);
+    }
+    std::vector<PolicyResult> policies;
+    if (arguments.policies) {
+        policies = measure_policies(repeated(arguments, options), arguments.choice.names, progress);
+        fmt::print("\n{}", policies_text(policies));
+    }
+    fmt::print("{}", write_files(arguments, scene, options, result, policies));
+    return verdict(arguments, result);
+}
+
+constexpr const char* profile_explanation =
+    "Stages are what the tasks of the graph call themselves: a method with cycles of its own adds its own.\n"
+    "All schedules run in one process, in turns; serial:fused is always among them and is what speed-ups refer to.\n"
+    "States are compared bit by bit after the same steps; a difference is an error (exit status 1).\n"
+    "Columns:\n"
+    "  evaluation   time per evaluation of the right-hand side, detection and control included [us]\n"
+    "  cpu/wall     processor time of the process over wall time\n"
+    "  active       threads that ran tasks in the recorded pass\n"
+    "  sync         loss of a thread per cycle [us], from a recorded pass apart from the timing:\n"
+    "               (waits of the n active threads - (n - 1) x controller) / (n x cycles), that is\n"
+    "               (n x (time - controller) - task times) / (n x cycles) without entering and leaving\n"
+    "  alone        a cycle of one task of 2 us per thread, above the time of that task [us]; absent: a thread never came\n"
+    "  bare         a bare barrier of as many threads, in turn with `alone` [us]\n"
+    "  burnt        processor time per step beyond what serial needs under the same load [us]: threads that wait without sleeping\n"
+    "  least task   METG: task length at which half the time is lost: the loss per level of the graph [us]\n"
+    "  imbalance    longest over mean task time of the threads\n"
+    "  recording    what recording added to the step time in its own pass\n"
+    "On a crowded machine nothing is predicted: a calibration before, amid and after (each thread counts pieces of arithmetic for 50 ms) "
+    "has "
+    "to get nine tenths\n"
+    "of the processors, and so have the schedules. -o writes profile.csv, stages.csv, curves.csv, profile.json, stages.svg, loads.svg, "
+    "curves.svg.\n"
+    "The critical path takes of every cycle the slowest segment, the controller and the synchronisation a + b M.\n"
+    "--policies starts this program again for each way of waiting, because OpenMP's runtimes read OMP_WAIT_POLICY, GOMP_SPINCOUNT and "
+    "KMP_BLOCKTIME when they\n"
+    "are loaded; oneTBB has no such switch. Each child compares with serial in its own process. Their rows follow in the CSV file, their "
+    "profiles in the JSON file.";
+
+void declare_waits_and_files(CLI::App& app, ProfileArguments& arguments) {
+    app.add_option("--wait", arguments.wait, "How flow and barrier wait: spin, balanced or passive")
+        ->type_name("POLICY")
+        ->check(CLI::IsMember({"spin", "balanced", "passive"}))
+        ->capture_default_str();
+    app.add_flag("--pin", arguments.choice.pin, "Each thread on one processor");
+    app.add_flag("--policies", arguments.policies, "Measure again under every wait policy, pinned and not");
+    app.add_flag("--predict", arguments.measure.predict_crowded, "Predict also where others are busy");
+    app.add_option("-o,--output", arguments.output.folder, "Folder for tables, JSON and pictures")->type_name("DIR");
+    app.add_option("--csv", arguments.csv, "Table to write, one row per schedule and load")->type_name("FILE");
+    app.add_option("--json", arguments.json, "Everything, with provenance")->type_name("FILE");
+    app.add_option("--trace", arguments.trace, "Recorded passes for chrome://tracing or ui.perfetto.dev")->type_name("FILE");
+    app.add_option("--stages", arguments.stages, "Table of stages by thread: the published charts")->type_name("FILE");
+    app.add_option("--curves", arguments.curves, "Table of the speed-up curves")->type_name("FILE");
+}
+
+}  // namespace
+
+Action declare_profile(CLI::App& app) {
+    const auto arguments = std::make_shared<ProfileArguments>();
+    MeasureOptions& measure = arguments->measure;
+    declare_scene(app, arguments->scene);
+    declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
+    declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
+    app.add_option("--schedules", arguments->choice.names,
+                   "EXECUTOR[:ASSEMBLY], separated by commas (default: all, fused and staged; staged-serial-cholesky, -transition, -both "
+                   "leave parts in one task)")
+        ->type_name("LIST")
+        ->delimiter(',');
+    app.add_option("--threads", arguments->choice.threads, "Numbers of threads (default: all usable)")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->check(CLI::Range(1, 1024));
+    app.add_option("--segments", arguments->choice.segments, "Numbers of segments; 0: as many as threads (default)")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--steps", measure.steps, "Steps of a round (default: as many as fit)")
+        ->type_name("N")
+        ->check(CLI::Range(1L, 10000000L));
+    app.add_option("--rounds", measure.rounds, "Rounds that count")->type_name("N")->check(CLI::Range(1, 10000))->capture_default_str();
+    app.add_option("--round-ms", arguments->round_milliseconds, "Time of a round; a schedule with one over 2 s is dropped")
+        ->type_name("MS")
+        ->check(CLI::Range(1.0, 2000.0))
+        ->capture_default_str();
+    app.add_option("--neighbours", measure.neighbours, "Busy threads beside, each measured again; 0 always is")
+        ->type_name("LIST")
+        ->delimiter(',')
+        ->check(CLI::Range(0, 1024))
+        ->default_str("0,1,2");
+    declare_waits_and_files(app, *arguments);
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.footer(profile_explanation);
+    return [arguments] { return profile(*arguments); };
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,250 @@
+#include "bench/lab/measure/detail_measure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "bench/lab/text/watch_text.hpp"
+#include "model/observe/observation.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/tuning/detail_state.hpp"
+#include "tasks/tuning/output.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/output/interrupt.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+/// What the table shows of a variant, in this order.
+enum { tight, slack, tip, slip, speed_ratio, thrust_ratio };
+const std::vector<tasks::TunedOutput>& shown() {
+    static const auto outputs = tasks::tuned_outputs({"tight_tension", "slack_tension", "tips", "slip", "ratio", "thrust_ratio"}, true);
+    return outputs;
+}
+
+/// Averages over both halves of a run.
+struct Averager final : tasks::RunObserver {
+    Averager(const tasks::Simulation& simulation, double from, double until)
+        : observer(simulation.variator()),
+          middle(0.5 * (from + until)),
+          first(simulation.variator(), shown(), 0, from),
+          second(simulation.variator(), shown(), 0, middle) {}
+    void output(double time, const tasks::Workspace& w, const tasks::Counters& counters) override {
+        const model::Observation& now = observer.observe(time, w.states[0], w.tips.phases.data());
+        watch.add(now, w);
+        if (!begun) begin = {now.time, now.ratio};
+        begun = true;
+        end = {now.time, now.ratio};
+        (time < middle ? first : second).output(time, w, counters);
+    }
+    void transition(const tasks::TransitionRecord&) override {}
+
+    /// Mean of what is shown over both halves.
+    [[nodiscard]] double mean(int which) const {
+        const auto at = static_cast<std::size_t>(which);
+        return 0.5 * (first.values()[at] + second.values()[at]);
+    }
+
+    struct Ratio {
+        double time = 0.0, ratio = 0.0;
+    };
+    model::Observer observer;
+    double middle;
+    tasks::OutputReader first, second;
+    tasks::RunWatch watch;
+    Ratio begin, end;
+    bool begun = false;
+};
+
+/// Two integrations, each with a balance of its own: the jolt with which the state is brought over belongs to the first one. What they came
+/// to: a fault, or what the watch says of the second, suspicions of both.
+void settle_and_average(tasks::Simulation& simulation, double settle, Averager& seen, double until, DetailOutcome& outcome) {
+    tasks::SilentObserver silent;
+    tasks::Fault fault = simulation.advance({.until = settle, .anew = true}, silent, catch_interrupts());
+    const double before = simulation.suspicion();
+    if (!fault) fault = simulation.advance({.until = until, .anew = true}, seen, catch_interrupts());
+    outcome.watch = seen.watch.verdict(simulation.energy(), before);
+    outcome.status = outcome.watch.status(fault);
+    outcome.fault = fault ? fault.message() : unreliable_remark(fault, outcome.watch);
+    if (outcome.status == "unreliable") outcome.fault += "; a shorter --step is needed";
+}
+
+/// Best of several: the machine may be busy.
+double cost_of(const tasks::Simulation& simulation) {
+    model::EvaluationScratch scratch(simulation.variator().layout());
+    std::vector<double> slope(static_cast<std::size_t>(simulation.variator().layout().size()));
+    double best = 1.0;
+    for (int repetition = 0; repetition < 200; ++repetition) {
+        const auto begin = std::chrono::steady_clock::now();
+        for (int k = 0; k < 5; ++k)
+            model::right_hand_side(simulation.variator(), 0.0, simulation.state(), simulation.phases().data(), slope.data(), scratch);
+        best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count() / 5.0);
+    }
+    return best;
+}
+
+tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name, const DetailVariant& v, const std::string& until,
+                      std::vector<std::string> more = {}) {
+    SceneArguments scene;
+    scene.scene = name;
+    scene.settings = {fmt::format("detail.order={}", v.order),
+                      v.plates == model::PlateDetail::each ? "detail.plates=each" : "detail.plates=lumped",
+                      fmt::format("detail.joint_points={}", v.joint_points),
+                      v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
+                      v.pins == model::PinDetail::whole ? "detail.pins=whole" : "detail.pins=halves",
+                      fmt::format("detail.mass_scaling={}", v.mass_scaling),
+                      "run.method=" + arguments.method,
+                      "run.step=" + arguments.step,
+                      "run.until=" + until,
+                      "run.threads=1",
+                      "run.schedule=serial"};
+    scene.settings.insert(scene.settings.end(), arguments.settings.begin(), arguments.settings.end());
+    scene.settings.insert(scene.settings.end(), more.begin(), more.end());
+    return load_scene(scene).scene;
+}
+
+/// Averages over both halves of the time after settling.
+void average(tasks::Simulation& simulation, double settle, double length, DetailOutcome& outcome) {
+    const double settled = simulation.time() + settle, until = settled + length;
+    Averager seen(simulation, settled, until);
+    settle_and_average(simulation, settled, seen, until, outcome);
+    if (!outcome.fault.empty()) return;
+    outcome.tight = seen.mean(tight), outcome.slack = seen.mean(slack), outcome.tip = seen.mean(tip), outcome.slip = seen.mean(slip);
+    outcome.ratio = seen.mean(speed_ratio);
+    outcome.efficiency = outcome.watch.means.efficiency;
+    outcome.shift = (seen.end.ratio / seen.begin.ratio - 1.0) / (seen.end.time - seen.begin.time);
+    outcome.drift = seen.second.values()[tight] / seen.first.values()[tight] - 1.0;
+    outcome.cost = cost_of(simulation);
+}
+
+}  // namespace
+
+std::string DetailVariant::name() const {
+    if (!preset.empty()) return fmt::format("{}{}", preset, share == 1.0 ? "" : fmt::format(", 1/{:g} of its step", 1.0 / share));
+    const std::string slowed = mass_scaling == 1.0 ? "" : fmt::format(", mass x {:g}", mass_scaling);
+    return fmt::format("{}p={} {:6} {} pt {}{}", pins == model::PinDetail::whole ? "whole pins, " : "", order,
+                       plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
+                       pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", slowed);
+}
+
+std::vector<DetailVariant> detail_variants(bool all) {
+    using enum model::PinDetail;
+    using enum model::PlateDetail;
+    using enum model::PulleyDetail;
+    if (!all) {
+        return {full_detail,
+                {2, each, 8, elastic},
+                {1, each, 8, elastic},
+                {0, each, 8, elastic},
+                {3, lumped, 8, elastic},
+                {3, each, 3, elastic},
+                {3, each, 1, elastic},
+                {3, each, 8, rigid},
+                {1, lumped, 3, elastic},
+                {1, lumped, 1, rigid},
+                {0, lumped, 1, rigid},
+                {3, each, 8, elastic, whole},
+                {1, lumped, 1, elastic, whole},
+                {.order = 1, .plates = lumped, .joint_points = 1, .pulleys = elastic, .pins = whole, .mass_scaling = 3.0}};
+    }
+    std::vector<DetailVariant> list{full_detail};
+    for (int order = 3; order >= 0; --order) {
+        for (const auto plates : {each, lumped}) {
+            for (const int points : {8, 3, 1}) {
+                for (const auto pulleys : {elastic, rigid}) {
+                    if (list.size() > 1 || order != 3 || plates != each || points != 8 || pulleys != elastic)
+                        list.push_back({order, plates, points, pulleys});
+                }
+            }
+        }
+    }
+    return list;
+}
+
+namespace {
+
+/// The dials are this command's own: a setting would turn them in all variants alike, and all differences would be zero.
+void require_free_dials(const std::vector<std::string>& settings) {
+    for (const std::string& setting : settings) {
+        const std::string key = setting.substr(0, setting.find('='));
+        for (const std::string_view dial : tasks::dial_keys()) {
+            if (key == dial) throw UsageError(fmt::format("--set {}: {} is one of the dials that are compared", setting, key));
+        }
+    }
+}
+
+/// At its start; with a share of the automatic step as a fixed one.
+std::unique_ptr<tasks::Simulation> begin(tasks::Scene scene, double share) {
+    auto simulation = std::make_unique<tasks::Simulation>(scene);
+    if (share == 1.0) return simulation;
+    scene.run.step = tasks::AutoNumber(share * simulation->automatic_step());
+    return std::make_unique<tasks::Simulation>(scene);
+}
+
+}  // namespace
+
+DetailMeasure::DetailMeasure(DetailArguments arguments, std::string scene) : arguments_(std::move(arguments)), scene_(std::move(scene)) {
+    require_free_dials(arguments_.settings);
+    const tasks::Scene reference = scene_of(arguments_, scene_, full_detail, arguments_.settle);
+    if (reference.state_file.empty())
+        throw tasks::SceneError(fmt::format("{}: has no settled state of full detail to start from (start.state)", scene_));
+    settled_ = engine::read_state(reference.state_file);
+    reference_ = reference.parameters;
+    try {
+        const tasks::Simulation start(reference);  // refuses a state that does not fit, and names the differences
+        if (start.suspicion() > 1.0)
+            throw tasks::SimulationError(reference.state_file + " is unreliable: the energy balance of its settling did not close");
+    } catch (const tasks::SimulationError& error) {
+        throw tasks::SceneError(fmt::format("{}: variants start from a settled state of full detail: {}", scene_, error.what()));
+    }
+}
+
+DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted) const {
+    DetailOutcome outcome;
+    outcome.variant = variant;
+    tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.settle);
+    const double settle = scene.run.until, length = scene_of(arguments_, scene_, variant, arguments_.average).run.until;
+    const tasks::StateFile start(tasks::brought_over(settled_, reference_, scene.parameters));
+    scene.state_file = start.path();
+    auto simulation = begin(scene, variant.share);
+    outcome.coordinates = simulation->variator().layout().coordinates();
+    average(*simulation, settle, length, outcome);
+    outcome.step = simulation->step();
+    outcome.simulation = std::move(simulation);
+    if (outcome.fault.empty()) find_thrust(variant, wanted > 0.0 ? wanted : outcome.ratio, outcome);
+    return outcome;
+}
+
+/// Mean over the last fifth of the time that ratio control has; gains as in scene `control`.
+void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, DetailOutcome& outcome) const {
+    if (std::strtod(arguments_.control.c_str(), nullptr) == 0.0) return;
+    tasks::Scene scene = scene_of(
+        arguments_, scene_, variant, arguments_.control,
+        {"control.enabled=true", fmt::format("control.ratio={:.6f}", wanted), "control.proportional=1 MN", "control.integral=5e7 N/s"});
+    engine::SavedState settled = tasks::brought_over(settled_, reference_, scene.parameters);
+    settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));  // the controller's integral begins at zero
+    const tasks::StateFile start(settled);
+    scene.state_file = start.path();
+    const auto begun = begin(scene, variant.share);
+    tasks::Simulation& simulation = *begun;
+    const double found = simulation.time() + 0.8 * scene.run.until, until = simulation.time() + scene.run.until;
+    Averager seen(simulation, found, until);
+    DetailOutcome controlled;
+    settle_and_average(simulation, found, seen, until, controlled);
+    if (!controlled.fault.empty()) {
+        outcome.status = controlled.status;
+        outcome.fault = "under ratio control: " + controlled.fault;
+        return;
+    }
+    outcome.thrust = seen.mean(thrust_ratio);
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,81 @@
+#pragma once
+/// One operating point at many levels of detail: what each costs and what it gives.
+///
+/// Every variant starts from the scene's settled state at full detail, brought over to its own coordinates, goes on for a short settling
+/// time of its own and is then averaged. What a variant would still drift by after that is noted with it: smaller differences are not the
+/// detail's.
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/record/run/state_file.hpp"
+#include "model/parameters/parameters.hpp"
+#include "tasks/run/run_watch.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/scene/scene.hpp"
+
+namespace cvtflow::bench {
+
+struct DetailArguments {
+    std::vector<std::string> scenes;
+    std::vector<std::string> settings;
+    std::string method = tasks::RunSettings{}.method, step = "auto", settle = "20 ms", average = "20 ms";
+    std::string control = "100 ms";  ///< how long ratio control looks for the thrust ratio; begins with 0: not at all
+    bool all = false, rungs = false;
+};
+
+/// A combination of the dials.
+struct DetailVariant {
+    int order;
+    model::PlateDetail plates;
+    int joint_points;
+    model::PulleyDetail pulleys;
+    model::PinDetail pins = model::PinDetail::halves;
+    std::string_view preset{};  ///< its name as a level of detail; empty: it has none here
+    double share = 1.0;         ///< of the automatic step; 1: automatic steps [1]
+    double mass_scaling = 1.0;  ///< [1]
+    [[nodiscard]] std::string name() const;
+};
+inline constexpr DetailVariant full_detail{3, model::PlateDetail::each, 8, model::PulleyDetail::elastic};
+
+/// One dial at a time, then several down, full detail first; or every combination.
+[[nodiscard]] std::vector<DetailVariant> detail_variants(bool all);
+
+struct DetailOutcome {
+    DetailVariant variant = full_detail;
+    int coordinates = 0;
+    double cost = 0.0;                ///< of one right-hand side [s]
+    double step = 0.0;                ///< the last one [s]
+    double tight = 0.0, slack = 0.0;  ///< [N]
+    double tip = 0.0;                 ///< largest axial force of an end of a pin, both halves together, mean over time [N]
+    double slip = 0.0, efficiency = 0.0;
+    double ratio = 0.0;                             ///< mean speed ratio
+    double shift = 0.0;                             ///< relative rate of the ratio at the scene's clamping [1/s]
+    double thrust = 0.0;                            ///< S_1/S_2 that holds the wanted ratio under load; 0: not looked for
+    double drift = 0.0;                             ///< difference of the tight strand's tension between both halves of the averaging
+    tasks::RunVerdict watch;                        ///< over the averaging, suspicion of the settling as well
+    std::string status = "finished";                ///< or "unreliable", or the fault's name
+    std::string fault;                              ///< what is to be said of that; where there is something, the figures above are none
+    std::shared_ptr<tasks::Simulation> simulation;  ///< where the averaging ended
+};
+
+/// Measures variants of one scene.
+class DetailMeasure {
+public:
+    /// @throws tasks::SceneError if the scene has no settled state of full detail
+    DetailMeasure(DetailArguments arguments, std::string scene);
+    /// @param wanted ratio that ratio control holds; 0: that of the variant itself
+    [[nodiscard]] DetailOutcome measure(const DetailVariant& variant, double wanted) const;
+
+private:
+    void find_thrust(const DetailVariant& variant, double wanted, DetailOutcome& outcome) const;
+
+    DetailArguments arguments_;
+    std::string scene_;
+    engine::SavedState settled_;
+    model::Parameters reference_;
+};
+
+}  // namespace cvtflow::bench

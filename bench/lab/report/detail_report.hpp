@@ -1,0 +1,14 @@
+#pragma once
+/// What each dial of detail costs and changes, as a table: `cvtflow-lab detail` and `cvtflow-lab tradeoff --detail`.
+
+#include "bench/lab/measure/detail_measure.hpp"
+#include "tools/program/exit_status.hpp"
+#include "tools/program/output/output_folder.hpp"
+
+namespace cvtflow::bench {
+
+/// Prints a table for every scene, differences from full detail; detail_SCENE.csv, .json, .svg if asked for. A variant that broke down is
+/// named on stderr and makes the result incomplete.
+tools::ExitStatus report_details(const DetailArguments& arguments, const tools::OutputArguments& output);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,56 @@
+#pragma once
+/// Stability of methods that are programs, for people, programs and eyes.
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/study/stability/measured_step.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/method/program_stability.hpp"
+#include "tasks/method/stability/step_limit.hpp"
+#include "tools/program/plot/plot.hpp"
+
+namespace cvtflow::bench {
+
+/// What a method's longest stable step on a scene is, and that it is so.
+struct ProgramLimit {
+    std::string method;
+    tasks::StepLimit predicted;
+    MeasuredLimit measured;
+};
+/// "1.91 us (oscillation …) predicted, 1.91 us measured (+0.1 %)".
+[[nodiscard]] std::string limit_text(const ProgramLimit& limit);
+
+/// Reaches are infinite beyond tasks::far_away.
+struct ProgramResult {
+    tasks::MethodProgram program;
+    tasks::ProgramStability stability;
+    double first = 0.0, second = 0.0;  ///< oscillator: h ω without friction, h c at rest; linear: reach along the real, the imaginary axis
+    tasks::FrictionLimit any{};        ///< oscillator only: with whatever friction
+    double ray_1 = 0.0, ray_5 = 0.0;   ///< linear only: along rays of damping ratio 1 % and 5 %
+    tasks::StageFigures worst;         ///< over all decays that the method takes
+    std::optional<ProgramLimit> limit;  ///< on a scene
+    double step = 0.0;                  ///< of the scene's point on the map; 0: the longest stable one [s]
+
+    [[nodiscard]] bool oscillator() const noexcept { return stability.equation == tasks::TestEquation::oscillator; }
+};
+
+/// @param program with a stability function
+[[nodiscard]] ProgramResult program_result(const tasks::MethodProgram& program);
+
+/// Lines for one method.
+[[nodiscard]] std::string program_figures(const ProgramResult& result);
+/// A line for each method with a limit.
+[[nodiscard]] std::string limit_lines(const std::vector<ProgramResult>& results);
+/// One table for each test equation.
+[[nodiscard]] std::string program_table(const std::vector<ProgramResult>& results);
+[[nodiscard]] std::string program_csv(const std::vector<ProgramResult>& results);
+/// One method; null: however far.
+[[nodiscard]] nlohmann::ordered_json program_json(const ProgramResult& result);
+/// Where a step does not grow: over (h ω, h c) or the complex plane of h λ; with a limit, also the oscillation
+/// that sets it at the result's step.
+[[nodiscard]] tools::Plot program_map(const ProgramResult& result);
+
+}  // namespace cvtflow::bench

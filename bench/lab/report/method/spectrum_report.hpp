@@ -1,0 +1,55 @@
+#pragma once
+/// A measured spectrum for people, programs and eyes.
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "bench/lab/report/method/program_stability_report.hpp"
+#include "bench/study/attribution.hpp"
+#include "bench/study/stability/stable_step.hpp"
+#include "engine/method/analysis/stable_step.hpp"
+#include "tools/program/plot/plot.hpp"
+
+namespace cvtflow::bench {
+
+/// What a method's largest stable step is, and that it is so.
+struct StepLimit {
+    std::string method;
+    engine::StableStep predicted;
+    MeasuredStep measured;
+};
+
+struct SpectrumResult {
+    std::string scene, friction;  ///< names
+    double time = 0.0;            ///< [s]
+    long touching = 0;            ///< tips
+    int unknowns = 0;
+    engine::Eigenvalues values;                     ///< all, or those at the edge
+    bool complete = true;                           ///< all
+    int dimension = 0;                              ///< of the Krylov space, if not complete
+    double residual = 0.0;                          ///< largest relative one, if not complete
+    std::string method;                             ///< of the scene
+    double step = 0.0;                              ///< of the scene [s]
+    std::optional<StepLimit> limit;                 ///< absent: the method is no table of stages
+    std::optional<tasks::StepLimit> program_limit;  ///< predicted only; absent: it is one
+    std::optional<Attribution> attribution;
+    double border = -1e6;  ///< of the attribution [1/s]
+};
+
+[[nodiscard]] std::string spectrum_text(const SpectrumResult& result);
+/// One row per eigenvalue: real, imaginary part, shares by kind of contact (empty where not attributed).
+[[nodiscard]] std::string spectrum_csv(const SpectrumResult& result);
+[[nodiscard]] std::string spectrum_json(const SpectrumResult& result);
+/// Eigenvalues in the complex plane, coloured by the contact that makes them. @param scale of both axes: linear or symlog
+[[nodiscard]] tools::Plot spectrum_plot(const SpectrumResult& result, tools::Scale scale);
+/// How many eigenvalues decay faster than a rate, by the contact that makes them: what eigenvalues at the edge, nearly all real, show best.
+[[nodiscard]] tools::Plot edge_plot(const SpectrumResult& result);
+/// How many eigenvalues decay faster, with saturation speeds as they are and ten times as high. Only with an attribution.
+[[nodiscard]] tools::Plot slowed_plot(const SpectrumResult& result);
+
+[[nodiscard]] nlohmann::ordered_json limit_json(const StepLimit& limit);
+/// "50.95 ns predicted (…), 50.97 ns measured (+0.04 %)".
+[[nodiscard]] std::string limit_text(const StepLimit& limit);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,33 @@
+#pragma once
+/// Regions of stability for people, programs and eyes.
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bench/lab/report/method/spectrum_report.hpp"
+
+namespace cvtflow::bench {
+
+/// A method, and what a scene's spectrum lets it do.
+struct StabilityResult {
+    engine::StagePlan plan;
+    double real = 0.0, imaginary = 0.0;  ///< reach along the axes
+    double ray_1 = 0.0, ray_5 = 0.0;     ///< along rays of damping ratio 1 % and 5 %
+    std::optional<StepLimit> limit;      ///< only with a scene
+    double growth = 0.0, gain = 0.0;     ///< of stages and of their errors over the scene's decays at the limit; only with a scene
+};
+
+/// Reaches, and over [-length, 0] nothing yet. @throws std::invalid_argument as engine::validate()
+[[nodiscard]] StabilityResult stability_of(const engine::StagePlan& plan);
+
+[[nodiscard]] std::string stability_table(const std::vector<StabilityResult>& results);
+[[nodiscard]] std::string stability_csv(const std::vector<StabilityResult>& results);
+/// One method; the parts that need a scene only with one.
+[[nodiscard]] nlohmann::ordered_json stability_json(const StabilityResult& result);
+/// |R(z)| ≤ 1, and the eigenvalues times the step. @param values may be empty   @param step [s]
+[[nodiscard]] tools::Plot stability_map(const StabilityResult& result, const engine::Eigenvalues& values, double step,
+                                        const std::string& scene);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,63 @@
+#include "bench/lab/text/method_choice_text.hpp"
+
+#include <fmt/format.h>
+
+#include "tasks/scene/scene.hpp"
+#include "tasks/scene/toml/units.hpp"
+#include "tools/program/arguments/scene_arguments.hpp"
+#include "tools/program/guard.hpp"
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+double read_time(const std::string& option, const std::string& text) {
+    const auto parsed = tasks::parse_quantity(text);
+    const auto* quantity = std::get_if<tasks::Quantity>(&parsed);
+    const bool time = quantity != nullptr && (!quantity->has_unit || quantity->dimension == tasks::dimension_of("s"));
+    if (!time || !(quantity->value > 0.0)) throw UsageError(fmt::format("{}: '{}' is not a time above 0, such as 40ns", option, text));
+    return quantity->value;
+}
+
+namespace {
+
+constexpr std::string_view automatic = "auto";
+
+/// 0: automatic [s].
+double read_step(const std::string& choice, const std::string& step) { return step == automatic ? 0.0 : read_time(choice, step); }
+
+}  // namespace
+
+std::vector<std::string> read_choice(const std::string& choice) {
+    const auto at = choice.find('@'), tilde = choice.find('~');
+    if (at == std::string::npos || at == 0 || (tilde != std::string::npos && tilde < at))
+        throw UsageError(fmt::format("{}: write METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE for steps by error", choice));
+    const std::string step = choice.substr(at + 1, tilde == std::string::npos ? tilde : tilde - at - 1);
+    const double seconds = read_step(choice, step);
+    std::vector<std::string> settings{"run.method=" + choice.substr(0, at),
+                                      seconds == 0.0 ? fmt::format("run.step={}", automatic) : fmt::format("run.step={:.17g}", seconds)};
+    if (tilde != std::string::npos) {
+        settings.emplace_back("run.step_control=error");
+        settings.push_back("run.tolerance=" + choice.substr(tilde + 1));
+    } else {
+        settings.emplace_back("run.step_control=fixed");
+    }
+    return settings;
+}
+
+Candidate read_candidate(const std::string& text) {
+    const std::size_t at = text.find('@');
+    if (at == std::string::npos) throw UsageError(fmt::format("{}: a method and its step are wanted, such as rk4@50ns", text));
+    const Candidate candidate{text.substr(0, at), read_step(text, text.substr(at + 1))};
+    require_method(candidate.method);
+    return candidate;
+}
+
+std::string candidate_name(const Candidate& candidate) {
+    std::string step = candidate.step == 0.0 ? std::string(automatic) : time_text(candidate.step);
+    std::erase(step, ' ');
+    return candidate.method + "@" + step;
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,21 @@
+#pragma once
+/// Methods with their steps as commands take them: METHOD@STEP, METHOD@auto, METHOD@LONGEST~TOLERANCE.
+
+#include <string>
+#include <vector>
+
+#include "bench/study/comparison.hpp"
+
+namespace cvtflow::bench {
+
+/// A time above 0 with or without its unit [s]. @throws tasks::SceneError that begins with the option
+[[nodiscard]] double read_time(const std::string& option, const std::string& text);
+
+/// "dumka3-p5@2us", "leapfrog-rkc@auto", "dopri54@1us~1e-3" (a tolerance) as settings of a scene. @throws tasks::SceneError
+[[nodiscard]] std::vector<std::string> read_choice(const std::string& choice);
+/// "rk4@50ns", "rk4@auto". @throws tasks::SceneError also if there is no such method
+[[nodiscard]] Candidate read_candidate(const std::string& text);
+/// The text from which read_candidate() makes this candidate.
+[[nodiscard]] std::string candidate_name(const Candidate& candidate);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,29 @@
+#pragma once
+/// A profile for people: tables and bars.
+
+#include <string>
+
+#include "bench/study/profile/profile.hpp"
+
+namespace cvtflow::bench {
+
+/// Step and evaluation times, speed-ups, synchronisation: a row per schedule.
+[[nodiscard]] std::string timing_text(const Profile& profile);
+/// Medians beside busy neighbours and factors against serial under the same load; empty if there were none.
+[[nodiscard]] std::string neighbours_text(const Profile& profile);
+/// A bar per thread and schedule, divided by stages.
+[[nodiscard]] std::string stages_text(const Profile& profile);
+/// Where sequential time goes: the serial staged run by stage, or the fused one if that was not measured.
+[[nodiscard]] std::string serial_text(const Profile& profile);
+/// What the calibrations got of the processors, beside what a prediction needs; empty if there was none.
+[[nodiscard]] std::string crowding_text(const Profile& profile);
+/// Costs, three curves and the critical path beside what was measured; why there are none on a crowded machine.
+[[nodiscard]] std::string model_text(const Profile& profile);
+
+/// Predicted speed-up of every schedule beside the measured one.
+[[nodiscard]] std::string predictions_text(const Profile& profile);
+
+/// "CCCCHHHH..": shares of a thread's time as letters, largest remainders filled up to exactly `width`.
+[[nodiscard]] std::string stage_bar(const ThreadTimes& times, const std::vector<StageRow>& rows, int width);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,45 @@
+#include "bench/lab/text/watch_text.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tools/program/text/text.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+std::string residual_cell(const tasks::Fault& fault, const tasks::RunVerdict& watch) {
+    return fault ? "-" : fmt::format("{:.1e}", watch.residual);
+}
+
+std::string unreliable_remark(const tasks::Fault& fault, const tasks::RunVerdict& watch) {
+    if (fault || watch.reliable()) return {};
+    return fmt::format("unreliable: the energy balance is off by {:.2g} times what an honest integration leaves", watch.suspicion);
+}
+
+std::string too_short(const tasks::RunVerdict& watch) {
+    if (watch.long_enough()) return {};
+    return fmt::format("{} are {:.2g} pin periods: means of slip and efficiency need {:g} (about {} here)", time_text(watch.duration),
+                       watch.pin_periods(), tasks::enough_pin_periods, time_text(tasks::enough_pin_periods * watch.pin_period));
+}
+
+std::string watch_csv(const tasks::Fault& fault, const tasks::RunVerdict& watch) {
+    if (fault) return fault.name() + ",,,,,,";
+    const std::string efficiency = std::isfinite(watch.means.efficiency) ? fmt::format("{:.6g}", watch.means.efficiency) : "";
+    return fmt::format("{},{:.3e},{:.3g},{:.3g},{},{:.6g},{}", watch.status(fault), watch.residual, watch.suspicion, watch.pin_periods(),
+                       watch.long_enough() ? "yes" : "no", watch.means.slip, efficiency);
+}
+
+nlohmann::ordered_json watch_json(const tasks::Fault& fault, const tasks::RunVerdict& watch) {
+    nlohmann::ordered_json json{{"status", watch.status(fault)}};
+    if (fault) return json;
+    const nlohmann::ordered_json figures{{"residual", watch.residual},         {"suspicion", watch.suspicion},
+                                         {"pin_periods", watch.pin_periods()}, {"long_enough", watch.long_enough()},
+                                         {"mean_slip", watch.means.slip},      {"efficiency", watch.means.efficiency}};
+    json.update(figures);
+    return json;
+}
+
+}  // namespace cvtflow::bench

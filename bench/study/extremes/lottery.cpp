@@ -1,0 +1,252 @@
+#include "bench/study/extremes/lottery.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+
+#include "engine/executor/tbb/job_pool.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "model/start/belt.hpp"
+#include "tasks/run/run_means.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/ready_scenes.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tasks;
+
+namespace {
+
+/// Numbers in [0, 1), the same everywhere.
+class Urn {
+public:
+    Urn(std::uint64_t seed, long number) : random_(seed * 1000003u + static_cast<std::uint64_t>(number)) { random_.discard(8); }
+    double draw() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+    double draw(double from, double to) { return from + (to - from) * draw(); }
+    template <class List>
+    const auto& one_of(const List& list) {
+        return list[static_cast<std::size_t>(draw() * static_cast<double>(std::size(list)))];
+    }
+
+private:
+    std::mt19937_64 random_;
+};
+
+/// Lengths and angles of a chain and its sheaves fit together: half of one of them alone is no machine.
+[[nodiscard]] bool drawn(const Parameter& parameter) {
+    constexpr std::string_view sections[] = {"chain", "half", "plate", "joint", "tip", "pulley"};
+    const bool physical = std::find(std::begin(sections), std::end(sections), parameter.section()) != std::end(sections);
+    return physical && parameter.kind() == Kind::number && parameter.unit != "m" && parameter.unit != "rad";
+}
+
+struct OperatingPoint {
+    double ratio, thrust_ratio;  ///< S_1/S_2 that holds it at three quarters of the load
+};
+constexpr OperatingPoint points[] = {{2.4, 1.18}, {1.0, 1.355}, {0.417, 1.55}};
+
+/// Torque at which friction lets the driven side slip: 2 mu S_2 r_2/cos(beta) [N m].
+[[nodiscard]] double carried_torque(const model::Parameters& p, double ratio, double clamping) {
+    const auto radii = model::belt_radii(model::chain_length(p.chain), ratio, p.pulley.centre_distance);
+    return radii ? 2.0 * p.tip.friction.coefficient * clamping * radii->driven / std::cos(p.tip.angle) : 0.0;
+}
+
+/// Draws a physical parameter within a factor of 2 of what it is.
+void draw_parameter(const Parameter& parameter, Urn& urn, Scene& scene, std::vector<std::string>& settings) {
+    const Slot slot = parameter.member(scene);
+    double& value = **std::get_if<double*>(&slot);
+    value = std::clamp(value * std::exp2(urn.draw(-1.0, 1.0)), parameter.min, parameter.max);
+    settings.push_back(fmt::format("{}={:.6g}", parameter.key, value));
+}
+
+/// Any detail, all physical parameters, any operating point.
+LotteryMachine machine_of_defaults(Urn& urn, Scene& scene) {
+    LotteryMachine machine;
+    std::vector<std::string>& settings = machine.settings;
+    const DetailPreset& preset = urn.one_of(detail_presets());
+    apply_detail(scene, preset.name);
+    for (const std::string_view key : dial_keys()) settings.push_back(fmt::format("{}={}", key, value_text(*find_parameter(key), scene)));
+    settings.push_back(urn.draw() < 0.5 ? "detail.friction=piecewise" : "detail.friction=smoothed");
+    settings.push_back(urn.draw() < 0.5 ? "joint.law=linear" : "joint.law=palmgren");
+    for (const Parameter& parameter : parameter_table()) {
+        if (drawn(parameter)) draw_parameter(parameter, urn, scene, settings);
+    }
+    const OperatingPoint& point = urn.one_of(points);
+    const double driven = 5e3 * std::pow(80.0 / 5.0, urn.draw());
+    settings.push_back(fmt::format("start.ratio={}", point.ratio));
+    settings.push_back(fmt::format("clamping.driven={:.6g}", driven));
+    settings.push_back(fmt::format("clamping.driving={:.6g}", std::min(80e3, point.thrust_ratio * driven)));
+    settings.push_back(fmt::format("drive.speed={:.6g} rpm", urn.draw(500.0, 6000.0)));
+    const double load = urn.draw(0.0, 0.9) * carried_torque(scene.parameters, point.ratio, driven);
+    settings.push_back(fmt::format("load.torque={:.6g}", load));
+    scene.parameters.load.torque = model::TimeTable(load);
+    return machine;
+}
+
+/// A ready scene with its state, and what somebody tries out with it.
+LotteryMachine machine_of_ready_scene(Urn& urn, Scene& scene) {
+    constexpr std::string_view ready[] = {"baseline", "low", "overdrive"};
+    LotteryMachine machine{std::string(urn.one_of(ready)), {}};
+    scene = read_scene(find_scene(machine.scene));
+    for (const Parameter& parameter : parameter_table()) {
+        if (drawn(parameter) && urn.draw() < 0.04) draw_parameter(parameter, urn, scene, machine.settings);
+    }
+    const double load = urn.draw(0.3, 1.1) * scene.parameters.load.torque.at(0.0);
+    machine.settings.push_back(fmt::format("load.torque={:.6g}", load));
+    scene.parameters.load.torque = model::TimeTable(load);
+    return machine;
+}
+
+/// Another chain: a state that was settled before does not fit it.
+void draw_chain(Urn& urn, const Scene& scene, std::vector<std::string>& settings) {
+    const model::Parameters& p = scene.parameters;
+    const double pitch = p.chain.pitch.front();
+    const double mixed = urn.draw(), mean = pitch * urn.draw(0.99, 1.02), spread = urn.draw(0.0, 0.08);
+    if (mixed < 0.25)
+        settings.push_back(fmt::format("chain.pitch=[{:.6g},{:.6g},{:.6g}]", mean, mean * (1.0 + spread), mean * (1.0 - spread)));
+    else if (mixed < 0.35)
+        settings.push_back(fmt::format("chain.pitch={:.6g}", mean));
+    const double width = urn.draw(0.8, 1.2), radius = urn.draw(0.6, 1.6), plates = urn.draw(6.0, 20.0);
+    if (urn.draw() < 0.15) settings.push_back(fmt::format("half.width={:.6g}", p.half.width * width));
+    if (urn.draw() < 0.15) settings.push_back(fmt::format("joint.radius={:.6g}", p.joint.radius * radius));
+    if (urn.draw() < 0.15) settings.push_back(fmt::format("plate.count={}", std::floor(plates)));
+}
+
+/// No load, a load that drives, or one that jumps within a microsecond in the middle of the run.
+void draw_load(Urn& urn, const Scene& scene, double duration, std::vector<std::string>& settings) {
+    const double load = scene.parameters.load.torque.at(0.0), kind = urn.draw(), when = urn.draw(0.2, 0.8) * duration;
+    const double other = urn.draw(-1.0, 1.0) * load;
+    if (kind < 0.1)
+        settings.emplace_back("load.torque=0");
+    else if (kind < 0.2)
+        settings.push_back(fmt::format("load.torque={:.6g}", -load));
+    else if (kind < 0.4)
+        settings.push_back(fmt::format("load.torque=[[0,{0:.6g}],[{1:.9g},{0:.6g}],[{2:.9g},{3:.6g}]]", load, when, when + 1e-6, other));
+}
+
+}  // namespace
+
+LotteryMachine lottery_machine(std::uint64_t seed, long number) {
+    constexpr double typical_duration = 10e-3;  // [s]
+    Urn urn(seed, number);
+    Scene scene;
+    LotteryMachine machine = number % 3 == 2 ? machine_of_ready_scene(urn, scene) : machine_of_defaults(urn, scene);
+    if (machine.scene.empty() || urn.draw() < 0.4) draw_chain(urn, scene, machine.settings);
+    draw_load(urn, scene, typical_duration, machine.settings);
+    return machine;
+}
+
+double LotteryTicket::slip_error(const LotteryRules& rules) const noexcept {
+    return std::abs(slip - exact_slip) / std::max(std::abs(exact_slip), rules.least_slip);
+}
+
+double LotteryTicket::loss_error() const noexcept { return std::abs(loss - exact_loss) / exact_loss; }
+
+bool LotteryTicket::right(const LotteryRules& rules) const noexcept {
+    return slip_error(rules) <= rules.tolerance && loss_error() <= rules.tolerance;
+}
+
+namespace {
+
+/// Means of a run.
+class Means final : public RunObserver {
+public:
+    explicit Means(const model::Variator& variator) : eye_(variator) {}
+    void output(double time, const Workspace& w, const Counters&) override {
+        means.add(eye_.observe(time, w.states[0], w.tips.phases.data()), w.energy.sums(time), w.pin_period());
+    }
+    void transition(const TransitionRecord&) override {}
+    RunMeans means;
+
+private:
+    model::Observer eye_;
+};
+
+/// The machine as a scene.
+[[nodiscard]] Scene lottery_scene(std::uint64_t seed, long number, const LotteryRules& rules) {
+    LotteryMachine machine = lottery_machine(seed, number);
+    Scene scene = machine.scene.empty() ? Scene() : read_scene(find_scene(machine.scene));
+    scene.name = fmt::format("machine {}", number);
+    scene.run = RunSettings();
+    std::vector<std::string>& settings = machine.settings;
+    settings.push_back(fmt::format("start.settling_time={}", rules.settling_time));
+    settings.push_back(fmt::format("start.ramp_time={}", 0.25 * rules.settling_time));
+    settings.push_back(fmt::format("run.until={}", rules.duration));
+    settings.emplace_back("run.output_interval=20 us");
+    settings.emplace_back("run.schedule=serial");
+    set_values(scene, settings);
+    return scene;
+}
+
+void run_exactly(const Simulation& coarse, Scene scene, const engine::SavedState& start, LotteryTicket& ticket, const LotteryRules& rules) {
+    scene.run.step = coarse.step() / rules.refinement;
+    Simulation simulation(scene, Schedule{});
+    simulation.reset(scene, &start);
+    Means means(simulation.variator());
+    const engine::Cancellation never;
+    if (const Fault fault = simulation.advance({.until = rules.duration}, means, never)) {
+        ticket.message = "shorter steps: " + fault.message();
+        return;
+    }
+    ticket.exact_slip = means.means.all().slip;
+    ticket.exact_loss = simulation.energy().sums(simulation.time()).lost();
+    ticket.exact_residual = simulation.energy().balance().relative();
+}
+
+void settle_and_run(const Scene& scene, LotteryTicket& ticket, const LotteryRules& rules) {
+    const auto began = std::chrono::steady_clock::now();
+    Simulation simulation(scene, Schedule{});
+    SilentObserver silent;
+    const engine::Cancellation never;
+    ticket.ready = !simulation.needs_settling();
+    Fault fault = ticket.ready ? Fault{} : simulation.advance({.until = 0.0}, silent, never);
+    const engine::SavedState start = simulation.saved_state();
+    Means means(simulation.variator());
+    if (!fault) fault = simulation.advance({.until = rules.duration}, means, never);
+    ticket.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    ticket.step = simulation.step();
+    ticket.suspicion = simulation.suspicion();
+    ticket.status = fault ? fault.name() : ticket.suspicion <= 1.0 ? "finished" : "unreliable";
+    ticket.message = fault ? fault.message() : "";
+    if (fault) return;
+    ticket.slip = means.means.all().slip;
+    ticket.loss = simulation.energy().sums(simulation.time()).lost();
+    ticket.residual = simulation.energy().balance().relative();
+    means.means.name_notes(simulation.energy().balance(), ticket.notes);
+    run_exactly(simulation, scene, start, ticket, rules);
+}
+
+}  // namespace
+
+LotteryTicket play(std::uint64_t seed, long number, const LotteryRules& rules) {
+    LotteryTicket ticket;
+    ticket.number = number;
+    try {
+        const Scene scene = lottery_scene(seed, number, rules);
+        ticket.detail =
+            fmt::format("{}{}{}{}", scene.parameters.detail.pins == model::PinDetail::whole ? "whole " : "", scene.parameters.detail.order,
+                        scene.parameters.detail.plates == model::PlateDetail::each ? " each" : " lumped",
+                        scene.parameters.detail.pulleys == model::PulleyDetail::elastic ? " elastic" : " rigid");
+        settle_and_run(scene, ticket, rules);
+    } catch (const std::exception& error) {
+        ticket.status = "refused";
+        ticket.message = error.what();
+    }
+    return ticket;
+}
+
+std::vector<LotteryTicket> play_all(std::uint64_t seed, long first, long count, int threads, const LotteryRules& rules) {
+    std::vector<LotteryTicket> tickets(static_cast<std::size_t>(count));
+    long next = 0;
+    engine::JobPool pool({threads});
+    pool.run([&](int) { return next < count ? std::optional(next++) : std::nullopt; },
+             [&](int, long k) { tickets[static_cast<std::size_t>(k)] = play(seed, first + k, rules); });
+    return tickets;
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,67 @@
+#pragma once
+/// Machines drawn by chance, run with what a user gets who sets nothing: whoever prints `finished` must be right, whoever is not must say
+/// so.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tasks/scene/scene.hpp"
+
+namespace cvtflow::bench {
+
+/// How a machine of the lottery is run.
+struct LotteryRules {
+    double settling_time = 20e-3;  ///< [s]
+    double duration = 20e-3;       ///< [s]
+    double refinement = 4.0;       ///< what it is compared with takes steps so many times shorter [1]
+    double tolerance = 0.01;       ///< of slip and losses [1]
+    double least_slip =
+        5e-4;  ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
+};
+
+struct LotteryMachine {
+    std::string scene;                  ///< ready scene whose settled state it begins with; empty: it settles from defaults
+    std::vector<std::string> settings;  ///< "key=value"
+};
+
+/// Machine `number`. Two of three: every physical parameter but lengths and angles within a factor of 2 of its default, clamping
+/// 5 … 80 kN, 500 … 6000 rpm, ratio 2.4, 1 or 0.417, up to 0.9 of the torque that friction carries, any level of detail, both friction
+/// laws, both contact laws of joints. One of three: a ready scene with its state, of which one or two physical parameters are drawn. Of
+/// some the chain is another one (mixed pitches, thickness, joint radius, plates), and the load is zero, is reversed, or jumps.
+/// The same for the same seed everywhere.
+[[nodiscard]] LotteryMachine lottery_machine(std::uint64_t seed, long number);
+
+/// What came of a machine.
+struct LotteryTicket {
+    long number = 0;
+    std::string detail;
+    bool ready = false;                           ///< began with a ready state that fits
+    double step = 0.0;                            ///< last one in use [s]
+    std::string status;                           ///< finished, unreliable, a fault's name, or refused
+    std::string notes;                            ///< names of what is odd
+    double slip = 0.0, exact_slip = 0.0;          ///< mean over the run; with shorter steps from the same settled start [1]
+    double loss = 0.0, exact_loss = 0.0;          ///< dissipated [J]
+    double residual = 0.0, exact_residual = 0.0;  ///< of the energy balance over the losses [1]
+    double suspicion = 0.0;                       ///< EnergyLedger::suspicion [1]
+    double wall = 0.0;                            ///< without the comparison [s]
+    std::string message;                          ///< of a fault or refusal
+
+    /// Relative differences.
+    [[nodiscard]] double slip_error(const LotteryRules& rules) const noexcept;
+    [[nodiscard]] double loss_error() const noexcept;
+    /// Whether slip and losses agree with the comparison.
+    [[nodiscard]] bool right(const LotteryRules& rules) const noexcept;
+    /// Whether it kept the promise: right, or not called finished.
+    [[nodiscard]] bool honest(const LotteryRules& rules) const noexcept { return status != "finished" || right(rules); }
+    /// Right, and called unreliable.
+    [[nodiscard]] bool false_alarm(const LotteryRules& rules) const noexcept { return status == "unreliable" && right(rules); }
+};
+
+/// Settles and runs a machine with defaults, and once more with shorter steps.
+[[nodiscard]] LotteryTicket play(std::uint64_t seed, long number, const LotteryRules& rules);
+
+/// Machines first … first + count - 1, on so many threads.
+[[nodiscard]] std::vector<LotteryTicket> play_all(std::uint64_t seed, long first, long count, int threads, const LotteryRules& rules);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,35 @@
+#include "bench/study/method_trial.hpp"
+
+#include <chrono>
+#include <cmath>
+
+#include "bench/study/method_run.hpp"
+#include "model/observe/observation.hpp"
+#include "tasks/method/implicit/trapezoidal.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tasks;
+
+TrialEnd try_method(const model::Parameters& parameters, const FrozenStart& start, const std::string& name, double step, double duration) {
+    MethodRun run(parameters, name);
+    SilentObserver nobody;
+    const engine::Cancellation never;
+    const auto began = std::chrono::steady_clock::now();
+    TrialEnd end;
+    end.fault = run.run(start, duration, step, duration, nobody, never);
+    end.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    end.counters = run.counters();
+    end.step = run.step();
+    end.report = run.method().report();
+    if (const auto* trapezoidal = dynamic_cast<const TrapezoidalMethod*>(&run.method())) end.newton = trapezoidal->statistics();
+    const Workspace& workspace = run.workspace();
+    end.state.assign(workspace.states[0], workspace.states[0] + workspace.layout().size());
+    model::Observer observer(workspace.variator);
+    const model::Observation& seen = observer.observe(run.time(), workspace.states[0], workspace.tips.phases.data());
+    end.axial_force = seen.tip_axial;
+    end.tension = seen.tension;
+    return end;
+}
+
+}  // namespace cvtflow::bench

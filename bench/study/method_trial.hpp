@@ -1,0 +1,32 @@
+#pragma once
+/// A method on trial: from one state over a short time, with transitions, against a tight reference. What it cost and what it is off.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tasks/method/implicit/newton.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/step/frozen_start.hpp"
+
+namespace cvtflow::bench {
+
+/// Where a trial ended.
+struct TrialEnd {
+    tasks::Fault fault;
+    tasks::Counters counters;
+    double step = 0.0;                              ///< in use [s]
+    double wall = 0.0;                              ///< [s]
+    std::optional<tasks::NewtonStatistics> newton;  ///< of trapezoidal methods
+    std::string report;                             ///< what the method says of its work
+    std::vector<double> state;                      ///< [layout.size()]
+    std::vector<double> axial_force, tension;       ///< of every tip, of every link [N]
+};
+
+/// Serial run of `method` from `start` over `duration` with the given step.
+/// step [s]
+/// @throws std::invalid_argument for an unknown method
+[[nodiscard]] TrialEnd try_method(const model::Parameters& parameters, const tasks::FrozenStart& start, const std::string& method,
+                                  double step, double duration);
+
+}  // namespace cvtflow::bench

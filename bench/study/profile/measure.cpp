@@ -1,0 +1,198 @@
+#include "bench/study/profile/measure.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "engine/base/hash.hpp"
+#include "engine/executor/stamp_recorder.hpp"
+#include "engine/thread/busy_neighbours.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tasks;
+
+namespace {
+
+constexpr long first_steps = 4;
+constexpr long more_steps = 36;
+constexpr double cycle_seconds = 0.01;  // of a turn of bare cycles
+constexpr long most_stamps = 500000;    // of a thread: 12 MB
+
+/// Samples of one lane under one load.
+struct Samples {
+    std::vector<double> step, evaluation, busy, cpu;
+    long steps = first_steps;
+    std::string dropped;
+
+    void add(const TrialSample& sample, double neighbours_cpu) {
+        step.push_back(sample.per_step());
+        evaluation.push_back(sample.wall / static_cast<double>(sample.evaluations));
+        const double own = std::max(0.0, sample.cpu - neighbours_cpu);
+        busy.push_back(own / sample.wall);
+        cpu.push_back(own / static_cast<double>(sample.steps));
+    }
+};
+
+/// One turn; the first calibrates, the second warms up.
+void turn(Lane& lane, Samples& samples, const MeasureOptions& options, int round, const engine::BusyNeighbours& neighbours) {
+    const double before = neighbours.processor_seconds();
+    const TrialSample sample = lane.trial->run(samples.steps, options.patience);
+    const double neighbours_cpu = neighbours.processor_seconds() - before;
+    samples.steps = options.steps > 0 ? options.steps : steps_within(options.round_seconds, sample.per_step());
+    const bool slow = sample.wall > options.patience || sample.per_step() * static_cast<double>(samples.steps) > options.patience;
+    if (round > 0 || slow) samples.add(sample, neighbours_cpu);
+    if (slow) samples.dropped = fmt::format("dropped: {} steps took {:.1f} s", sample.steps, sample.wall);
+}
+
+LoadResult load_result(const Samples& samples, int neighbours) {
+    return {neighbours,
+            spread(samples.step),
+            median(samples.evaluation),
+            median(samples.busy),
+            0.0,
+            static_cast<int>(samples.step.size()),
+            samples.dropped,
+            median(samples.cpu),
+            0.0};
+}
+
+/// Synchronisation alone, right beside the schedule's own turn.
+void cycle_turn(Lane& lane) {
+    lane.cycles.push_back(cycle_cost(lane.result.schedule, cycle_seconds));
+    lane.bare.push_back(engine::bare_barrier_cycle(lane.result.schedule.threads, 0.5 * cycle_seconds));
+}
+
+/// Medians over the rounds in which all threads came; if they mostly did not, the cost says nothing and `active` says why.
+void sum_up_cycles(Lane& lane) {
+    std::vector<double> seconds, active;
+    for (const CycleCost& cost : lane.cycles) {
+        active.push_back(cost.active);
+        if (cost.active == lane.result.schedule.threads) seconds.push_back(cost.seconds);
+    }
+    const bool mostly = 2 * seconds.size() > lane.cycles.size();
+    lane.result.cycle = {median(seconds), mostly ? lane.result.schedule.threads : static_cast<int>(median(active))};
+    lane.result.bare = median(lane.bare);
+}
+
+}  // namespace
+
+std::string schedule_name(const Schedule& schedule) { return schedule.executor + ":" + assembly_name(schedule.assembly); }
+
+std::vector<std::string> hash_differences(const std::vector<ScheduleResult>& results, std::uint64_t short_hash) {
+    std::vector<std::string> lines;
+    for (const ScheduleResult& result : results) {
+        const std::uint64_t expected = result.hash_steps == first_steps ? short_hash : results.front().hash;
+        if (result.hash == expected) continue;
+        lines.push_back(fmt::format("{} with {} segments and {} threads: state {} after {} steps, serial has {}", result.name,
+                                    result.schedule.segments, result.schedule.threads, engine::hex(result.hash), result.hash_steps,
+                                    engine::hex(expected)));
+    }
+    return lines;
+}
+
+std::vector<Lane> start_lanes(const Scene& scene, const std::vector<Schedule>& schedules, double patience, std::uint64_t& short_hash) {
+    std::vector<Lane> lanes;
+    for (const Schedule& schedule : schedules) {
+        Lane lane;
+        lane.trial = std::make_unique<Trial>(scene, schedule);
+        lane.result.schedule = schedule;
+        lane.result.name = schedule_name(schedule);
+        const TrialSample sample = lane.trial->run(first_steps);
+        lane.result.hash = lane.trial->simulation().hash();
+        lane.result.hash_steps = first_steps;
+        if (lanes.empty()) short_hash = lane.result.hash;
+        if (lanes.empty() || sample.per_step() * more_steps < patience) {
+            lane.trial->run(more_steps);
+            lane.result.hash = lane.trial->simulation().hash();
+            lane.result.hash_steps += more_steps;
+        }
+        lanes.push_back(std::move(lane));
+    }
+    return lanes;
+}
+
+void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int neighbours) {
+    const engine::BusyNeighbours busy(neighbours);
+    std::vector<Samples> samples(lanes.size());
+    for (int round = -1; round <= options.rounds; ++round) {
+        for (std::size_t k = 0; k < lanes.size(); ++k) {
+            if (lanes[k].dropped) continue;
+            turn(lanes[k], samples[k], options, round, busy);
+            lanes[k].dropped = k > 0 && !samples[k].dropped.empty();
+            if (neighbours == 0 && round >= 0) cycle_turn(lanes[k]);
+        }
+    }
+    for (std::size_t k = 0; k < lanes.size(); ++k) {
+        if (samples[k].step.empty()) samples[k].dropped = "dropped under a lighter load";
+        LoadResult result = load_result(samples[k], neighbours);
+        const double serial = k == 0 ? result.step.median : lanes.front().result.loads.back().step.median;
+        result.speed_up = result.rounds == 0 ? 0.0 : serial / result.step.median;
+        if (k > 0 && result.rounds > 0) result.burnt = result.cpu - lanes.front().result.loads.back().cpu;
+        if (neighbours == 0) sum_up_cycles(lanes[k]);
+        lanes[k].result.loads.push_back(result);
+    }
+}
+
+namespace {
+
+/// Twice what the first steps took, all threads together: one thread may do it all, and transitions and iterations repeat cycles.
+int stamps_of_a_step(const Scene& scene, const Schedule& schedule) {
+    engine::StampRecorder recorder(schedule.threads, 64);  // counts what it does not keep
+    Trial probe(scene, schedule, &recorder);
+    const long steps = probe.run(first_steps).steps;
+    long stamps = 0;
+    for (int thread = 0; thread < recorder.threads(); ++thread)
+        stamps += static_cast<long>(recorder.spans(thread).size()) + recorder.lost(thread);
+    return static_cast<int>(2 * stamps / std::max(1L, steps)) + 32;
+}
+
+}  // namespace
+
+StageTable stages_of(const std::vector<Lane>& lanes) {
+    StageTable stages;
+    for (const Lane& lane : lanes) stages.add(lane.trial->simulation().graph());
+    return stages;
+}
+
+void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options, const StageTable& stages) {
+    Recording& recording = lane.result.recording;
+    const engine::TaskGraph& graph = lane.trial->simulation().graph();
+    const double per_step = lane.result.loads.front().step.median;
+    if (lane.dropped || per_step <= 0.0) return;
+    const int stamps = stamps_of_a_step(scene, lane.result.schedule);
+    recording.steps = std::clamp(options.steps > 0 ? options.steps : steps_within(options.round_seconds, per_step), 1L,
+                                 std::max(1L, std::min(100L, most_stamps / stamps)));
+    engine::StampRecorder recorder(lane.result.schedule.threads, static_cast<int>(recording.steps) * stamps);
+    Trial recorded(scene, lane.result.schedule, &recorder);
+    recorded.run(first_steps);
+    struct Kept {
+        double seconds;
+        Spans spans;
+        long lost;
+    };
+    std::vector<Kept> kept;
+    std::vector<double> bare;
+    for (int round = 0; round < std::max(3, options.rounds); ++round) {
+        bare.push_back(lane.trial->run(recording.steps).per_step());
+        recorder.clear();
+        Kept now{recorded.run(recording.steps).per_step(), {}, 0};
+        for (int thread = 0; thread < recorder.threads(); ++thread) {
+            now.spans.push_back(recorder.spans(thread));
+            now.lost += recorder.lost(thread);
+        }
+        kept.push_back(std::move(now));
+    }
+    std::sort(kept.begin(), kept.end(), [](const Kept& a, const Kept& b) { return a.seconds < b.seconds; });
+    Kept& middle = kept[kept.size() / 2];
+    recording.cost = middle.seconds / median(bare) - 1.0;
+    recording.lost = middle.lost;
+    recording.spans = std::move(middle.spans);
+    recording.pass = sum_up(graph, stages, recording.spans);
+    for (int task = 0; task < graph.size(); ++task) {
+        recording.tasks.push_back(graph.task(task).name);
+        recording.cycles.push_back(graph.task(task).cycle);
+    }
+}
+
+}  // namespace cvtflow::bench

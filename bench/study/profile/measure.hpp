@@ -1,0 +1,93 @@
+#pragma once
+/// Schedules measured alternately in one process: A B C A B C …, so that a noisy minute hits all alike; medians over rounds.
+/// Rounds go on from where the last one ended, so a fast schedule gets further in simulated time: some microseconds, over which a step's
+/// cost hardly changes.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench/study/profile/cycle_cost.hpp"
+#include "bench/study/profile/stages.hpp"
+#include "bench/study/profile/statistics.hpp"
+#include "bench/study/profile/trial.hpp"
+
+namespace cvtflow::bench {
+
+struct MeasureOptions {
+    int rounds = 5;                        ///< besides one that warms up
+    double round_seconds = 0.06;           ///< steps of a round are chosen to take about that long [s]
+    long steps = 0;                        ///< steps of a round; 0: chosen
+    double patience = 2.0;                 ///< a schedule with a longer round is dropped [s]
+    std::vector<int> neighbours{0, 1, 2};  ///< busy threads beside; ascending, 0 first
+    bool predict_crowded = false;          ///< predictions also where others are busy
+};
+
+/// One schedule beside so many busy neighbours.
+struct LoadResult {
+    int neighbours = 0;
+    Spread step;                ///< [s]
+    double evaluation = 0.0;    ///< median time per evaluation of the right-hand side, detection and control included [s]
+    double cpu_per_wall = 0.0;  ///< processors kept busy by this process, neighbours not counted [1]
+    double speed_up = 0.0;      ///< median of serial over median of this, under the same load [1]
+    int rounds = 0;             ///< that count; 0: not measured
+    std::string dropped;        ///< why there are not more, empty: there are all
+    double cpu = 0.0;           ///< median processor time of this process per step, neighbours not counted [s]
+    double burnt = 0.0;         ///< of that, what serial does not need under the same load: burnt while waiting, or lost to caches [s]
+};
+
+/// A recorded pass, separate from the timing.
+struct Recording {
+    RecordedPass pass;
+    Spans spans;
+    std::vector<std::string> tasks;  ///< names, by number
+    std::vector<int> cycles;         ///< of tasks, by number
+    long steps = 0;
+    long lost = 0;      ///< stamps that did not fit
+    double cost = 0.0;  ///< what recording adds to the step time, as a share of it
+};
+
+struct ScheduleResult {
+    tasks::Schedule schedule;
+    std::string name;               ///< "flow:fused"
+    std::vector<LoadResult> loads;  ///< in the order of MeasureOptions::neighbours
+    Recording recording;
+    CycleCost cycle;         ///< synchronisation of the executor by itself: median over rounds
+    double bare = 0.0;       ///< a bare barrier of as many threads, measured in turn with it [s per cycle]
+    double predicted = 0.0;  ///< speed-up without neighbours by the critical path; 0: no prediction [1]
+    std::uint64_t hash = 0;  ///< after `hash_steps` steps
+    long hash_steps = 0;
+};
+
+/// "flow:fused"
+[[nodiscard]] std::string schedule_name(const tasks::Schedule& schedule);
+
+/// One line for each result whose hash differs from that of the first after as many steps. `short_hash` is that of the first after 4 steps.
+[[nodiscard]] std::vector<std::string> hash_differences(const std::vector<ScheduleResult>& results, std::uint64_t short_hash);
+
+/// A schedule under measurement.
+struct Lane {
+    std::unique_ptr<Trial> trial;
+    ScheduleResult result;
+    std::vector<CycleCost> cycles;  ///< one per round without neighbours
+    std::vector<double> bare;       ///< [s]
+    bool dropped = false;
+};
+
+/// Builds the trials, runs 4 steps of each and, unless they were slow, 36 more, and keeps the hashes.
+/// @param short_hash [out] of the first schedule after 4 steps
+[[nodiscard]] std::vector<Lane> start_lanes(const tasks::Scene& scene, const std::vector<tasks::Schedule>& schedules, double patience,
+                                            std::uint64_t& short_hash);
+
+/// Stages of all lanes' graphs.
+[[nodiscard]] StageTable stages_of(const std::vector<Lane>& lanes);
+
+/// Alternating rounds beside so many neighbours. The first lane is the reference of speed-ups. Without neighbours every turn is followed by
+/// some cycles of the executor by itself and of a bare barrier.
+void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int neighbours);
+
+/// A recorded trial beside the unrecorded one, alternating; keeps the recorded round of median length.
+void record_lane(const tasks::Scene& scene, Lane& lane, const MeasureOptions& options, const StageTable& stages);
+
+}  // namespace cvtflow::bench

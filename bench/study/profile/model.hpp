@@ -1,0 +1,103 @@
+#pragma once
+/// What a number of threads can bring: three curves and a model of the critical path. Pure functions of measured costs.
+
+#include <span>
+#include <vector>
+
+#include "tasks/step/partition.hpp"
+
+namespace cvtflow::bench {
+
+/// Links over the links of the longest of M equal segments: what M threads bring if nothing but whole links costs time.
+[[nodiscard]] double even_speed_up(int links, int threads) noexcept;
+/// Amdahl's law.
+[[nodiscard]] double amdahl_speed_up(double serial_share, int threads) noexcept;
+
+/// How the cost of a synchronisation grows with the number of threads, through what was measured.
+enum class MeetingLaw {
+    linear,       ///< every thread passes the counter's cache line on to the next: fixed + M x growth
+    logarithmic,  ///< passed on as in a tree: fixed + log2(M) x growth
+};
+
+/// What a step of the fused assembly is made of [s].
+struct PathCosts {
+    int lanes = 1;                 ///< kernels take so many neighbouring links at a time: a group costs the same whether it is full or not
+    double free = 0.0;             ///< evaluation of a lane of a group that touches nothing
+    double touching = 0.0;         ///< evaluation of a lane of a group with a tip on a sheave
+    double border = 0.0;           ///< per segment and evaluation: joints and stage states of its two neighbours
+    double detect = 0.0;           ///< detection, per link
+    double controller = 0.0;       ///< per cycle
+    double synchronisation = 0.0;  ///< per cycle, linear law: fixed part …
+    double per_thread = 0.0;       ///< … and what each thread adds
+    double evaluations = 4.0;      ///< runs of the evaluation cycle per step [1]
+    double synchronisation_tree = 0.0;  ///< per cycle, logarithmic law: fixed part …
+    double per_doubling = 0.0;          ///< … and what each doubling adds
+    double stretch =
+        1.0;  ///< time of a task on one of several threads over that on a single one: caches and memory are shared, states come from afar
+    double jitter = 0.0;        ///< standard deviation of the time of one link's evaluation; that of n links is sqrt(n) times it
+    double other_cycles = 0.0;  ///< per step, besides evaluations and one detection: location, truncation and a method's own
+    double own_tasks = 0.0;     ///< of a method's own cycles per step, tasks that run side by side, all together …
+    double own_single = 0.0;    ///< … and those that are alone on their level
+};
+
+/// Per cycle, on so many threads; none on one.
+[[nodiscard]] double meeting(const PathCosts& costs, int threads, MeetingLaw law) noexcept;
+
+/// Mean of the largest of so many independent normal numbers of mean 0 and variance 1 (Blom's approximation): what the slowest of M equal
+/// tasks takes more.
+[[nodiscard]] double expected_largest(int count) noexcept;
+
+/// Step time of these segments on so many threads, each with a contiguous share of them: every cycle takes its slowest thread, the
+/// controller, and, with more than one thread, the meeting. A method's own tasks are spread by links, evenly. A single thread with a single
+/// segment knows no stretch, border or jitter: that is the reference of speed-ups.
+/// @param touching of each link, whether it touches
+[[nodiscard]] double step_time(const PathCosts& costs, const tasks::Partition& partition, int threads, const std::vector<bool>& touching,
+                               double meeting);
+
+/// Speed-up of M equal segments on M threads against one.
+[[nodiscard]] double predicted_speed_up(const PathCosts& costs, int threads, const std::vector<bool>& touching,
+                                        MeetingLaw law = MeetingLaw::linear);
+
+/// One measured evaluation task: lanes of its groups.
+struct SegmentCost {
+    int free = 0;
+    int touching = 0;
+    double seconds = 0.0;  ///< [s]
+};
+
+/// What a segment costs, in lanes. @param touching of each link of the chain
+[[nodiscard]] SegmentCost lanes_of(const tasks::Segment& segment, const std::vector<bool>& touching, int lanes);
+
+/// Least squares for `free`, `touching` and `border`. Costs that the samples cannot tell apart (no touching link anywhere) become equal.
+void fit_links(std::span<const SegmentCost> samples, PathCosts& costs);
+
+/// Cost of a synchronisation, measured with a number of threads.
+struct ThreadCost {
+    int threads = 1;
+    double seconds = 0.0;  ///< [s]
+};
+
+/// Least squares for both laws, no coefficient below zero. A single sample: constant.
+void fit_synchronisation(std::span<const ThreadCost> samples, PathCosts& costs);
+
+/// One row of the curves.
+struct SpeedUpRow {
+    int threads = 1;
+    double ideal = 1.0;      ///< M [1]
+    double even = 1.0;       ///< N / N_max(M)
+    double amdahl = 1.0;     ///< [1]
+    double predicted = 1.0;  ///< critical path, linear law [1]
+    double low = 1.0;        ///< if, beyond the measured number, a thread adds `far` times as much [1]
+    double high = 1.0;       ///< if the law is logarithmic and no task is ever late [1]
+};
+
+/// A cache line from another chiplet or socket takes about so many times as long as one from a neighbouring core (typical of present
+/// machines; an assumption). far [1]
+inline constexpr double far = 3.0;
+
+/// For M = 1 … most, up to one link per segment. @param measured number of threads up to which the synchronisation was measured;
+/// serial_share [1]
+[[nodiscard]] std::vector<SpeedUpRow> speed_up_curves(const PathCosts& costs, double serial_share, const std::vector<bool>& touching,
+                                                      int measured = 2, int most = 64);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,52 @@
+#pragma once
+/// Everything that a profile of a scene's schedules measures, in the order in which it is measured.
+
+#include <functional>
+
+#include "bench/study/profile/model_costs.hpp"
+
+namespace cvtflow::bench {
+
+/// Which schedules are compared.
+struct ScheduleChoice {
+    std::vector<std::string>
+        names{};                  ///< "executor" (the scene's assembly) or "executor:fused", "executor:staged"; none: all executors x both
+    std::vector<int> threads{};   ///< none: as many as are usable
+    std::vector<int> segments{};  ///< 0: as many as threads; none: 0
+    engine::Wait wait = engine::Wait::balanced;  ///< of our own executors
+    bool pin = false;                            ///< each thread on one processor
+};
+
+/// The schedules of a choice, serial:fused with one segment first, none twice. Executors of one thread appear once per assembly.
+/// @throws SceneError for an executor or assembly that does not exist, or more segments than links
+[[nodiscard]] std::vector<tasks::Schedule> chosen_schedules(const tasks::Scene& scene, const ScheduleChoice& choice);
+
+struct Profile {
+    std::vector<ScheduleResult> results;  ///< the first is serial:fused
+    StageTable stages;                    ///< of all of them
+    std::vector<ThreadCost> bare;         ///< bare barrier by number of threads [s per cycle]
+    ProfileModel model;
+    std::vector<std::string> differences;  ///< in hashes; must be empty
+    double load_before = 0.0;              ///< the system's load average of the last minute; -1: unknown
+    double load_after = 0.0;
+
+    /// Fused schedule with the best speed-up on so many threads; nullptr: none was measured.
+    [[nodiscard]] const ScheduleResult* best_fused(int threads) const noexcept;
+    double calibrated = -1.0;  ///< least that calibrations before, amid and after got of processors_wanted(); -1: none [1]
+
+    /// Processors that the hungriest schedule kept busy, and how many it could have.
+    [[nodiscard]] double processors_got() const noexcept;
+    [[nodiscard]] int processors_wanted() const noexcept;
+    /// Whether it, or the calibration, got less than nine tenths: what threads bring cannot be seen on such a machine. (Waiting threads
+    /// burn time too, which only a calibration tells apart.)
+    [[nodiscard]] bool crowded() const noexcept;
+    /// Whether there is a model with its predictions: not on a crowded machine, unless that was asked for.
+    [[nodiscard]] bool predicts() const noexcept { return !model.curves.empty(); }
+};
+
+/// @param progress called with one line before every part; may be empty
+/// @throws as Simulation; SimulationError if the scene's run ends by itself
+[[nodiscard]] Profile profile_schedules(const tasks::Scene& scene, const std::vector<tasks::Schedule>& schedules,
+                                        const MeasureOptions& options, const std::function<void(const std::string&)>& progress = {});
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,31 @@
+#pragma once
+/// A profile as CSV, JSON and trace, with all that tells where its numbers come from. Tables for people:
+/// tools/program/text/profile_text.hpp.
+
+#include <string>
+
+#include "bench/study/profile/profile.hpp"
+
+namespace cvtflow::bench {
+
+/// Flags that this program was compiled with.
+[[nodiscard]] std::string compiler_flags();
+
+/// One row per schedule and load, provenance in every row; times in microseconds.
+[[nodiscard]] std::string profile_csv(const tasks::Scene& scene, const Profile& profile);
+
+/// Everything but the single spans; times in seconds.
+[[nodiscard]] std::string profile_json(const tasks::Scene& scene, const MeasureOptions& options, const Profile& profile);
+
+/// Stages of the recorded passes, one row per schedule, thread and stage: the published chart of times per thread, and of serial:staged the
+/// one of sequential time.
+[[nodiscard]] std::string profile_stages_csv(const tasks::Scene& scene, const Profile& profile);
+
+/// The published curves, the critical path with its bounds, and the best measured fused schedule beside, one row per number of threads.
+[[nodiscard]] std::string profile_curves_csv(const tasks::Scene& scene, const Profile& profile);
+
+/// The recorded passes in Chrome's trace format (chrome://tracing, ui.perfetto.dev): a process per schedule, a track per thread. Each
+/// begins at 0.
+[[nodiscard]] std::string profile_trace(const Profile& profile);
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,140 @@
+#include "bench/study/tradeoff/error_measure.hpp"
+#include "tasks/tuning/relative_error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "model/observe/observation.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tasks;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+double seconds(Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
+
+/// Takes down what errors are measured of, and how long that took.
+class TrajectoryObserver final : public RunObserver {
+public:
+    TrajectoryObserver(const model::Variator& variator, double begin, Trajectory& into) : observer_(variator), begin_(begin), into_(into) {}
+
+    void output(double time, const Workspace& workspace, const Counters&) override {
+        const auto started = Clock::now();
+        const model::Observation& seen = observer_.observe(time, workspace.states[0], workspace.tips.phases.data());
+        watch.add(seen, workspace);
+        if (time > begin_) add(time, seen);
+        observing_ += seconds(Clock::now() - started);
+    }
+    void transition(const TransitionRecord&) override {}
+
+    [[nodiscard]] double observing() const noexcept { return observing_; }
+
+    RunWatch watch;
+
+private:
+    void add(double time, const model::Observation& seen) {
+        into_.times.push_back(time);
+        into_.axial_force.push_back(seen.tip_axial);
+        into_.tension.push_back(seen.tension);
+        into_.slip.push_back(seen.slip);
+        into_.losses.push_back(std::accumulate(seen.account.loss.begin(), seen.account.loss.end(), 0.0));
+    }
+
+    model::Observer observer_;
+    double begin_;
+    Trajectory& into_;
+    double observing_ = 0.0;
+};
+
+Trajectory observed(const Scene& scene, double duration, const engine::Cancellation& cancel) {
+    Trajectory trajectory;
+    Simulation simulation(scene);
+    const double begin = simulation.time();
+    if (simulation.needs_settling())
+        throw SimulationError(fmt::format("{}: the start is not settled, nothing can be measured from there (cvtflow settle)", scene.name));
+    TrajectoryObserver observer(simulation.variator(), begin, trajectory);
+    const auto started = Clock::now();
+    trajectory.fault = simulation.advance({.until = begin + duration}, observer, cancel);
+    trajectory.wall = seconds(Clock::now() - started) - observer.observing();
+    trajectory.counters = simulation.counters();
+    trajectory.step = simulation.step();
+    trajectory.simulated = simulation.time() - begin;
+    trajectory.hash = simulation.hash();
+    trajectory.watch = observer.watch.verdict(simulation.energy(), simulation.suspicion());
+    trajectory.schedule = simulation.schedule().text();
+    return trajectory;
+}
+
+std::span<const double> numbers(const double& value) noexcept { return {&value, 1}; }
+std::span<const double> numbers(const std::vector<double>& values) noexcept { return values; }
+
+/// Errors of one quantity: of all outputs, and of the worst.
+template <class Row>
+std::pair<double, double> quantity_errors(const std::vector<Row>& values, const std::vector<Row>& reference) {
+    RelativeError all;
+    double worst = 0.0;
+    for (std::size_t output = 0; output < reference.size(); ++output) {
+        RelativeError here;
+        here.add(numbers(values[output]), numbers(reference[output]));
+        worst = std::max(worst, here.value());
+        all.add(here);
+    }
+    return {all.value(), worst};
+}
+
+}  // namespace
+
+double TrajectoryErrors::largest() const noexcept { return std::max({axial_force, tension, slip, losses}); }
+
+ErrorReport compare(const Trajectory& run, const Trajectory& reference) {
+    if (reference.fault) throw std::invalid_argument("the reference ended early: " + reference.fault.message());
+    constexpr TrajectoryErrors lost{infinite, infinite, infinite, infinite};
+    if (run.fault) return {lost, lost};
+    if (run.times != reference.times) throw std::invalid_argument("the run and its reference have different output times");
+    ErrorReport report;
+    std::tie(report.overall.axial_force, report.worst.axial_force) = quantity_errors(run.axial_force, reference.axial_force);
+    std::tie(report.overall.tension, report.worst.tension) = quantity_errors(run.tension, reference.tension);
+    std::tie(report.overall.slip, report.worst.slip) = quantity_errors(run.slip, reference.slip);
+    std::tie(report.overall.losses, report.worst.losses) = quantity_errors(run.losses, reference.losses);
+    return report;
+}
+
+Scene with_outputs(const Scene& scene, double interval, std::span<const std::string> settings) {
+    std::vector<std::string> all{fmt::format("run.output_interval={:.17g}", interval), fmt::format("run.state_interval={:.17g}", interval)};
+    all.insert(all.end(), settings.begin(), settings.end());
+    Scene changed = scene;
+    set_values(changed, all);
+    return changed;
+}
+
+ErrorMeasure::ErrorMeasure(Scene scene, MeasureSettings settings, const engine::Cancellation& cancel)
+    : scene_(std::move(scene)), settings_(std::move(settings)), cancel_(cancel), reference_(run(settings_.reference)) {
+    if (reference_.fault)
+        throw SimulationError(fmt::format("{}: the reference did not get through: {}", scene_.name, reference_.fault.message()));
+}
+
+Trajectory ErrorMeasure::run(std::span<const std::string> settings) const {
+    const Scene scene = with_outputs(scene_, settings_.interval, settings);
+    Trajectory best = observed(scene, settings_.duration, cancel_);
+    for (int repeat = 1; repeat < settings_.repeats; ++repeat) {
+        const Trajectory again = observed(scene, settings_.duration, cancel_);
+        best.wall = std::min(best.wall, again.wall);
+    }
+    if (scene.run.step.automatic() && !best.fault && settings_.steady > settings_.duration)
+        best.steady_wall = observed(scene, settings_.steady, cancel_).wall_per_second();
+    return best;
+}
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,92 @@
+#pragma once
+/// What a run costs and how far it is from a run with a tight step: the two axes of every work-precision picture.
+/// A run is a scene and settings ("run.method=dumka3-p5", "run.step=2us", …); nothing here knows what kind of method that is.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tasks/run/run_watch.hpp"
+#include "tasks/run/simulation.hpp"
+
+namespace cvtflow::bench {
+
+/// What errors are measured of, at the output times of one run; the start is not among them.
+struct Trajectory {
+    std::vector<double> times;                     ///< [outputs] [s]
+    std::vector<std::vector<double>> axial_force;  ///< [outputs][4 links] of each tip [N]
+    std::vector<std::vector<double>> tension;      ///< [outputs][links] [N]
+    std::vector<double> slip;                      ///< [outputs] of both pulleys together
+    std::vector<double> losses;                    ///< [outputs] power turned into heat [W]
+
+    tasks::Counters counters;
+    tasks::Fault fault;        ///< why it ended early, if it did
+    double step = 0.0;         ///< longest step used [s]
+    double simulated = 0.0;    ///< [s]
+    double wall = 0.0;         ///< without the time that observing took [s]
+    double steady_wall = 0.0;  ///< per simulated second of a longer run, where a short one is no measure of that; 0: it is [s/s]
+    tasks::RunVerdict watch;   ///< whether its figures can be right
+    std::uint64_t hash = 0;
+    std::string schedule;
+
+    [[nodiscard]] double evaluations_per_second() const noexcept { return static_cast<double>(counters.evaluations) / simulated; }
+    [[nodiscard]] double wall_per_second() const noexcept { return steady_wall > 0.0 ? steady_wall : wall / simulated; }
+};
+
+/// Relative errors: ‖x - reference‖/‖reference‖, Euclidean.
+struct TrajectoryErrors {
+    double axial_force = 0.0;  ///< [1]
+    double tension = 0.0;      ///< [1]
+    double slip = 0.0;         ///< [1]
+    double losses = 0.0;       ///< [1]
+
+    [[nodiscard]] double largest() const noexcept;
+};
+
+/// Over all outputs together, and of the worst output alone. A run that ended early or holds no finite number has infinite errors.
+struct ErrorReport {
+    TrajectoryErrors overall, worst;
+};
+
+/// Errors of a run against another one with the same output times.
+/// @throws std::invalid_argument if the reference ended early or its output times differ
+[[nodiscard]] ErrorReport compare(const Trajectory& run, const Trajectory& reference);
+
+/// Where and how often runs are looked at. The default interval is a whole number of 1, 1.5, 2, 3, 4 and 6 us: such steps are used as they
+/// are.
+struct MeasureSettings {
+    double duration = 120e-6;                                                 ///< from the scene's start [s]
+    double interval = 12e-6;                                                  ///< between outputs [s]
+    std::vector<std::string> reference{"run.method=rk4", "run.step=12.5ns"};  ///< settings of the reference
+    int repeats = 1;                                                          ///< a run is repeated so often, its shortest time counts
+    /// Automatic steps look at the spectrum often in the beginning: what they cost is measured over this, if it is longer than `duration`
+    /// [s].
+    double steady = 4e-3;
+};
+
+/// The scene with outputs and states every `interval` [s], then with `settings` (key=value), which may say otherwise.
+/// @throws SceneError
+[[nodiscard]] tasks::Scene with_outputs(const tasks::Scene& scene, double interval, std::span<const std::string> settings);
+
+class ErrorMeasure {
+public:
+    /// Runs the reference. The scene starts from its state file.
+    /// @throws SimulationError if the scene's start is not settled or the reference did not get through; others as Simulation and
+    /// set_values
+    ErrorMeasure(tasks::Scene scene, MeasureSettings settings, const engine::Cancellation& cancel);
+
+    /// The scene with these settings, run as the reference was. A run that fails is a result: see Trajectory::fault.
+    /// @throws as set_values and Simulation
+    [[nodiscard]] Trajectory run(std::span<const std::string> settings) const;
+
+    [[nodiscard]] const Trajectory& reference() const noexcept { return reference_; }
+    [[nodiscard]] ErrorReport errors(const Trajectory& run) const { return compare(run, reference_); }
+
+private:
+    tasks::Scene scene_;
+    MeasureSettings settings_;
+    const engine::Cancellation& cancel_;
+    Trajectory reference_;
+};
+
+}  // namespace cvtflow::bench

@@ -1,0 +1,121 @@
+#include "tasks/tuning/detail_state.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "model/observe/pin_halves.hpp"
+
+namespace cvtflow::tasks {
+
+namespace {
+
+using model::ChainLayout;
+using model::End;
+
+/// A half's coordinates or velocities. weight: share of them that is added to the target, as many as both have.
+void add_half(const ChainLayout& from, const double* source, const ChainLayout& to, double* target, End end, double weight) {
+    for (int m = 0; m <= std::min(from.order, to.order); ++m) {
+        target[to.x(end, m)] += weight * source[from.x(end, m)];
+        target[to.y(end, m)] += weight * source[from.y(end, m)];
+    }
+    target[to.z(end)] += weight * source[from.z(end)];
+    target[to.e(end)] += weight * source[from.e(end)];
+}
+
+/// Links between halves (from) to links, or to the pins in the middle between their two halves.
+void copy_links(const ChainLayout& from, const double* source, const ChainLayout& to, double* target) {
+    const double weight = to.whole ? 0.5 : 1.0;
+    for (int rate = 0; rate < 2; ++rate) {
+        for (int link = 0; link < from.links; ++link) {
+            const double* halves = source + from.link_begin(link) + rate * from.link_size();
+            const auto block = [&](int number) { return target + to.link_begin(number) + rate * to.link_size(); };
+            add_half(from, halves, to, block(link), End::rear, weight);
+            add_half(from, halves, to, block(to.whole ? to.next(link) : link), End::front, weight);
+        }
+    }
+}
+
+constexpr auto free_tip = static_cast<unsigned char>(model::Phase::free);
+
+/// Tips of a whole pin stand where those of its rear half do.
+std::vector<unsigned char> phases_brought_over(std::vector<unsigned char> phases, const ChainLayout& from, const ChainLayout& to) {
+    if (from.whole == to.whole) return phases;
+    for (int pin = 0; pin < to.links; ++pin) {
+        for (std::size_t side = 0; side < 2; ++side) {
+            unsigned char& rear = phases[static_cast<std::size_t>(model::tips_per_link * pin) + side];
+            unsigned char& front = phases[static_cast<std::size_t>(model::tips_per_link * to.previous(pin)) + 2 + side];
+            if (from.whole) {
+                front = rear;
+            } else {
+                if (rear == free_tip) rear = front;
+                front = free_tip;
+            }
+        }
+    }
+    return phases;
+}
+
+constexpr int axial = 4, turn = 5;  // freedoms of a body
+/// Movable sheaves: 1+ and 2-.
+constexpr int movable(int shaft) { return model::sheave_body(shaft, shaft == 0 ? 1 : 0); }
+
+/// The pulleys' coordinates or velocities.
+void copy_pulleys(const ChainLayout& from, const double* source, const ChainLayout& to, double* target) {
+    using model::body_freedom;
+    if (from.pulley_size == to.pulley_size) {
+        std::copy(source, source + from.pulley_size, target);
+    } else if (from.pulley_size == 36 && to.pulley_size == 4) {
+        for (int shaft = 0; shaft < 2; ++shaft) {
+            target[shaft] = source[body_freedom(shaft, turn)];
+            target[2 + shaft] = source[body_freedom(movable(shaft), axial)] - source[body_freedom(shaft, axial)];
+        }
+    } else if (from.pulley_size == 4 && to.pulley_size == 36) {
+        for (int shaft = 0; shaft < 2; ++shaft) {
+            for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})
+                target[body_freedom(body, turn)] = source[shaft];
+            target[body_freedom(movable(shaft), axial)] = source[2 + shaft];
+        }
+    }
+}
+
+}  // namespace
+
+engine::SavedState brought_over(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to) {
+    const ChainLayout before = model::layout_of(from), after = model::layout_of(to);
+    engine::SavedState result;
+    result.time = saved.time;
+    result.phases = phases_brought_over(saved.phases, before, after);
+    result.state.assign(static_cast<std::size_t>(after.control_begin()), 0.0);
+    std::vector<double> halves;
+    if (before.whole) model::halves_of(model::ChainModel(from), saved.state.data(), halves);
+    const double* links = before.whole ? halves.data() : saved.state.data();
+    copy_links(model::halves_layout(before), links, after, result.state.data());
+    for (const bool velocity : {false, true}) {
+        copy_pulleys(before, saved.state.data() + before.pulley_begin() + velocity * before.pulley_size, after,
+                     result.state.data() + after.pulley_begin() + velocity * after.pulley_size);
+    }
+    return result;
+}
+
+void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle) {
+    const ChainLayout at = model::layout_of(parameters);
+    double* coordinates = state.state.data() + at.pulley_begin();
+    if (at.pulley_size == 4) coordinates[shaft] += angle;
+    if (at.pulley_size != 36) return;
+    for (const int body : {shaft, model::sheave_body(shaft, 0), model::sheave_body(shaft, 1)})
+        coordinates[model::body_freedom(body, turn)] += angle;
+}
+
+StateFile::StateFile(const engine::SavedState& state)
+    : path_((std::filesystem::temp_directory_path() / ("cvtflow_detail_" + std::to_string(getpid()) + ".h5")).string()) {
+    engine::write_state(path_, state);
+}
+
+StateFile::~StateFile() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,284 @@
+/// Every method through every command: a cell is done, or refused with a reason that is written here.
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cctype>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <set>
+
+#include "tasks/method/method_choice.hpp"
+#include "tests/sample_fixture.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+using testing::ContainsRegex;
+using testing::HasSubstr;
+
+/// What a cell is to come to: its exit status and a part of what it prints, on stdout if it is done and on stderr if it is refused.
+struct Expected {
+    int status;
+    std::string says;
+};
+
+/// One command line for any method.
+struct Row {
+    std::string command;
+    std::string variant;  ///< of the same command
+    Words (*words)(const std::string& method);
+    Expected (*expected)(const std::string& method);
+
+    [[nodiscard]] std::string name() const { return command + (variant.empty() ? "" : " " + variant); }
+};
+
+const Words state{"--set", "start.state=state.h5"};
+const Words outputs{"--set", "run.output_interval=1us", "--set", "run.state_interval=1us"};
+constexpr int incomplete = 5;  // exit status: the table is there, and each variant without figures has its line
+constexpr int unreliable = 6;
+constexpr unsigned limit = 60;  // [s] of a cell; the longest takes 3
+
+/// Twenty steps from the state; stops after seven with a checkpoint.
+Words run_words(const std::string& method) {
+    return Words{"run", "tiny", "--method", method, "--step", "100ns", "--until", "2us"} + state + outputs;
+}
+
+Expected done(const std::string& says) { return {0, says}; }
+
+/// Euler's rule makes energy of every oscillation, with any step: its runs come to their end and are called what they are.
+Expected done_or_unreliable(const std::string& method, const std::string& says) { return {method == "euler" ? unreliable : 0, says}; }
+std::string ended(const std::string& method) {
+    return method == "euler" ? "tiny: unreliable at t = 2e-06 s\n" : "tiny: finished at t = 2e-06 s\n";
+}
+
+/// A program that is no table of stages.
+bool is_program(const std::string& method) { return tasks::find_program(method) != nullptr; }
+bool chooses_tables(const std::string& method) { return is_program(method) && tasks::find_program(method)->stability == nullptr; }
+
+/// In the order in which they can follow one another: resume needs what checkpoint left, table what batch did.
+const std::vector<Row> rows{
+    {"run", "",
+     [](const std::string& m) {
+         return run_words(m) + Words{"-o", "run.h5", "--force"};
+     },
+     [](const std::string& m) { return done_or_unreliable(m, ended(m)); }},
+    {"info", "",
+     [](const std::string&) {
+         return Words{"info", "run.h5"};
+     },
+     [](const std::string& m) { return done("  method              " + m); }},
+    {"run", "with a budget",
+     [](const std::string& m) {
+         return run_words(m) + Words{"-q", "-o", "cut.h5", "--force", "--checkpoint-every", "1 h", "--set", "run.max_steps=7"};
+     },
+     [](const std::string&) {
+         return Expected{4, "the budget of 7 steps"};
+     }},
+    {"resume", "",
+     [](const std::string&) {
+         return Words{"resume", "cut.checkpoint.h5", "--set", "run.max_steps=0"};
+     },
+     [](const std::string& m) { return done_or_unreliable(m, ended(m)); }},
+    {"settle", "",
+     [](const std::string& m) {
+         return Words{"settle", "tiny",   "--method", m, "--step", "100ns", "--time", "2us", "--set", "start.ramp_time=1us",
+                      "-o",     "own.h5", "--force"} +
+                outputs;
+     },
+     [](const std::string& m) { return done_or_unreliable(m, "tiny: settled for 2 us\n"); }},
+    {"check", "", [](const std::string& m) { return Words{"check", "tiny", "--method", m, "--step", "50 ns"}; },
+     [](const std::string& m) { return done(m + " with step 50 ns\n"); }},
+    {"plot", "",
+     [](const std::string&) {
+         return Words{"plot", "run.h5", "-o", "run.svg"};
+     },
+     [](const std::string&) { return done("run.svg\n"); }},
+    {"export-fmu", "",
+     [](const std::string& m) { return Words{"export-fmu", "tiny", "--set", "run.method=" + m, "-o", "tiny.fmu", "--force"} + state; },
+     [](const std::string&) { return done("tiny.fmu: FMI 3.0"); }},
+    {"explain", "",
+     [](const std::string& m) { return Words{"explain", "run.method", "--scene", "tiny", "--set", "run.method=" + m} + state; },
+     [](const std::string& m) { return done("tiny with " + m + " up to "); }},
+    {"compare", "",
+     [](const std::string& m) {
+         return Words{"compare", "tiny", m + "@100ns", "--reference", "rk4@50ns", "--duration", "2us", "--interval", "1us"} + state;
+     },
+     [](const std::string& m) { return done("\n  " + m + "@100ns "); }},
+    {"tradeoff", "",
+     [](const std::string& m) {
+         return Words{"tradeoff", "tiny",     m + "@100ns", "--reference", "rk4@50ns", "--duration",        "2us",      "--interval",
+                      "1us",      "--rounds", "1",          "--confirm",   "4us",      "--confirm-against", "rk4@50ns", "-q"} +
+                state;
+     },
+     [](const std::string& m) { return done("\n  " + m + "@100ns "); }},
+    {"pin-entry", "",
+     [](const std::string& m) {
+         return Words{"pin-entry",  "tiny", m + "@100ns", "--reference", "rk4@50ns", "--time", "2us",
+                      "--interval", "1us",  "--rounds",   "1",           "--pin",    "0",      "-q"} +
+                state;
+     },
+     [](const std::string& m) { return done("\n  " + m + " "); }},
+    {"local-error", "", [](const std::string& m) { return Words{"local-error", "tiny", "--methods", m, "--steps", "200ns,100ns"} + state; },
+     [](const std::string& m) { return done("tiny: error of one step of " + m + " (order "); }},
+    {"spectrum", "", [](const std::string& m) { return Words{"spectrum", "tiny", "--extremal", "-q", "--method", m} + state; },
+     [](const std::string& m) { return done(is_program(m) ? "\n  largest stable step " : " predicted (by "); }},
+    {"stability", "",
+     [](const std::string& m) {
+         return Words{"stability", m, "-q"};
+     },
+     [](const std::string& m) {
+         return chooses_tables(m) ? Expected{2, m + " chooses among tables of stages: ask for one of them"} : done("  " + m + " ");
+     }},
+    {"stability", "over a scene",
+     [](const std::string& m) {
+         return Words{"stability", m, "--scene", "tiny", "-q"} + state;
+     },
+     [](const std::string& m) {
+         if (chooses_tables(m)) return Expected{2, m + " chooses among tables of stages: ask for one of them"};
+         return done(is_program(m) ? "\nLargest stable step\n  " + m + " " : " predicted (by ");
+     }},
+    {"method", "",
+     [](const std::string& m) {
+         return Words{"method", m};
+     },
+     [](const std::string& m) { return done(m); }},
+    {"newton", "",
+     [](const std::string& m) {
+         return Words{"newton", "tiny", "--methods", m, "--steps", "100ns", "--duration", "2us", "--reference", "50ns"} + state;
+     },
+     [](const std::string& m) { return done("\n  " + m + " "); }},
+    {"profile", "",
+     [](const std::string& m) {
+         return Words{"profile",  "tiny", "--method",     m,   "--step",     "100ns", "--schedules", "serial:staged", "--steps", "2",
+                      "--rounds", "1",    "--neighbours", "0", "--round-ms", "1",     "-q"} +
+                state;
+     },
+     [](const std::string&) { return done("\nWhere sequential time goes (serial:staged):\n"); }},
+    {"dot", "",
+     [](const std::string& m) {
+         return Words{"dot", "tiny", "--method", m};
+     },
+     [](const std::string&) { return done("label=\"force"); }},
+    {"fit", "", [](const std::string& m) { return Words{"fit", "tiny", "--step", "1us", "--set", "run.method=" + m} + state; },
+     [](const std::string&) { return done("fitted-l"); }},
+    {"detail", "",
+     [](const std::string& m) {
+         return Words{"detail", "baseline", "--method", m, "--step", "20ns", "--settle", "1us", "--average", "1us", "--control", "0 s"};
+     },
+     [](const std::string& m) {
+         return m == "euler" ? Expected{incomplete, " rigid: unreliable: "} : done("\n  p=0 lumped 1 pt rigid ");
+     }},  // it makes energy in the jolt of other dials
+    {"batch", "--dry-run",
+     [](const std::string&) {
+         return Words{"batch", "sweep.toml", "--dry-run"};
+     },
+     [](const std::string&) { return done("(measured on "); }},
+    {"batch", "",
+     [](const std::string&) {
+         return Words{"batch", "sweep.toml", "-o", "out"};
+     },
+     [](const std::string& m) {
+         return m == "euler" ? Expected{incomplete, ", 1 failed"} : done("  statuses            1 ok\n");
+     }},
+    {"table", "",
+     [](const std::string&) {
+         return Words{"table", "out"};
+     },
+     [](const std::string& m) { return done(m == "euler" ? " unreliable " : " ok "); }},
+};
+
+/// Scenes and methods on the command line, as the commands' own help has it.
+bool takes_a_method(const std::string& help) {
+    const auto says = [&](const char* word) { return help.find(word) != std::string::npos; };
+    return says("--method") || says("METHOD") || says("run.method") || says("--set ") || says("SWEEP") || says("Checkpoint of a run");
+}
+
+class MatrixOfMethods : public Program {
+protected:
+    MatrixOfMethods() { run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}); }
+
+    /// Runs one cell and says what came of it: "ok", "refused: …" or what is wrong.
+    std::string cell(const Row& row, const std::string& method) const {
+        const Outcome outcome = Child(row.words(method), folder_, {}, limit).wait();
+        const Expected expected = row.expected(method);
+        const bool ran = expected.status == 0 || expected.status == unreliable;
+        const std::string& where = ran ? outcome.out : outcome.err;
+        EXPECT_EQ(outcome.status, expected.status) << row.name() << " with " << method << "\n" << outcome.err;
+        EXPECT_THAT(where, HasSubstr(expected.says)) << row.name() << " with " << method << "\n" << outcome.err;
+        EXPECT_THAT(outcome.out, testing::Not(ContainsRegex("[ -]nan|[ -]inf[ \n]"))) << row.name() << " with " << method;
+        if (!ran && expected.status != incomplete) {
+            EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+            EXPECT_EQ(outcome.out, "") << row.name() << " with " << method;
+        }
+        const bool right = outcome.status == expected.status && where.find(expected.says) != std::string::npos;
+        return !right                          ? "WRONG"
+               : expected.status == unreliable ? "unreliable"
+               : ran                           ? "ok"
+                                               : "refused: " + outcome.err.substr(0, outcome.err.find('\n'));
+    }
+
+    /// All commands with one method.
+    void try_all(const std::string& method, std::map<std::string, int>& endings) const {
+        write("sweep.toml", "[sweep]\nscene = \"tiny\"\n[set]\nrun.method = \"" + method +
+                                "\"\nrun.step = \"100 ns\"\nrun.until = \"2 us\"\nrun.output_interval = \"1 us\"\n"
+                                "run.state_interval = \"1 us\"\nstart.settling_time = \"2 us\"\nstart.ramp_time = \"1 us\"\n[[axes]]\nkey "
+                                "= \"load.torque\"\nvalues = [\"12 N*m\"]\n"
+                                "[outputs]\nscalars = [\"slip mean\"]\n[start]\nmode = \"settle\"\n");
+        std::filesystem::remove_all(folder_ / "out");
+        for (const Row& row : rows) ++endings[row.name() + " | " + cell(row, method)];
+    }
+};
+class NightlyMatrixOfMethods : public MatrixOfMethods {};
+
+/// One method of each family (the letters that its name begins with), tables or programs: these differ most in how they are made and run.
+std::vector<std::string> one_of_each_family(bool programs) {
+    std::set<std::string> families;
+    std::vector<std::string> methods;
+    for (const std::string& method : tasks::method_names()) {
+        const auto end = std::find_if(method.begin(), method.end(), [](unsigned char c) { return std::isalpha(c) == 0; });
+        if (is_program(method) == programs && families.insert(std::string(method.begin(), end)).second) methods.push_back(method);
+    }
+    return methods;
+}
+
+/// Commands that are not in it, and why.
+const std::map<std::string, std::string> finds_methods{{"tune", "tries every method by itself, whatever the scene names (Tuner.*)"}};
+
+TEST_F(MatrixOfMethods, HoldsEveryCommandThatTakesAMethod) {
+    std::set<std::string> in_matrix;
+    for (const Row& row : rows) in_matrix.insert(row.command);
+    const Words all = commands_of(CVTFLOW_PROGRAM) + commands_of(CVTFLOW_LAB);
+    for (const std::string& command : all)
+        EXPECT_TRUE(in_matrix.contains(command) || finds_methods.contains(command) || !takes_a_method(run({command, "--help"}).out))
+            << command;
+    EXPECT_GT(all.size(), 20u);
+}
+
+TEST_F(MatrixOfMethods, IsDoneForTables) {
+    std::map<std::string, int> endings;
+    for (const std::string& method : cvtflow::test::sample(one_of_each_family(false), 4, "tables")) try_all(method, endings);
+    try_all("rk4", endings);
+    for (const Row& row : rows) EXPECT_TRUE(row.expected("rk4").status == 4 || endings.contains(row.name() + " | ok")) << row.name();
+}
+
+TEST_F(MatrixOfMethods, IsDoneOrRefusedWithAReasonForPrograms) {
+    std::map<std::string, int> endings;
+    for (const std::string& method : cvtflow::test::sample(one_of_each_family(true), 4, "programs")) try_all(method, endings);
+    EXPECT_GT(endings.size(), rows.size()) << "some cells are refused";
+}
+
+TEST_F(NightlyMatrixOfMethods, IsDoneOrRefusedWithAReasonForAll) {
+    std::map<std::string, int> endings;
+    for (const std::string& method : tasks::method_names()) try_all(method, endings);
+    for (const auto& [ending, count] : endings)
+        std::cout << count << " of " << tasks::method_names().size() << " methods: " << ending << "\n";
+}
+
+}  // namespace
+}  // namespace cvtflow::bench

@@ -1,0 +1,95 @@
+/// The commands about methods: method, fit, compare.
+
+#include <gmock/gmock.h>
+
+#include "engine/method/catalogue.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class MethodCommands : public Program {};
+
+TEST_F(MethodCommands, MethodShowsWhatTheTableImplies) {
+    const Outcome rk4 = run({"method", "rk4"});
+    EXPECT_EQ(rk4.status, 0);
+    EXPECT_THAT(rk4.out,
+                AllOf(HasSubstr("4 evaluations a step"), HasSubstr("order               4\n"), HasSubstr("stable to h|lambda| = 2.785"),
+                      HasSubstr("stable to 2.828"), HasSubstr("error estimate      none"),
+                      HasSubstr("y(t + h) = Y0 + 0.166666666667 h K0 + 0.333333333333 h K1 + 0.333333333333 h K2 + 0.166666666667 h K3")));
+    const Outcome dumka = run({"method", "dumka3-p5", "--real", "200"});
+    EXPECT_THAT(dumka.out,
+                AllOf(HasSubstr("28 evaluations, the last one serves the next step: 27 a step"), HasSubstr("order               3(2)"),
+                      HasSubstr("to 4.66"), HasSubstr("times 567"), HasSubstr("--table prints the 28 stages")));
+    EXPECT_THAT(run({"method", "dumka3-p5", "--table"}).out, HasSubstr("\n   27  K4 = f(t + 1 h, "));
+    EXPECT_THAT(run({"method", "fitted-l100-w1"}).out, HasSubstr("order               3 to "));
+    EXPECT_THAT(run({"method", "dumka3"}).out,
+                AllOf(HasSubstr("as many as the step needs"), HasSubstr("of the tables of stages that it chooses among")));
+    EXPECT_THAT(run({"method", "leapfrog-sdirk2"}).out,
+                AllOf(HasSubstr("1 a step\n"), HasSubstr("2 a step, for friction"), HasSubstr("stable to h omega = 2\n"),
+                      HasSubstr("stable however far in h c")));
+    EXPECT_THAT(run({"method", "ros34pw2"}).out,
+                AllOf(HasSubstr("4 a step, for the whole state"), HasSubstr("imaginary axis      stable however far")));
+}
+
+TEST_F(MethodCommands, UnknownNamesAreExplained) {
+    const std::vector<std::pair<std::string, std::string>> mistakes{
+        {"rkc-s1",
+         "cvtflow-lab: no method 'rkc-s1': rkc-s<stages>[-e<damping>] takes 2 to 400 stages, damping 0 to 100 (2/13 if absent)\n"},
+        {"rock2-s4", "cvtflow-lab: no method 'rock2-s4': rock2-s<stages> takes 5 to 400 stages\n"},
+        {"rock4-s101", "cvtflow-lab: no method 'rock4-s101': rock4-s<stages> takes 5 to 100 stages\n"},
+        {"serk2-s15", "cvtflow-lab: no method 'serk2-s15': serk2-s<stages> takes 10, 20, ... 250 stages\n"},
+        {"fitted-l200",
+         "cvtflow-lab: no method 'fitted-l200': fitted-l<real>-w<imaginary>[-s<stages>][-p<order>][-r<ripple>] takes real 5 to 8000, "
+         "imaginary "
+         "up to 50, 4 to 150 stages (the fewest if absent), order 2 or 3, ripple up to 1 (0.2 if absent)\n"},
+        {"dumka3-p15", "cvtflow-lab: no method 'dumka3-p15' (did you mean 'dumka3-p1'?)\n"},
+        {"magic", "cvtflow-lab: no method 'magic' (cvtflow list methods)\n"}};
+    for (const auto& [name, message] : mistakes) {
+        const Outcome outcome = run({"method", name});
+        EXPECT_EQ(outcome.status, 2) << name;
+        EXPECT_EQ(outcome.err, message);
+        const std::string reason = std::string(message).substr(std::string("cvtflow-lab: ").size());
+        EXPECT_EQ(run({"run", "tiny", "--method", name}).err, "cvtflow: --method " + std::string(name) + ": " + reason);
+    }
+}
+
+TEST_F(MethodCommands, ListShowsFamiliesAndMethodsThatFollowTheSpectrum) {
+    const std::string list = run({"list", "methods", "--all"}).out;
+    for (const engine::MethodFamily& family : engine::method_families()) EXPECT_THAT(list, HasSubstr(std::string(family.form)));
+    for (const char* name : {"\ndumka3 ", "\nrkc ", "\nrock2 ", "\nfitted "}) EXPECT_THAT(list, HasSubstr(name));
+}
+
+TEST_F(MethodCommands, FitMakesAMethodForAScene) {
+    const Outcome fit = run({"fit", "baseline", "--step", "2us"});
+    EXPECT_EQ(fit.status, 0) << fit.err;
+    EXPECT_THAT(fit.out, AllOf(HasSubstr("by power iteration"), HasSubstr("evaluations per simulated second"), HasSubstr("fitted-l"),
+                               HasSubstr("stages grow         to 1 of y")));
+    EXPECT_EQ(run({"fit", "tiny"}).err, "cvtflow-lab: tiny: the start is not settled, its spectrum would mean nothing (cvtflow settle)\n");
+}
+
+TEST_F(MethodCommands, CompareMeasuresErrorsAndCost) {
+    const Outcome compare = run({"compare", "baseline", "rk4@50ns", "dumka3-p5@2us", "dopri54@100ns~1", "--duration", "12us"});
+    EXPECT_EQ(compare.status, 0) << compare.err;
+    EXPECT_THAT(compare.out, AllOf(HasSubstr("\n  rk4@50ns "), HasSubstr("\n  dumka3-p5@2us "), HasSubstr("\n  dopri54@100ns~1 ")));
+    EXPECT_EQ(run({"compare", "baseline", "dumka3"}).err,
+              "cvtflow-lab: dumka3: write METHOD@STEP, METHOD@auto, or METHOD@LONGEST~TOLERANCE for steps by error\n");
+    EXPECT_EQ(run({"compare", "baseline", "rk4@2m"}).err, "cvtflow-lab: rk4@2m: '2m' is not a time above 0, such as 40ns\n");
+}
+
+TEST_F(MethodCommands, ToleranceMakesTheErrorDecide) {
+    const Outcome outcome = run(
+        {"run", "baseline", "-o", "none", "--method", "dumka3", "--step", "5us", "--tolerance", "1", "--until", "0.1ms", "--threads", "1"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out,
+                AllOf(HasSubstr("local error         largest "), HasSubstr("tolerance 1.00e+00"), HasSubstr("steps rejected")));
+}
+
+}  // namespace
+}  // namespace cvtflow::bench

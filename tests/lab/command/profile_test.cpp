@@ -1,0 +1,108 @@
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/executor/runtimes.hpp"
+#include "engine/thread/busy_neighbours.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class ProfileCommand : public Program {};
+class NightlyProfileCommand : public Program {};  // nine children
+
+TEST_F(ProfileCommand, MeasuresAndWritesItsFiles) {
+    const Outcome outcome = run({"profile",   "tiny",    "--schedules",  "serial:staged,flow:fused,flow:staged",
+                                 "--threads", "2",       "--steps",      "4",
+                                 "--rounds",  "1",       "--neighbours", "0,1",
+                                 "--predict", "--csv",   "p.csv",        "--json",
+                                 "p.json",    "--trace", "t.json",       "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("tiny: 4 schedules"), HasSubstr("\nflow:staged "), HasSubstr("\nStages by thread:"),
+                                   HasSubstr("\nBeside busy neighbours"), HasSubstr("\nWhere sequential time goes (serial:staged)"),
+                                   HasSubstr("\nCritical path")));
+    EXPECT_THAT(read("p.csv"), testing::StartsWith("scene,schedule,"));
+    EXPECT_EQ(nlohmann::json::parse(read("p.json"))["schedules"].size(), 4u);
+    EXPECT_GT(nlohmann::json::parse(read("t.json"))["traceEvents"].size(), 20u);
+}
+
+TEST_F(ProfileCommand, WritesThePublishedChartsAndCurvesAsTables) {
+    const Outcome outcome = run({"profile",   "tiny",    "--schedules",  "serial:staged,barrier:fused",
+                                 "--threads", "2",       "--steps",      "4",
+                                 "--rounds",  "1",       "--neighbours", "0",
+                                 "--stages",  "s.csv",   "--curves",     "c.csv",
+                                 "--wait",    "passive", "--pin",        "--predict",
+                                 "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("\nPredicted and measured speed-ups"));
+    EXPECT_THAT(read("s.csv"), AllOf(testing::StartsWith("scene,schedule,threads,"), HasSubstr("serial:staged,1,1,0,\"Cholesky\"")));
+    EXPECT_THAT(read("c.csv"), testing::StartsWith("scene,threads,ideal,even,amdahl,critical_path,low,high,measured,"));
+}
+
+TEST_F(ProfileCommand, NamesTheStagesOfAMethodWithCyclesOfItsOwn) {
+    const Outcome outcome = run({"profile",      "tiny",
+                                 "--method",     "leapfrog-chebyshev",
+                                 "--schedules",  "serial:staged,flow:fused",
+                                 "--threads",    "2",
+                                 "--steps",      "4",
+                                 "--rounds",     "1",
+                                 "--neighbours", "0",
+                                 "--predict",    "--stages",
+                                 "s.csv",        "--json",
+                                 "p.json",       "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr(" record, F friction, I finish,"), HasSubstr("\n  own cycles ")));
+    EXPECT_THAT(read("s.csv"), HasSubstr("flow:fused,2,2,0,\"friction\""));
+    EXPECT_GT(nlohmann::json::parse(read("p.json"))["model"]["own_tasks_per_step"], 0.0);
+}
+
+TEST_F(NightlyProfileCommand, StartsItselfAgainForEveryWaitPolicy) {
+    const Outcome outcome = run({"profile", "tiny", "--policies", "--schedules", "omp_region,barrier", "--threads", "2", "--steps", "2",
+                                 "--rounds", "1", "--neighbours", "0", "--csv", "p.csv", "--json", "p.json", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto policies = nlohmann::json::parse(read("p.json"))["policies"];
+    ASSERT_EQ(policies.size(), 9u);  // two for both, five for OpenMP, two for our own
+    EXPECT_EQ(policies[2]["policy"], "OMP_WAIT_POLICY=active");
+    EXPECT_EQ(policies[2]["profile"]["environment"]["OMP_WAIT_POLICY"], "active");
+    EXPECT_EQ(policies[2]["profile"]["schedules"].size(), 2u);  // serial and what the policy concerns
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("\nWait policies: "), HasSubstr("OMP_WAIT_POLICY=passive"), HasSubstr("--wait passive")));
+    EXPECT_THAT(read("p.csv"), HasSubstr(",\"passive\","));
+}
+
+TEST_F(ProfileCommand, LeavesTablesNumbersAndPicturesInAFolder) {
+    const Outcome outcome = run({"profile", "tiny", "--method", "leapfrog-rkc", "--schedules", "flow:fused", "--threads", "2", "--steps",
+                                 "4", "--rounds", "1", "--neighbours", "0,1", "--predict", "-o", "out", "-q"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    for (const char* name : {"profile.csv", "stages.csv", "curves.csv", "profile.json", "stages.svg", "loads.svg", "curves.svg"})
+        EXPECT_THAT(outcome.out, HasSubstr(std::string("out/") + name));
+    EXPECT_THAT(read("out/stages.svg"), AllOf(HasSubstr("friction"), HasSubstr("controller"), HasSubstr("2 flow:fused, 2 threads")));
+    EXPECT_TRUE(nlohmann::json::parse(read("out/profile.json"))["processors"].contains("calibrated"));
+}
+
+/// Beside four threads per processor that only spin (no neighbours of its own, which a profile knows of), a calibration gets a fifth.
+TEST_F(ProfileCommand, PredictsNothingOnACrowdedMachine) {
+    const engine::BusyNeighbours neighbours(4 * engine::usable_processors());
+    const Outcome outcome = run({"profile", "tiny", "--schedules", "flow:fused", "--threads", "2", "--steps", "4", "--rounds", "1",
+                                 "--neighbours", "0", "--curves", "c.csv", "-o", "out", "-q"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("No prediction: calibration got 0."), HasSubstr("Others are busy"),
+                                   testing::Not(HasSubstr("Critical path")), testing::Not(HasSubstr("curves.svg"))));
+    EXPECT_THAT(outcome.err, HasSubstr("cvtflow-lab: c.csv: not written, there is no prediction: calibration got 0."));
+}
+
+TEST_F(ProfileCommand, SaysWhatItDoesNotKnow) {
+    const Outcome outcome = run({"profile", "tiny", "--schedules", "flaw"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("there is no executor 'flaw' (did you mean \"flow\"?)"));
+}
+
+}  // namespace
+}  // namespace cvtflow::bench

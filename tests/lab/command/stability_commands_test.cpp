@@ -1,0 +1,95 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "engine/method/catalogue.hpp"
+#include "tasks/run/channels/channels.hpp"
+#include "tasks/scene/parameter_table.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class StabilityCommands : public Program {};
+
+TEST_F(StabilityCommands, SpectrumTellsExtentBandsAndTheLongestStep) {
+    const Outcome outcome = run(std::vector<std::string>{"spectrum", "tiny", "--extremal", "-q", "-o", "s"} + brief_settling);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, StartsWith("tiny: eigenvalues of the Jacobian at t = 0 s, piecewise friction, "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  fastest decay       max -Re = [0-9.]+e\\+06 1/s\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ ns predicted \\(by .* 1/s\\), [0-9.]+ ns measured"));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  growth              not looked at: eigenvalues at the edge only\n"));
+    const auto json = nlohmann::json::parse(read("s/spectrum.json"));
+    EXPECT_EQ(json["unknowns"], 648);
+    EXPECT_EQ(json["eigenvalues"].size(), std::size_t(json["extent"]["below_1e6"]) + 2);  // and the pair that oscillates fastest
+    EXPECT_NEAR(double(json["stable_step"]["measured"]) / double(json["stable_step"]["predicted"]), 1.0, 0.15);  // barely settled, it moves
+    EXPECT_THAT(read("s/spectrum.csv"), StartsWith("real,imaginary,share_joints,share_plates,share_tips\n-"));
+    EXPECT_FALSE(exists("s/spectrum-linear.svg")) << "a line and two points in an empty plane";
+    EXPECT_THAT(read("s/spectrum-edge.svg"),
+                AllOf(HasSubstr(">-Re λ [1/s]</text>"), HasSubstr("; the outermost "), HasSubstr("; fastest oscillation 7")));
+}
+
+TEST_F(StabilityCommands, SpectrumOfAllEigenvaluesIsDrawnInThePlane) {
+    const Outcome outcome =
+        run(std::vector<std::string>{"spectrum", "tiny", "--detail", "coarse", "-q", "-o", "s", "--svg"} + brief_settling);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_TRUE(exists("s/spectrum-linear.svg"));
+    EXPECT_THAT(read("s/spectrum-symlog.svg"), HasSubstr(">Re λ [1/s]</text>"));
+    EXPECT_FALSE(exists("s/spectrum-edge.svg"));
+}
+
+TEST_F(StabilityCommands, StabilityNeedsNoScene) {
+    const Outcome outcome = run({"stability", "rk4", "dumka3-p2", "-q", "-o", "maps", "--svg"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +4 +2\\.785 +2\\.828 "));
+    EXPECT_THAT(outcome.out, HasSubstr("\n  written             maps/stability-rk4.svg, maps/stability-dumka3-p2.svg\n"));
+    EXPECT_THAT(read("maps/stability-rk4.svg"), HasSubstr("class=\"region\" d=\"M"));
+    EXPECT_FALSE(exists("maps/stability.csv"));
+}
+
+TEST_F(StabilityCommands, StabilityOfMethodsThatAreNoTablesIsThatOnTheirOwnTestEquations) {
+    const Outcome outcome = run({"stability", "rk4", "leapfrog-rkc", "ark436", "sw2", "-q", "-o", "maps"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  rk4 +4 +2\\.785 +2\\.828 "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  leapfrog-rkc +2 +1\\.732 "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  ark436 +4\\.001 .* any "));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  sw2 +any +any +any +any "));
+    EXPECT_THAT(read("maps/stability-programs.csv"), HasSubstr("\nsw2,linear,,,,,inf,inf,inf,inf,1,"));
+    EXPECT_THAT(read("maps/stability-leapfrog-rkc.svg"),
+                AllOf(HasSubstr("class=\"region\" d=\"M"), HasSubstr(">h ω</text>"), HasSubstr(">h c</text>")));
+    EXPECT_THAT(read("maps/stability-sw2.svg"), HasSubstr(">Im hλ</text>"));
+}
+
+TEST_F(StabilityCommands, StabilityOnASceneIsPredictedAndMeasuredForMethodsThatAreNoTablesToo) {
+    const Outcome outcome = run({"stability", "leapfrog-rkc", "leapfrog-be", "--scene", "control", "-q", "-o", "maps"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\nLargest stable step\n  leapfrog-rkc +2\\.[0-9]+ us \\(oscillation of .*\\) "
+                                                    "predicted, 2\\.[0-9]+ us measured \\([-+][0-4]\\."));
+    EXPECT_THAT(
+        outcome.out,
+        testing::ContainsRegex("\n  leapfrog-be +2\\.[0-9]+ us \\(oscillation of .*\\) predicted, 2\\.[0-9]+ us measured \\([-+][0-4]\\."));
+    EXPECT_THAT(read("maps/stability-leapfrog-rkc.svg"), HasSubstr(">the scene at 2."));
+    EXPECT_THAT(read("maps/stability-programs.csv"), testing::ContainsRegex("\nleapfrog-rkc,.*,2\\.[0-9]+e-06,2\\.[0-9]+e-06\n"));
+}
+
+TEST_F(StabilityCommands, SpectrumKnowsTheLongestStepOfMethodsThatAreNoTables) {
+    const Outcome outcome = run(
+        std::vector<std::string>{"spectrum", "tiny", "--method", "leapfrog-rkc", "--extremal", "-q", "-o", "s", "--json"} + brief_settling);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  largest stable step [0-9.]+ us \\(oscillation of .*\\) predicted\n"));
+    const auto json = nlohmann::json::parse(read("s/spectrum.json"));
+    EXPECT_FALSE(json["stable_step"].contains("measured")) << "one answer";
+    EXPECT_GT(double(json["stable_step"]["predicted"]), 1e-6);
+    EXPECT_GT(double(json["stable_step"]["oscillation"]), 1e5);
+}
+
+}  // namespace
+}  // namespace cvtflow::bench

@@ -1,0 +1,96 @@
+/// cvtflow-lab tradeoff: what is recommended is right over times that results are read of, too.
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+class Tradeoff : public Program {
+protected:
+    /// `control` is stable to 1.91 us: at 2 us the leapfrog is exact over 240 us and wrong over 20 ms.
+    /// Which of the others is recommended is a question of wall time.
+    [[nodiscard]] nlohmann::json judged(const std::string& scene, const std::vector<std::string>& words) const {
+        const Outcome outcome = run(std::vector<std::string>{"tradeoff", scene, "-q", "--json", "--csv", "-o", "out"} + words);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_THAT(outcome.out, ContainsRegex("\n  leapfrog-chebyshev@2us .* beyond stability\n"));
+        EXPECT_THAT(outcome.out, Not(HasSubstr("use leapfrog-chebyshev@2us")));
+        EXPECT_THAT(outcome.out, HasSubstr("What is recommended was confirmed over "));
+        const auto json = nlohmann::json::parse(read("out/tradeoff_" + scene + ".json"));
+        EXPECT_FALSE(json["recommended"][0]["method"].is_null()) << "a hundredth is met";
+        for (const auto& best : json["recommended"]) {
+            if (!best["method"].is_null()) expect_confirmed(row(json, best["method"]));
+        }
+        for (const auto& choice : json["choices"])
+            EXPECT_TRUE(choice["front"] == false || choice["standing"] == "confirmed") << choice["method"];
+        return json;
+    }
+    static const nlohmann::json& row(const nlohmann::json& json, const std::string& method) {
+        for (const auto& choice : json["choices"]) {
+            if (choice["method"] == method) return choice;
+        }
+        throw std::out_of_range(method);
+    }
+    static void expect_confirmed(const nlohmann::json& choice) {
+        EXPECT_EQ(choice["standing"], "confirmed") << choice["method"];
+        EXPECT_LE(double(choice["long"]["slip_off"]), 0.01) << choice["method"];
+        EXPECT_LE(double(choice["long"]["losses_off"]), 0.01) << choice["method"];
+        EXPECT_EQ(choice["long"]["watch"]["status"], "finished") << choice["method"];
+        EXPECT_EQ(choice["long"]["watch"]["long_enough"], true) << choice["method"];
+    }
+};
+class NightlyTradeoff : public Tradeoff {};
+
+const std::vector<std::string> few{
+    "leapfrog-chebyshev@auto", "leapfrog-chebyshev@2us", "leapfrog-chebyshev@1us", "--reference", "rk4@25ns", "--rounds", "1"};
+
+TEST_F(Tradeoff, NeverRecommendsAStepBeyondStabilityHoweverExactItIsOverAShortTime) {
+    const auto json = judged("control", few);
+    const auto& beyond = row(json, "leapfrog-chebyshev@2us");
+    EXPECT_LT(double(beyond["error_axial_force"]), 1e-3) << "that is what misled it";
+    EXPECT_LT(double(beyond["stable_step"]), 2e-6);
+    EXPECT_EQ(beyond["front"], false);
+    EXPECT_EQ(beyond["standing"], "beyond stability");
+    EXPECT_THAT(read("out/tradeoff_control.csv"), HasSubstr("\nleapfrog-chebyshev@2us,"));
+    EXPECT_THAT(read("out/tradeoff_control.csv"), HasSubstr(",beyond stability,,,"));
+}
+
+TEST_F(Tradeoff, LeavesOutWhatTheWatchRejects) {
+    // dopri54 looks at the error of its steps and not at stability, so a loose tolerance is not seen beforehand.
+    const Outcome outcome = run({"tradeoff", "control", "leapfrog-chebyshev@auto", "dopri54@auto~1", "-q", "--reference", "rk4@25ns",
+                                 "--rounds", "1", "--confirm", "2ms"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, ContainsRegex("\n  dopri54@auto~1 .* unreliable\n"));
+    EXPECT_THAT(outcome.out, Not(HasSubstr("use dopri54")));
+    EXPECT_THAT(outcome.out,
+                ContainsRegex("\nConfirmed over too short a time: 2 ms are 2\\.[0-9] pin periods: means of slip and efficiency need 16 "));
+}
+
+TEST_F(Tradeoff, NamesAReferenceThatIsWrongItself) {
+    const std::vector<std::string> brief{"tradeoff", "control", "leapfrog-chebyshev@auto", "-q", "--rounds", "1", "--confirm", "1ms"};
+    const Outcome coarse = run(brief + std::vector<std::string>{"--reference", "rk4@200ns"});
+    EXPECT_EQ(coarse.status, 1);
+    EXPECT_THAT(coarse.err, testing::StartsWith("cvtflow-lab: control: the reference rk4@200ns is unreliable: "));
+    const Outcome confirmed = run(brief + std::vector<std::string>{"--reference", "rk4@25ns", "--confirm-against", "rk4@200ns"});
+    EXPECT_EQ(confirmed.status, 1);
+    EXPECT_THAT(confirmed.err,
+                HasSubstr("cvtflow-lab: control: the reference of the confirmation is unreliable: its energy balance does not close\n"));
+    EXPECT_EQ(run({"tradeoff", "control", "--confirm", "0 s"}).err, "cvtflow-lab: --confirm: '0 s' is not a time above 0, such as 40ns\n");
+}
+
+TEST_F(NightlyTradeoff, RecommendsNothingWrongOfAllItsChoices) {
+    for (const std::string scene : {"control", "shift"}) EXPECT_EQ(row(judged(scene, {}), "leapfrog-chebyshev@2us")["front"], false);
+}
+
+}  // namespace
+}  // namespace cvtflow::bench

@@ -1,0 +1,61 @@
+#include "bench/study/attribution.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tests/tasks/brief_start_fixture.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tasks;
+namespace {
+
+TEST(Attribution, CountsBandsAndGrowth) {
+    const Extent extent = extent_of({-2e7, -5e6, {-1e3, 4e5}, {-1e3, -4e5}, 0.0, 50.0, 200.0});
+    EXPECT_EQ(extent.decay, 2e7);
+    EXPECT_EQ(extent.oscillation, 4e5);
+    EXPECT_EQ(extent.below_1e6, 2);
+    EXPECT_EQ(extent.below_1e7, 1);
+    EXPECT_EQ(extent.growing, 1);
+    EXPECT_EQ(extent.growth, 200.0);
+}
+
+TEST(Attribution, OfFrictionOfOneKindGivesThatKindEverything) {
+    for (int kind = 0; kind < contact_kind_count; ++kind) {
+        model::Parameters alone = brief_scene().parameters;
+        for (int other = 0; other < contact_kind_count; ++other) {
+            if (other != kind) contact_kinds()[static_cast<std::size_t>(other)].friction(alone).coefficient = 0.0;
+        }
+        const Attribution found = attribute(alone, brief_start(), -2e5, {});
+        ASSERT_FALSE(found.values.empty()) << kind;
+        // -d without springs; with them λ² + d λ + ω² = 0, whose fast root has a share of d/sqrt(d² - 4 ω²) > 1.
+        EXPECT_EQ(found.main_kind(0), kind);
+        EXPECT_GT(found.shares[0][static_cast<std::size_t>(kind)], 0.8);
+        for (std::size_t k = 0; k < found.values.size(); ++k) {
+            for (int other = 0; other < contact_kind_count; ++other) {
+                if (other == kind) continue;
+                EXPECT_NEAR(found.shares[k][static_cast<std::size_t>(other)], 0.0, 1e-6) << found.values[k];
+            }
+        }
+    }
+}
+
+TEST(Attribution, SharesOfStiffEigenvaluesSumToOne) {
+    const Attribution found = attribute(brief_scene().parameters, brief_start(), -1e6, {});
+    ASSERT_FALSE(found.values.empty());
+    const auto& largest = found.shares.front();
+    EXPECT_NEAR(largest[0] + largest[1] + largest[2], 1.0, 0.1);
+}
+
+TEST(Attribution, TriesKindsAloneAndOneAfterTheOther) {
+    std::vector<std::string> told;
+    const Attribution found =
+        attribute(brief_scene().parameters, brief_start(), -1e6, [&](const std::string& what) { told.push_back(what); });
+    std::vector<std::string> contacts;
+    for (const SlowedSpectrum& slowed : found.slowed) contacts.push_back(slowed.contacts);
+    EXPECT_THAT(contacts, testing::ElementsAre("", "joints", "plates", "tips", "joints, plates", "joints, plates, tips"));
+    EXPECT_EQ(told.size(), 9u);
+    EXPECT_LT(extent_of(found.slowed.back().values).decay, 0.25 * extent_of(found.slowed.front().values).decay);
+}
+
+}  // namespace
+}  // namespace cvtflow::bench

@@ -1,0 +1,97 @@
+/// At every edge the program gives a right answer or says why not. The rows and what may come of each are bench/study/extremes/*_rows.cpp.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "bench/study/extremes/judge.hpp"
+#include "model/observe/observation.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tasks;
+namespace {
+
+Scene tiny() { return read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml"); }
+
+/// Judges all rows of a group; says everything about those that do not end as stated.
+void judge_group(const std::string& group, bool nightly) {
+    ExtremeJudge judge(tiny());
+    int rows = 0;
+    for (const Extreme& row : extremes()) {
+        if (row.group != group || row.nightly != nightly) continue;
+        ++rows;
+        const ExtremeVerdict verdict = judge.judge(row);
+        EXPECT_TRUE(verdict.passed) << row.group << ", " << row.name << ": " << verdict.outcome();
+        for (const ExtremeCase& one : verdict.cases) {
+            if (!verdict.passed) ADD_FAILURE() << one.detail << ", " << one.method << ": " << ending_name(one.ending) << " " << one.message;
+            EXPECT_FALSE(one.ending != Ending::right && one.message.empty()) << row.name << ": an end without a word";
+        }
+    }
+    EXPECT_GT(rows, 0);
+}
+
+class ExtremesOf : public testing::TestWithParam<const char*> {};
+
+TEST_P(ExtremesOf, EndAsStated) { judge_group(GetParam(), false); }
+
+INSTANTIATE_TEST_SUITE_P(Group, ExtremesOf,
+                         testing::Values("friction", "damping", "stiffness", "masses", "pins", "pitch", "plates", "joints", "operation",
+                                         "contact", "steps", "numbers"),
+                         [](const auto& group) { return std::string(group.param); });
+
+TEST(NightlyExtremes, OfEveryParametersRange) { judge_group("limits", false); }
+TEST(NightlyExtremes, OfTenThousandPins) { judge_group("pins", true); }
+
+TEST(Extremes, HaveNamesOfTheirOwn) {
+    std::set<std::string> names;
+    for (const Extreme& row : extremes()) EXPECT_TRUE(names.insert(row.group + "/" + row.name).second) << row.group << ", " << row.name;
+    EXPECT_GT(names.size(), 200u);
+}
+
+/// Short steps of the cheapest method: what grows with their number is seen.
+void run_long(long steps) {
+    Scene scene = tiny();
+    const double step = 1e-9;
+    set_values(scene, std::vector<std::string>{"start.settling_time=0.3 ms", "start.ramp_time=0.3 ms", "record.ledger=true",
+                                               "run.schedule=serial"});
+    Simulation settled(scene);
+    SilentObserver silent;
+    const engine::Cancellation never;
+    ASSERT_FALSE(settled.advance({.until = 0.0}, silent, never));
+    const IntegrationState start = settled.integration_state();
+    scene.run.method = "euler";
+    scene.run.step = step;
+    scene.run.output_interval = 1e-6;
+    Simulation simulation(scene);
+    simulation.restore(start);
+    model::Observer observer(simulation.variator());
+    const auto energy = [&] {
+        const model::ChainLayout& at = simulation.variator().layout();
+        double sum = 0.0;
+        for (const double part : observer.observe(simulation.time(), simulation.state(), simulation.phases().data()).account.energy)
+            sum += part;
+        for (int k = 0; k < model::loss_kinds; ++k) sum += simulation.state()[at.ledger_begin() + k];
+        for (int k = 0; k < model::work_kinds; ++k) sum -= simulation.state()[at.ledger_begin() + model::loss_kinds + k];
+        return sum;
+    };
+    const double before = energy();
+    const double span = static_cast<double>(steps) * step;
+    ASSERT_FALSE(simulation.advance({.until = span}, silent, never));
+    // Times come from counting, not from adding up: 1e8 additions of 1e-9 would be off by 1e-12.
+    EXPECT_NEAR(simulation.time(), span, 1e-9 * scene.run.output_interval);
+    const Counters& counters = simulation.counters();
+    EXPECT_EQ(counters.steps - counters.truncated, steps) << "every grid point is reached once";
+    EXPECT_GE(counters.evaluations, counters.steps);
+    EXPECT_LE(counters.evaluations, counters.steps + 2 * counters.truncated + counters.steps / 100);
+    // Euler at h = 1 ns gains or loses h/2 times the squared frequency of what vibrates: 1e-3 of the whole is far above that.
+    EXPECT_NEAR(energy(), before, 1e-3 * before);
+    for (int k = 0; k < simulation.variator().layout().size(); ++k) ASSERT_TRUE(std::isfinite(simulation.state()[k]));
+}
+
+TEST(Extremes, AHundredThousandStepsDriftNowhere) { run_long(100'000); }
+TEST(NightlyExtremes, AHundredMillionStepsDriftNowhere) { run_long(100'000'000); }
+
+}  // namespace
+}  // namespace cvtflow::bench

@@ -1,0 +1,93 @@
+#include "bench/study/tradeoff/error_measure.hpp"
+
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include "tasks/run/run.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tasks;
+namespace {
+
+Trajectory two_outputs(double tension) {
+    Trajectory trajectory;
+    trajectory.times = {1.0, 2.0};
+    trajectory.axial_force = {{3.0, 4.0}, {3.0, 4.0}};
+    trajectory.tension = {{tension}, {2.0}};
+    trajectory.slip = {0.01, 0.01};
+    trajectory.losses = {0.0, 5.0};
+    return trajectory;
+}
+
+/// By hand: differences (1, 0) of (1, 2): 1/sqrt(5) over all, 1 at the first output.
+TEST(ErrorMeasureCompare, ErrorsAreRelativeOverAllOutputsAndAtTheWorst) {
+    const ErrorReport report = compare(two_outputs(2.0), two_outputs(1.0));
+    EXPECT_DOUBLE_EQ(report.overall.tension, 1.0 / std::sqrt(5.0));
+    EXPECT_DOUBLE_EQ(report.worst.tension, 1.0);
+    EXPECT_EQ(report.overall.axial_force, 0.0);
+    EXPECT_EQ(report.overall.losses, 0.0);
+    EXPECT_EQ(report.overall.largest(), report.overall.tension);
+}
+
+TEST(ErrorMeasureCompare, ARunThatEndedEarlyOrIsNotANumberIsInfinitelyWrong) {
+    Trajectory lost = two_outputs(1.0);
+    lost.fault.kind = FaultKind::non_finite;
+    EXPECT_TRUE(std::isinf(compare(lost, two_outputs(1.0)).overall.tension));
+    EXPECT_TRUE(std::isinf(compare(two_outputs(std::nan("")), two_outputs(1.0)).overall.largest()));
+    EXPECT_THROW((void)compare(two_outputs(1.0), lost), std::invalid_argument);
+}
+
+TEST(ErrorMeasureCompare, OtherOutputTimesAreRefused) {
+    Trajectory shifted = two_outputs(1.0);
+    shifted.times[1] = 3.0;
+    EXPECT_THROW((void)compare(shifted, two_outputs(1.0)), std::invalid_argument);
+}
+
+/// The smallest scene after a millisecond of settling, with its state on file.
+class ErrorMeasureRuns : public testing::Test {
+protected:
+    static Scene settled() {
+        Scene scene = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
+        const std::string file =
+            (std::filesystem::temp_directory_path() / ("cvtflow_error_measure_" + std::to_string(getpid()) + ".h5")).string();
+        set_values(scene, std::vector<std::string>{"start.settling_time=1ms", "start.ramp_time=0.5ms", "run.schedule=serial"});
+        settle_scene(scene, file, {});
+        set_value(scene, "start.state=" + file);
+        return scene;
+    }
+    static MeasureSettings brief() {
+        MeasureSettings settings;
+        settings.duration = 24e-6;
+        return settings;
+    }
+};
+
+TEST_F(ErrorMeasureRuns, TheReferenceAgreesWithItselfAndALongerStepDoesNot) {
+    const engine::Cancellation never;
+    const ErrorMeasure measure(settled(), brief(), never);
+    const Trajectory same = measure.run(brief().reference);
+    EXPECT_EQ(same.hash, measure.reference().hash);
+    EXPECT_EQ(measure.errors(same).worst.largest(), 0.0);
+    EXPECT_EQ(same.times.size(), 2u);
+    const Trajectory fine = measure.run(std::vector<std::string>{"run.step=25ns"}),
+                     coarse = measure.run(std::vector<std::string>{"run.step=50ns"});
+    EXPECT_LT(measure.errors(fine).overall.axial_force, measure.errors(coarse).overall.axial_force);
+    EXPECT_GT(measure.errors(fine).overall.axial_force, 0.0);
+    EXPECT_NEAR(coarse.evaluations_per_second(), 8e7, 0.1e7);
+    EXPECT_GT(coarse.wall_per_second(), 0.0);
+    EXPECT_DOUBLE_EQ(coarse.step, 5e-8);
+}
+
+TEST_F(ErrorMeasureRuns, AnUnsettledStartIsRefused) {
+    const engine::Cancellation never;
+    const Scene tiny = read_scene(CVTFLOW_SOURCE_DIR "/scenes/tiny.toml");
+    EXPECT_THROW(ErrorMeasure(tiny, brief(), never), SimulationError);
+}
+
+}  // namespace
+}  // namespace cvtflow::bench

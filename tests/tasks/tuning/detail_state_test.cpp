@@ -1,0 +1,103 @@
+#include "tasks/tuning/detail_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/parameters/chain_layout.hpp"
+#include "tests/tasks/tiny_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+using model::ChainLayout;
+using model::End;
+
+constexpr unsigned char phase(model::Phase of) { return static_cast<unsigned char>(of); }
+constexpr unsigned char untouched = phase(model::Phase::free), touching = phase(model::Phase::touching),
+                        sliding = phase(model::Phase::slip);
+
+/// Parameters of `tiny` with other detail.
+model::Parameters tiny_with(model::PinDetail pins, int order) {
+    model::Parameters parameters = tiny_parameters();
+    parameters.detail.pins = pins;
+    parameters.detail.order = order;
+    return parameters;
+}
+
+/// Pins on a circle of 30 mm, and something of its own in every other coordinate and velocity.
+engine::SavedState ring(const model::Parameters& parameters) {
+    const ChainLayout at = model::layout_of(parameters);
+    engine::SavedState saved;
+    saved.state.resize(static_cast<std::size_t>(at.control_begin()));
+    for (std::size_t k = 0; k < saved.state.size(); ++k) saved.state[k] = 1e-4 * std::sin(static_cast<double>(k));
+    const auto put = [&](int link, End end, double angle) {
+        double* q = saved.state.data() + at.link_begin(link);
+        q[at.x(end, 0)] = 0.03 * std::cos(angle);
+        q[at.y(end, 0)] = 0.03 * std::sin(angle);
+    };
+    for (int link = 0; link < at.links; ++link) {
+        const double pitch = 2.0 * M_PI / at.links;
+        put(link, End::rear, -pitch * link);
+        if (!at.whole) put(link, End::front, -pitch * (link + 0.9));
+    }
+    saved.phases.assign(static_cast<std::size_t>(model::tips_per_link * at.links), untouched);
+    return saved;
+}
+
+TEST(DetailState, OfHigherOrderBeginsWithTheCoordinatesThatTheLowerOneHas) {
+    const model::Parameters low = tiny_with(model::PinDetail::halves, 1), high = tiny_with(model::PinDetail::halves, 3);
+    const engine::SavedState saved = ring(low), over = brought_over(saved, low, high);
+    EXPECT_EQ(over.state[static_cast<std::size_t>(model::layout_of(high).y(End::front, 1))],
+              saved.state[static_cast<std::size_t>(model::layout_of(low).y(End::front, 1))]);
+    EXPECT_EQ(over.state[static_cast<std::size_t>(model::layout_of(high).y(End::front, 2))], 0.0);
+    EXPECT_EQ(brought_over(over, high, low).state, saved.state);
+}
+
+TEST(DetailState, PutsAWholePinInTheMiddleBetweenItsHalves) {
+    const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), whole = tiny_with(model::PinDetail::whole, 1);
+    const ChainLayout from = model::layout_of(halves), to = model::layout_of(whole);
+    const engine::SavedState saved = ring(halves), over = brought_over(saved, halves, whole);
+    ASSERT_EQ(over.state.size(), static_cast<std::size_t>(to.control_begin()));
+    for (int pin = 0; pin < to.links; ++pin) {
+        const double* rear = saved.state.data() + from.link_begin(pin);
+        const double* front = saved.state.data() + from.link_begin(from.previous(pin));
+        const double* q = over.state.data() + to.link_begin(pin);
+        EXPECT_DOUBLE_EQ(q[to.x(End::rear, 0)], 0.5 * (rear[from.x(End::rear, 0)] + front[from.x(End::front, 0)])) << pin;
+        const double* v = q + to.link_size();
+        EXPECT_DOUBLE_EQ(v[to.e(End::rear)],
+                         0.5 * (rear[from.link_size() + from.e(End::rear)] + front[from.link_size() + from.e(End::front)]))
+            << pin;
+    }
+}
+
+TEST(DetailState, OfWholePinsComesBackFromHalves) {
+    const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), whole = tiny_with(model::PinDetail::whole, 1);
+    const engine::SavedState saved = ring(whole), back = brought_over(brought_over(saved, whole, halves), halves, whole);
+    ASSERT_EQ(back.state.size(), saved.state.size());
+    // Half of the reach is added to the one half and taken from the other: rounding of numbers of 0.03.
+    for (std::size_t k = 0; k < saved.state.size(); ++k) EXPECT_NEAR(back.state[k], saved.state[k], 1e-17 + 1e-14 * 0.03) << k;
+}
+
+TEST(DetailState, ATipOfAWholePinTouchesWhereOneOfItsHalvesDid) {
+    const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), whole = tiny_with(model::PinDetail::whole, 1);
+    engine::SavedState saved = ring(halves);
+    const auto tip = [](int link, int end, int side) { return static_cast<std::size_t>(model::tips_per_link * link + 2 * end + side); };
+    saved.phases[tip(4, 1, 0)] = touching;  // the front half of link 4 is on pin 5
+    saved.phases[tip(7, 0, 1)] = sliding;
+    const std::vector<unsigned char> pins = brought_over(saved, halves, whole).phases;
+    EXPECT_EQ(pins[tip(5, 0, 0)], touching);
+    EXPECT_EQ(pins[tip(4, 1, 0)], untouched);
+    EXPECT_EQ(pins[tip(7, 0, 1)], sliding);
+    EXPECT_EQ(std::count(pins.begin(), pins.end(), untouched), static_cast<long>(pins.size()) - 2);
+
+    engine::SavedState of_pins = ring(whole);
+    of_pins.phases[tip(5, 0, 0)] = touching;
+    const std::vector<unsigned char> both = brought_over(of_pins, whole, halves).phases;
+    EXPECT_EQ(both[tip(5, 0, 0)], touching);
+    EXPECT_EQ(both[tip(4, 1, 0)], touching);
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks

@@ -1,0 +1,37 @@
+#pragma once
+/// What cvtflow and cvtflow-lab have in common: commands, arguments, help, exit status.
+
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include "tools/program/exit_status.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace cvtflow::tools {
+
+/// What a subcommand does once its arguments are read. May throw; what() is then printed as the error.
+using Action = std::function<ExitStatus()>;
+
+struct Command {
+    std::string_view name;
+    std::string_view group;            ///< heading of the help text that it stands under: a folder of the program's commands
+    std::string_view description;      ///< one line
+    Action (*declare)(CLI::App& app);  ///< declares arguments; they live in the returned action
+};
+
+struct Program {
+    std::string_view name;              ///< "cvtflow"
+    std::string_view description;       ///< one line
+    std::span<const Command> commands;  ///< in the order of the help text
+    std::string_view first_steps;       ///< lines of the help text
+    std::string_view other;             ///< the program to which a command may belong that this one lacks
+};
+
+/// main() of a program. @return its exit status
+[[nodiscard]] int run_program(const Program& program, int argc, char** argv) noexcept;
+
+}  // namespace cvtflow::tools
