@@ -188,7 +188,7 @@ void RunRecorder::restore(const std::vector<double>& position) {
     const auto count = [&] {
         const double number = take();
         if (!(number >= 0.0 && number <= 9007199254740992.0))
-            throw engine::RecordError(options_.file + ": the checkpoint holds a count that is none");
+            throw engine::RecordError(options_.file + ": the checkpoint contains an invalid count");
         return static_cast<std::size_t>(number);
     };
     for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {
