@@ -118,13 +118,16 @@ std::vector<std::string> likely_quantities(std::string_view text, std::string_vi
 std::string quantity_text(double value, std::string_view unit) {
     std::string shortest = fmt::format("{} {}", number_text(value), unit);
     const bool exponent = number_text(value).find('e') != std::string::npos;
-    if (!exponent && number_text(value).size() <= 6) return shortest;
+    if (!exponent && number_text(value).size() <= 4) return shortest;
+    bool in_si = true;
     for (const std::string_view usual : usual_units(unit)) {
         const double factor = std::get<Quantity>(parse_quantity(fmt::format("1 {}", usual))).value;
         const std::string number = short_text(value / factor);
         const std::string text = fmt::format("{} {}", number, usual);
         const bool same = std::get<Quantity>(parse_quantity(text)).value == value && number.find('e') == std::string::npos;
-        if (same && text.size() < shortest.size()) shortest = text;
+        if (!same || text.size() > shortest.size() - (in_si ? 0 : 1)) continue;
+        shortest = text;
+        in_si = false;
     }
     return shortest;
 }
