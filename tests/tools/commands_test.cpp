@@ -79,9 +79,10 @@ TEST_F(Commands, ListEveryRowOfTheCatalogues) {
     EXPECT_THAT(run({"list", "executors", "units"}).out, AllOf(HasSubstr("\nserial "), HasSubstr("\na torque ")));
 }
 
-TEST_F(Commands, ListDerivedOrderAndStabilityOfMethods) {
-    // Of the classical method: order 4, real interval 2.785, imaginary interval 2 sqrt(2).
-    EXPECT_THAT(run({"list", "methods"}).out, testing::ContainsRegex("\nrk4 +4 +4 +2\\.785 +2\\.828 "));
+TEST_F(Commands, ListMethodsAtOnce) {
+    const auto begin = std::chrono::steady_clock::now();
+    EXPECT_THAT(run({"list", "methods"}).out, testing::ContainsRegex("\nrk4 +4 +4 +[a-z]"));
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1)) << "4 s of processor time with the measured stability";
 }
 
 TEST_F(Commands, ExplainKeysAndSections) {
@@ -112,6 +113,8 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
     EXPECT_THAT(outcome.out, HasSubstr("20 000 + 200 000 for settling\n"));  // (1 + 10) ms of 50 ns
     EXPECT_THAT(outcome.out, HasSubstr("880 000, and some for transitions\n"));
     EXPECT_THAT(outcome.out, HasSubstr("\n  schedule            auto, which chooses the segments\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("states? every [^\n]*, up to [0-9.]+ [kM]?B\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  time                about [0-9:.]+( s)? on one thread"));
     EXPECT_THAT(run({"check", "tiny", "--set", "run.segments=3"}).out, HasSubstr("\n  schedule            auto, 3 segments\n"));
 }
 

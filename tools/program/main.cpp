@@ -47,11 +47,25 @@ void choose_isa(const std::string& name) {
     }
 }
 
+/// The option of a command that was probably meant by a word that is none; empty: none is near.
+std::string near_option(const CLI::App& command, const std::string& message) {
+    const auto begin = message.find(" --");
+    if (begin == std::string::npos) return {};
+    const std::string word = message.substr(begin + 1, message.find_first_of(" =", begin + 1) - begin - 1);
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    return engine::closest(word, names);
+}
+
 /// --help and --version come as errors with code 0.
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     const auto chosen = app.get_subcommands();
-    print_error(fmt::format("{} (cvtflow {}--help)", error.what(), chosen.empty() ? "" : chosen.front()->get_name() + " "));
+    const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    const std::string near = unknown && !chosen.empty() ? near_option(*chosen.front(), error.what()) : std::string{};
+    print_error(fmt::format("{}{} (cvtflow {}--help)", error.what(), near.empty() ? "" : fmt::format(", did you mean '{}'?", near),
+                            chosen.empty() ? "" : chosen.front()->get_name() + " "));
     return static_cast<int>(ExitStatus::usage);
 }
 
@@ -73,8 +87,8 @@ int execute(int argc, char** argv) {
     app.footer(
         "cvtflow COMMAND --help tells more. First steps:\n"
         "  cvtflow list scenes\n"
-        "  cvtflow run tiny\n"
-        "  cvtflow info results/tiny.h5\n\n" +
+        "  cvtflow run baseline\n"
+        "  cvtflow info results/baseline.h5\n\n" +
         std::string(exit_status_help));
     if (argc > 1 && argv[1][0] != '-' && !is_command(argv[1])) return static_cast<int>(ExitStatus::usage);
     try {
