@@ -17,14 +17,31 @@ namespace {
 constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;       ///< share of outputs
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
+constexpr double takes_energy = 0.02;  ///< of the input; 7e-4 over 11 pin periods of the settled baseline
+constexpr double least_load = 0.01;    ///< of the input
 
 constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
     {"control_limit", "a controller had used up its authority at more than 5 % of the last fifth's outputs"},
     {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
     {"efficiency", "efficiency of all of the run, or of its last fifth, outside 0 … 1"},
-    {"unsteady", "ratio of the first and the last fifth differ by more than 1 %, or slip by more than a fifth of it"},
+    {"unsteady",
+     "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it, the stored "
+     "energy by more than 2 % of the input; or it was seen for less than a pin period"},
+    {"no_load", "less than 1 % of the input went out: there is no efficiency"},
 };
+
+/// What inputs brought, and what went out through inputs [J].
+struct Traffic {
+    double in = 0.0, out = 0.0;
+};
+
+Traffic traffic(const EnergySums& before, const EnergySums& after) {
+    Traffic sum;
+    for (std::size_t k = 0; k < after.work.size(); ++k)
+        (after.work[k] > before.work[k] ? sum.in : sum.out) += std::abs(after.work[k] - before.work[k]);
+    return sum;
+}
 
 }  // namespace
 
@@ -104,23 +121,45 @@ SpanMeans RunMeans::span(double from, double to) const {
     if (means.periods == 0.0 && pin_period_ > 0.0 && means.end - bins_.front().time >= pin_period_)
         means.periods = 1.0;  // a fifth shorter than a period
     const EnergySums before = energy_at(means.periods > 0.0 ? means.end - means.periods * pin_period_ : means.begin);
-    means.efficiency = energy_at(means.end).efficiency_since(before);
+    const EnergySums after = energy_at(means.end);
+    const Traffic energy = traffic(before, after);
+    means.no_load = energy.in > 0.0 && energy.out < least_load * energy.in;
+    means.efficiency = means.no_load ? std::numeric_limits<double>::quiet_NaN() : after.efficiency_since(before);
+    means.stored = energy.in > 0.0 ? (energy.in - energy.out - (after.lost() - before.lost())) / energy.in : 0.0;
     return means;
 }
 
-std::array<bool, 5> RunMeans::odd() const {
-    if (bins_.empty()) return {};
+std::string RunMeans::change() const {
     const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
-    const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };  // not a number: none
+    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
-    return {std::abs(last.slip) > gross_slip, last.limited > often, last.loose > often,
-            impossible(whole.efficiency) || impossible(last.efficiency), ratio_drifts || slip_drifts};
+    if (ratio_drifts || slip_drifts)
+        return fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio,
+                           percent(first.slip), percent(last.slip));
+    if (pin_period_ > 0.0 && whole.periods < 1.0)
+        return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one", 1e3 * pin_period_);
+    if (std::abs(whole.stored) > takes_energy)
+        return fmt::format("means are over a changing state: what moves has {} {} of the input", whole.stored > 0.0 ? "taken" : "given",
+                           percent(std::abs(whole.stored)));
+    return {};
+}
+
+std::array<bool, 6> RunMeans::odd() const {
+    if (bins_.empty()) return {};
+    const SpanMeans whole = all(), last = last_fifth();
+    const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };  // not a number: none
+    return {std::abs(last.slip) > gross_slip,
+            last.limited > often,
+            last.loose > often,
+            impossible(whole.efficiency) || impossible(last.efficiency),
+            !change().empty(),
+            whole.no_load};
 }
 
 std::vector<Note> RunMeans::notes() const {
-    const std::array<bool, 5> found = odd();
-    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+    const std::array<bool, 6> found = odd();
+    const SpanMeans whole = all(), last = last_fifth();
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     const std::string texts[] = {
         fmt::format("the chain slips by {}", percent(last.slip)),
@@ -128,8 +167,8 @@ std::vector<Note> RunMeans::notes() const {
         fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
-        fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio, percent(first.slip),
-                    percent(last.slip)),
+        change(),
+        "no load: less than 1 % of the input went out, so there is no efficiency",
     };
     std::vector<Note> notes;
     for (std::size_t k = 0; k < found.size(); ++k) {
@@ -139,7 +178,7 @@ std::vector<Note> RunMeans::notes() const {
 }
 
 void RunMeans::name_notes(std::string& names) const {
-    const std::array<bool, 5> found = odd();
+    const std::array<bool, 6> found = odd();
     names.clear();
     for (std::size_t k = 0; k < found.size(); ++k) {
         if (found[k]) names.append(names.empty() ? "" : " ").append(kinds[k].name);

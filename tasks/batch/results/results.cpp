@@ -74,11 +74,11 @@ engine::RowLayout result_layout(const Sweep& sweep) {
     for (const Scalar& scalar : sweep.scalars) {
         if (sweep.accuracy.target > 0.0) columns.push_back(error_column(scalar));
     }
-    columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on"});
+    columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"});
     columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
     columns.push_back({"energy_suspicion", "1",
                        "residual over what an honest integration may leave, settling included; above 1 the status is unreliable"});
-    columns.push_back({"notes", "", "what is odd: gross_slip, control_limit, slack_strand, efficiency, unsteady", Type::text, 64});
+    columns.push_back({"notes", "", "what is odd: gross_slip, control_limit, slack_strand, efficiency, unsteady, no_load", Type::text, 64});
     columns.push_back({"start", "", "where the case began: scene, geometric, settled, shared or continued", Type::text, 16});
     for (const auto& [name, what] : {std::pair{"steps", "accepted steps"},
                                      {"evaluations", "evaluations of the right-hand side"},

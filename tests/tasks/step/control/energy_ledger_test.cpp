@@ -1,5 +1,6 @@
 #include "tasks/step/control/energy_ledger.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -84,6 +85,7 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
         EnergySums sums;
         sums.time = now.time;
         sums.work[0] = 1e4 * now.time;
+        sums.work[1] = -9.8e3 * now.time;
         sums.loss[0] = 200.0 * now.time;
         means.add(now, sums, 7e-4);
     }
@@ -99,6 +101,44 @@ TEST(RunMeans, AreOverWholePinPeriodsAndSayWhatIsOdd) {
     RunMeans again;
     EXPECT_TRUE(again.load(memory).empty());
     EXPECT_EQ(again.all().slip, means.all().slip);
+}
+
+/// Means of a steady chain, a tenth of a second, of 100 W of losses, whose drive and load have those powers [W].
+RunMeans steady_means(double drive, double load, double pin_period = 7e-4) {
+    RunMeans means;
+    for (int k = 0; k <= 5000; ++k) {
+        model::Observation now;
+        now.time = 2e-5 * k;
+        now.ratio = 1.0;
+        now.slack = 100.0;
+        EnergySums sums;
+        sums.time = now.time;
+        sums.work[0] = drive * now.time;
+        sums.work[1] = -load * now.time;
+        sums.loss[0] = 100.0 * now.time;
+        means.add(now, sums, pin_period);
+    }
+    return means;
+}
+
+std::string names_of(const RunMeans& means) {
+    std::string names;
+    means.name_notes(names);
+    return names;
+}
+
+TEST(RunMeans, OfAStateThatStoresOrGivesEnergyAreNotSteady) {
+    EXPECT_EQ(names_of(steady_means(10000.0, 9900.0)), "");
+    EXPECT_EQ(names_of(steady_means(10000.0, 9600.0)), "unsteady") << "3 % of the input are stored";
+    EXPECT_EQ(names_of(steady_means(6000.0, 9600.0)), "unsteady") << "the load is carried by what moves";
+    EXPECT_THAT(steady_means(6000.0, 9600.0).notes().front().text, testing::HasSubstr("what moves has given 61.7 % of the input"));
+    EXPECT_EQ(names_of(steady_means(10000.0, 9900.0, 0.2)), "unsteady") << "half a pin period";
+}
+
+TEST(RunMeans, WithoutLoadThereIsNoEfficiency) {
+    const RunMeans means = steady_means(100.0, 0.0);
+    EXPECT_TRUE(std::isnan(means.all().efficiency));
+    EXPECT_EQ(names_of(means), "no_load");
 }
 
 }  // namespace
