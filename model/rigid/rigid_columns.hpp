@@ -49,7 +49,7 @@ enum class Column {
     part_y,
     part_vx,
     part_vy,
-    // Forces of link i on its front half (the rear half has the opposite), moment on pitch line i.
+    // Forces of link i on its front half; the rear half has the opposite, but for shear.
     pull_x,
     pull_y,
     pull_z,
@@ -58,7 +58,11 @@ enum class Column {
     shear_x,
     shear_y,
     tension,
-    moment,
+    // Forces of the links' dampers: of stretch, yaw, torsion and shear.
+    stretch_drag,
+    yaw_drag,
+    torsion_drag,
+    shear_drag,
     // A g of the links' forces, resistance to rolling, generalised forces of the links on the pin (without friction of plates).
     lean_x,
     lean_y,
@@ -68,10 +72,9 @@ enum class Column {
     force_z,
     force_p,
     force_q,
-    // Friction between neighbouring links' plates along the pins: of this step, of the last, sliding speed.
+    // Friction between neighbouring links' plates along the pins: of this step, of the last.
     rub,
     rub_before,
-    rub_speed,
     // Tips: A g, moments on the pitch lines in front and behind, and moment on pitch line i of this and of the last step.
     tip_lean_x,
     tip_lean_y,
@@ -85,9 +88,10 @@ enum class Column {
     tip_z,
     tip_p,
     tip_q,
-    // Of each tip: normal force, friction along the circumference and along the flank, and the sliding velocities of the last step.
+    // Of each tip: normal force, its damping part, friction along the circumference and along the flank, sliding velocities.
     normal,
-    round = normal + rigid_tips,
+    tip_drag = normal + rigid_tips,
+    round = tip_drag + rigid_tips,
     flank = round + rigid_tips,
     slip_round = flank + rigid_tips,
     slip_flank = slip_round + rigid_tips,

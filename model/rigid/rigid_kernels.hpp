@@ -29,9 +29,9 @@ struct RigidKernels {
     /// Rolling of the halves from the pitch lines.
     void (*roll)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
     /// Forces of links; adds energies and losses.
-    void (*links)(const RigidCoefficients& c, RigidColumns& columns, Account& account) noexcept;
+    void (*links)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// A g of the links' forces and resistance to rolling.
-    void (*lean)(const RigidCoefficients& c, RigidColumns& columns, Account& account) noexcept;
+    void (*lean)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
     /// Generalised forces of the links on the pins.
     void (*gather)(RigidColumns& columns) noexcept;
     /// Friction of plates along the pins.

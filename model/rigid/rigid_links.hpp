@@ -95,16 +95,18 @@ struct LinkSums {
     PinSum plates, pack, damping, inner;
 };
 
-inline void link_force(const RigidCoefficients& c, RigidColumns& columns, int i, LinkSums& sums) noexcept {
+inline void link_force(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, int i, LinkSums& sums) noexcept {
     const LinkMotion m = link_motion(c, columns, i);
     const PinLanes yaw_stiffness = read(columns, Column::yaw, i), yaw_damping = read(columns, Column::yaw_damping, i);
     const PinLanes shear_stiffness = read(columns, Column::shear, i), shear_damping = read(columns, Column::shear_damping, i);
     const PinLanes torsion = read(columns, Column::torsion, i), torsion_damping = read(columns, Column::torsion_damping, i);
-    const PinLanes tension = c.pull.stiffness * m.stretch + c.pull.damping * m.stretch_rate;
-    const PinLanes yaw = yaw_stiffness * m.yaw + yaw_damping * m.yaw_rate;
+    const PinLanes stretch_drag = c.pull.damping * m.stretch_rate, yaw_drag = yaw_damping * m.yaw_rate;
+    const PinLanes torsion_drag = torsion_damping * m.roll_rate, shear_drag = shear_damping * m.shear_rate;
+    const PinLanes tension = c.pull.stiffness * m.stretch + stretch_drag;
+    const PinLanes yaw = yaw_stiffness * m.yaw + yaw_drag;
     const PinLanes share = tension * read(columns, Column::inverse_length, i);  // T/ℓ_0
-    const PinLanes roll = c.plate_square * share * m.roll + torsion * m.roll + torsion_damping * m.roll_rate;
-    const PinLanes shear = shear_stiffness * m.shear + shear_damping * m.shear_rate;
+    const PinLanes roll = c.plate_square * share * m.roll + torsion * m.roll + torsion_drag;
+    const PinLanes shear = shear_stiffness * m.shear + shear_drag;
     const PinLanes bend = shear * (1.0 / c.half_length);
     const PinLanes turning = roll * m.yaw - yaw * m.roll + bend * m.lean_across;
     write_plane(columns, Column::pull_x, i, (turning * m.inverse) * m.n - tension * m.t);
@@ -114,14 +116,15 @@ inline void link_force(const RigidCoefficients& c, RigidColumns& columns, int i,
     write(columns, Column::tension, i, tension);
     sums.plates.add(i, 0.5 * c.pull.stiffness * m.stretch * m.stretch);
     sums.pack.add(i, 0.5 * (yaw_stiffness * m.yaw * m.yaw + torsion * m.roll * m.roll + shear_stiffness * m.shear * m.shear));
-    sums.damping.add(i, c.pull.damping * m.stretch_rate * m.stretch_rate);
-    sums.inner.add(i, yaw_damping * m.yaw_rate * m.yaw_rate + torsion_damping * m.roll_rate * m.roll_rate +
-                          shear_damping * m.shear_rate * m.shear_rate);
+    sums.damping.add(i, drag_power(kick, columns, Column::stretch_drag, i, stretch_drag, m.stretch_rate));
+    sums.inner.add(i, drag_power(kick, columns, Column::yaw_drag, i, yaw_drag, m.yaw_rate) +
+                          drag_power(kick, columns, Column::torsion_drag, i, torsion_drag, m.roll_rate) +
+                          drag_power(kick, columns, Column::shear_drag, i, shear_drag, m.shear_rate));
 }
 
-inline void link_forces(const RigidCoefficients& c, RigidColumns& columns, Account& account) noexcept {
+inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     LinkSums sums(columns);
-    for (int i = 0; i < columns.padded(); i += rigid_lanes) link_force(c, columns, i, sums);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) link_force(c, kick, columns, i, sums);
     account.store(Energy::plates, sums.plates.value());
     account.store(Energy::pack, sums.pack.value());
     account.lose(Loss::plate_damping, sums.damping.value());
@@ -129,7 +132,7 @@ inline void link_forces(const RigidCoefficients& c, RigidColumns& columns, Accou
 }
 
 /// Halves that are pressed together by N resist rolling, as if a share of the strip of contact slid.
-inline void lean_halves(const RigidCoefficients& c, RigidColumns& columns, Account& account) noexcept {
+inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
     PinSum lost(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const Plane half = PinLanes(0.5) * (read_plane(columns, Column::pull_x, i - 1) + read_plane(columns, Column::pull_x, i));
@@ -140,8 +143,7 @@ inline void lean_halves(const RigidCoefficients& c, RigidColumns& columns, Accou
         const PinLanes friction =
             c.joint_friction.coefficient * pressing * slip_factor_of_square<rigid_lanes>(c.joint_friction, slip * slip) * slip;
         write_plane(columns, Column::lean_x, i, rolling * half);
-        write(columns, Column::rolling, i, strip * friction);
-        lost.add(i, friction * slip);
+        lost.add(i, drag_power(kick, columns, Column::rolling, i, strip * friction, bending));
     }
     account.lose(Loss::joint_friction, lost.value());
 }
@@ -172,14 +174,13 @@ inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidC
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const auto old = [&](int at) { return read(columns, Column::rub_before, at); };
         const auto axial = [&](int at) { return read(columns, Column::force_z, at) + read(columns, Column::tip_z, at); };
-        PinLanes slip = read(columns, Column::vz, i + 1) - read(columns, Column::vz, i);
+        const PinLanes speed = read(columns, Column::vz, i + 1) - read(columns, Column::vz, i);
+        PinLanes slip = speed;
         if (kick.implicit()) slip += per_mass * (axial(i + 1) - axial(i) + old(i + 1) - 2.0 * old(i) + old(i - 1)) + response * old(i);
         const PinLanes capacity = c.plate_friction.coefficient * positive_part<rigid_lanes>(read(columns, Column::tension, i));
         const PinLanes friction = friction_factor(c.plate_friction, capacity, response, abs(slip)) * slip;
-        const PinLanes speed = slip - response * friction;
         write(columns, Column::rub, i, friction);
-        lost.add(i, friction * (kick.implicit() ? 0.5 * (speed + read(columns, Column::rub_speed, i)) : speed));
-        write(columns, Column::rub_speed, i, speed);
+        lost.add(i, (kick.implicit() ? 0.5 * (friction + old(i)) : friction) * speed);
     }
     account.lose(Loss::plate_friction, lost.value());
 }

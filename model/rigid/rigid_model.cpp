@@ -53,9 +53,9 @@ void RigidModel::accelerate(double t, const double* tail, const RigidKick& kick,
     columns.wrap(Column::line_x, Column::line_turn);
     kernels_.roll(coefficients_, columns);
     columns.wrap(Column::bisector_x, Column::part_vy);
-    kernels_.links(coefficients_, columns, f.account);
+    kernels_.links(coefficients_, kick, columns, f.account);
     columns.wrap(Column::pull_x, Column::tension);
-    kernels_.lean(coefficients_, columns, f.account);
+    kernels_.lean(coefficients_, kick, columns, f.account);
     columns.wrap(Column::lean_x, Column::rolling);
     kernels_.gather(columns);
     columns.wrap(Column::force_z, Column::force_z);

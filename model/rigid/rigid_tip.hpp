@@ -41,9 +41,10 @@ struct TipPlace {
     double side;  ///< s = ±1
     Plane arm;    ///< r = S - O
     PinLanes arm_z;
-    Plane radial;      ///< unit vector from the axis to the sphere's centre, in the sheave's frame
-    PinLanes out, in;  ///< ν_r, ν_z: components of the normal, outward and towards the other sheave
-    Plane normal;      ///< G
+    PinLanes inverse_radius;  ///< [1/m]
+    Plane radial;             ///< unit vector from the axis to the sphere's centre, in the sheave's frame
+    PinLanes out, in;         ///< ν_r, ν_z: components of the normal, outward and towards the other sheave
+    Plane normal;             ///< G
     PinLanes normal_z;
     Plane reach;  ///< P - E
     PinLanes reach_z;
@@ -62,6 +63,7 @@ struct TipPlace {
     tip.arm_z = rise - sideways;
     const Plane l{tip.arm.x - sheave.tilt_y * tip.arm_z, tip.arm.y + sheave.tilt_x * tip.arm_z};
     const PinLanes square = dot(l, l), inverse = 1.0 / sqrt(square);
+    tip.inverse_radius = inverse;
     tip.radial = inverse * l;
     const PinLanes a = square * inverse - c.touching_radius;
     const PinLanes h = -side * (rise - sheave.tilt_x * tip.arm.y + sheave.tilt_y * tip.arm.x);
@@ -79,13 +81,15 @@ struct TipPlace {
     return tip;
 }
 
-/// δ_0' [m/s]
+/// δ_0' [m/s]. @param lead time by which velocities are ahead of coordinates: until then the normal turns with the pin [s]
 [[nodiscard, gnu::always_inline]] inline PinLanes depth_rate(const RigidCoefficients& c, const PinMotion& rate, const HalfMotion& half,
-                                                             const SheaveSide& sheave, const TipPlace& tip) noexcept {
+                                                             const SheaveSide& sheave, const TipPlace& tip, double lead) noexcept {
     const Plane moved =
         rate.middle + half.offset_rate + PinLanes(tip.side * c.lever) * rate.end + (c.outward * half.turn) * half.line - sheave.velocity;
     const PinLanes moved_z = rate.z - c.outward * (half.slope_out_rate + half.turn * half.slope_along) - sheave.velocity_z;
-    return sheave.spin_x * tip.tilting_x + sheave.spin_y * tip.tilting_y - dot(tip.normal, moved) - tip.normal_z * moved_z;
+    const PinLanes around = cross(tip.radial, moved);
+    const PinLanes turning = lead * tip.out * around * around * tip.inverse_radius;
+    return sheave.spin_x * tip.tilting_x + sheave.spin_y * tip.tilting_y - dot(tip.normal, moved) - tip.normal_z * moved_z - turning;
 }
 
 /// Hertz's contact in series with the axial compliance of half a pin.

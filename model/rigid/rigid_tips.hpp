@@ -68,12 +68,12 @@ public:
 
     void press(PinSum& energy, PinSum& damping) noexcept {
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
-            const PinLanes rate = depth_rate(c_, rate_, half_[half_of(tip)], sheave_[side_of(tip)], tips_[tip]);
+            const PinLanes rate = depth_rate(c_, rate_, half_[half_of(tip)], sheave_[side_of(tip)], tips_[tip], -0.5 * kick_.step);
             normal_[tip] = normal_force(c_, tips_[tip].depth, rate);
-            shortening_rate_[tip] = normal_[tip].shortening * rate;
             write(columns_, Column::normal + static_cast<int>(tip), first_, normal_[tip].force);
             energy.add(first_, normal_[tip].energy);
-            damping.add(first_, (normal_[tip].force - normal_[tip].elastic) * rate);
+            const PinLanes drag = normal_[tip].force - normal_[tip].elastic;
+            damping.add(first_, drag_power(kick_, columns_, Column::tip_drag + static_cast<int>(tip), first_, drag, rate));
         }
     }
 
@@ -171,7 +171,11 @@ private:
         const int k = static_cast<int>(tip);
         const Slip old = memory(tip);
         const PinLanes response(4.0 * kick_.step / std::min(c_.mass, c_.tilt_mass));
-        Slip slip = tip_slip(c_, rate_, half_[half_of(tip)], sheave_[side_of(tip)], tips_[tip], shortening_rate_[tip], 0.5 * kick_.step);
+        const HalfMotion& half = half_[half_of(tip)];
+        const SheaveSide& sheave = sheave_[side_of(tip)];
+        const double lead = 0.5 * kick_.step;
+        const PinLanes shortening = normal_[tip].shortening * depth_rate(c_, rate_, half, sheave, tips_[tip], lead);
+        Slip slip = tip_slip(c_, rate_, half, sheave, tips_[tip], shortening, lead);
         slip = {slip.round - response * old.round, slip.flank - response * old.flank};
         const PinLanes speed = sqrt(slip.round * slip.round + slip.flank * slip.flank);
         const PinLanes factor = -friction_factor(c_.tip_friction, c_.tip_friction.coefficient * normal_[tip].force, response, speed);
@@ -210,7 +214,6 @@ private:
     PinLanes second_;
     TipPlace tips_[rigid_tips];
     NormalForce normal_[rigid_tips];
-    PinLanes shortening_rate_[rigid_tips];
 };
 
 inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,

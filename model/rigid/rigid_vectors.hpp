@@ -2,7 +2,7 @@
 /// Plane vectors of pins side by side, and how columns are read and written. (model/EQUATIONS.md section 11)
 
 #include "model/basis/lanes.hpp"
-#include "model/rigid/rigid_columns.hpp"
+#include "model/rigid/rigid_kernels.hpp"
 
 namespace cvtflow::model {
 namespace {
@@ -35,6 +35,15 @@ struct Plane {
 [[gnu::always_inline]] inline void write_plane(RigidColumns& columns, Column c, int i, const Plane& value) noexcept {
     write(columns, c, i, value.x);
     write(columns, c + 1, i, value.y);
+}
+
+/// Power that a damping force takes away, and the force into its column. A force acts over a step, and the velocity that begins it is
+/// the one that ended the step before: its share of the work is the mean of both steps' forces times it.
+[[nodiscard, gnu::always_inline]] inline PinLanes drag_power(const RigidKick& kick, RigidColumns& columns, Column c, int i,
+                                                             const PinLanes& force, const PinLanes& rate) noexcept {
+    const PinLanes acting = kick.implicit() ? 0.5 * (force + read(columns, c, i)) : force;
+    write(columns, c, i, force);
+    return acting * rate;
 }
 
 /// A sum over pins, without those that only fill the last vector.
