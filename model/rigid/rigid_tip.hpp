@@ -104,9 +104,9 @@ struct NormalForce {
                                                                   const PinLanes& rate) noexcept {
     const PinLanes d = positive_part<rigid_lanes>(depth), root = sqrt(d);
     PinLanes y = root / sqrt(1.0 + 0.85 * c.softness * root);  // of y² (1 + b y) = δ_0
-    for (int iteration = 0; iteration < 2; ++iteration) {
-        const PinLanes by = c.softness * y;
-        y -= (y * y * (1.0 + by) - d) / (y * (2.0 + 3.0 * by) + 1e-30);
+    for (int iteration = 0; iteration < 2; ++iteration) {      // Halley's method: exact but for rounding
+        const PinLanes by = c.softness * y, excess = y * y * (1.0 + by) - d, slope = y * (2.0 + 3.0 * by);
+        y -= 2.0 * excess * slope / (2.0 * slope * slope - excess * (2.0 + 6.0 * by) + 1e-60);
     }
     const PinLanes by = c.softness * y, square = y * y;
     NormalForce n;
