@@ -46,15 +46,13 @@ struct TipPlace {
     PinLanes out, in;         ///< ν_r, ν_z: components of the normal, outward and towards the other sheave
     Plane normal;             ///< G
     PinLanes normal_z;
-    Plane reach;  ///< P - E
-    PinLanes reach_z;
+    Plane reach;                    ///< P - E
     PinLanes depth;                 ///< δ_0 [m]
     PinLanes tilting_x, tilting_y;  ///< (r×ν): depth per tilt of the sheave [m]
 };
 
-[[nodiscard, gnu::always_inline]] inline TipPlace place_tip(const RigidCoefficients& c, const PinMotion& pin, const HalfMotion& half,
-                                                            const SheaveSide& sheave, double side) noexcept {
-    TipPlace tip;
+[[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const PinMotion& pin, const HalfMotion& half,
+                                             const SheaveSide& sheave, double side, TipPlace& tip) noexcept {
     tip.side = side;
     const double sideways = side * c.radius * c.cosine;
     const Plane sphere = PinLanes(c.outward) * half.outward + PinLanes(side * (c.lever - 1.0)) * pin.end;  // S - E
@@ -77,8 +75,6 @@ struct TipPlace {
     tip.tilting_x = tip.arm.y * local_z - tip.arm_z * local.y;
     tip.tilting_y = tip.arm_z * local.x - tip.arm.x * local_z;
     tip.reach = sphere - PinLanes(c.radius) * tip.normal;
-    tip.reach_z = -sideways - c.outward * half.slope_out - c.radius * tip.normal_z;
-    return tip;
 }
 
 /// δ_0' [m/s]. @param lead time by which velocities are ahead of coordinates: until then the normal turns with the pin [s]
@@ -100,11 +96,12 @@ struct NormalForce {
 };
 
 /// @param depth δ_0 [m], ≤ 0: no contact   @param rate δ_0' [m/s]
-[[nodiscard, gnu::always_inline]] inline NormalForce normal_force(const RigidCoefficients& c, const PinLanes& depth,
-                                                                  const PinLanes& rate) noexcept {
-    const PinLanes d = positive_part<rigid_lanes>(depth), root = sqrt(d);
-    PinLanes y = root / sqrt(1.0 + 0.85 * c.softness * root);  // of y² (1 + b y) = δ_0
-    for (int iteration = 0; iteration < 2; ++iteration) {      // Halley's method: exact but for rounding
+/// @param iterations 1: to 1e-6, where depths are those of a tip under load; 2: to rounding
+[[nodiscard, gnu::always_inline]] inline NormalForce normal_force(const RigidCoefficients& c, const PinLanes& depth, const PinLanes& rate,
+                                                                  int iterations) noexcept {
+    const PinLanes d = positive_part<rigid_lanes>(depth), root = sqrt(d), soft = c.softness * root;
+    PinLanes y = root * (1.0 + 0.54 * soft) / (1.0 + 1.04 * soft);  // of y² (1 + b y) = δ_0
+    for (int iteration = 0; iteration < iterations; ++iteration) {  // Halley's method
         const PinLanes by = c.softness * y, excess = y * y * (1.0 + by) - d, slope = y * (2.0 + 3.0 * by);
         y -= 2.0 * excess * slope / (2.0 * slope * slope - excess * (2.0 + 6.0 * by) + 1e-60);
     }

@@ -10,15 +10,23 @@
 namespace cvtflow::model {
 namespace {
 
+[[nodiscard]] inline std::array<PinLanes, 6> none() noexcept {
+    std::array<PinLanes, 6> zero;
+    zero.fill(PinLanes(0.0));
+    return zero;
+}
+
 /// Sums over pins of what their tips do to the four sheaves.
 class ReactionSum {
 public:
     /// @param second 1 for pins that belong to the driven shaft   @param present 0 for pins that only fill the last vector
-    void add(int side, const PinLanes& second, const PinLanes& present, const std::array<PinLanes, 6>& forces) noexcept {
+    void add(const PinLanes& second, const PinLanes& present, const std::array<std::array<PinLanes, 6>, 2>& forces) noexcept {
         const PinLanes here = present * second, there = present - here;
-        for (std::size_t k = 0; k < 6; ++k) {
-            on_[0][static_cast<std::size_t>(side)][k] += there * forces[k];
-            on_[1][static_cast<std::size_t>(side)][k] += here * forces[k];
+        for (std::size_t side = 0; side < 2; ++side) {
+            for (std::size_t k = 0; k < 6; ++k) {
+                on_[0][side][k] += there * forces[side][k];
+                on_[1][side][k] += here * forces[side][k];
+            }
         }
     }
     void store(SheaveForces& to) const noexcept {
@@ -26,13 +34,7 @@ public:
     }
 
 private:
-    std::array<std::array<std::array<PinLanes, 6>, 2>, 2> on_ = zero();
-    [[nodiscard]] static std::array<std::array<std::array<PinLanes, 6>, 2>, 2> zero() noexcept {
-        std::array<std::array<std::array<PinLanes, 6>, 2>, 2> none;
-        for (auto& shaft : none)
-            for (auto& side : shaft) side.fill(PinLanes(0.0));
-        return none;
-    }
+    std::array<std::array<std::array<PinLanes, 6>, 2>, 2> on_{{{none(), none()}, {none(), none()}}};
 };
 
 /// Tips 0 and 1 are the front half's at -z and +z, 2 and 3 the rear half's.
@@ -50,7 +52,7 @@ public:
         second_ = select_greater<rigid_lanes>(at_.middle.x, PinLanes(c.middle), PinLanes(1.0), PinLanes(0.0));
         for (int side = 0; side < 2; ++side) read_sheave(sheaves[side], sheaves[2 + side], side);
         for (std::size_t tip = 0; tip < rigid_tips; ++tip)
-            tips_[tip] = place_tip(c, at_, half_[half_of(tip)], sheave_[side_of(tip)], side_of(tip) == 0 ? -1.0 : 1.0);
+            place_tip(c, at_, half_[half_of(tip)], sheave_[side_of(tip)], side_of(tip) == 0 ? -1.0 : 1.0, tips_[tip]);
     }
 
     [[nodiscard]] bool free() const noexcept {
@@ -69,7 +71,8 @@ public:
     void press(PinSum& energy, PinSum& damping) noexcept {
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const PinLanes rate = depth_rate(c_, rate_, half_[half_of(tip)], sheave_[side_of(tip)], tips_[tip], -0.5 * kick_.step);
-            normal_[tip] = normal_force(c_, tips_[tip].depth, rate);
+            normal_[tip] = normal_force(c_, tips_[tip].depth, rate, kick_.implicit() ? 1 : 2);
+            shortening_[tip] = normal_[tip].shortening * rate;
             write(columns_, Column::normal + static_cast<int>(tip), first_, normal_[tip].force);
             energy.add(first_, normal_[tip].energy);
             const PinLanes drag = normal_[tip].force - normal_[tip].elastic;
@@ -92,12 +95,14 @@ public:
 
     void rub(ReactionSum& reaction, PinSum& lost) noexcept {
         TotalForces total;
-        const PinLanes present = this->present();
+        std::array<std::array<PinLanes, 6>, 2> on_side = {none(), none()};
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const TipForce force = tip_force(tips_[tip], normal_[tip], friction(tip, lost));
             total.add(half_of(tip), on_pin(c_, half_[half_of(tip)], tips_[tip], force));
-            reaction.add(static_cast<int>(side_of(tip)), second_, present, on_sheave(c_, tips_[tip], force));
+            const std::array<PinLanes, 6> reacting = on_sheave(c_, tips_[tip], force);
+            for (std::size_t k = 0; k < 6; ++k) on_side[side_of(tip)][k] += reacting[k];
         }
+        reaction.add(second_, present(), on_side);
         store(total);
     }
 
@@ -173,9 +178,7 @@ private:
         const PinLanes response(4.0 * kick_.step / std::min(c_.mass, c_.tilt_mass));
         const HalfMotion& half = half_[half_of(tip)];
         const SheaveSide& sheave = sheave_[side_of(tip)];
-        const double lead = 0.5 * kick_.step;
-        const PinLanes shortening = normal_[tip].shortening * depth_rate(c_, rate_, half, sheave, tips_[tip], lead);
-        Slip slip = tip_slip(c_, rate_, half, sheave, tips_[tip], shortening, lead);
+        Slip slip = tip_slip(c_, rate_, half, sheave, tips_[tip], shortening_[tip], 0.5 * kick_.step);
         slip = {slip.round - response * old.round, slip.flank - response * old.flank};
         const PinLanes speed = sqrt(slip.round * slip.round + slip.flank * slip.flank);
         const PinLanes factor = -friction_factor(c_.tip_friction, c_.tip_friction.coefficient * normal_[tip].force, response, speed);
@@ -214,6 +217,7 @@ private:
     PinLanes second_;
     TipPlace tips_[rigid_tips];
     NormalForce normal_[rigid_tips];
+    PinLanes shortening_[rigid_tips];  ///< rate at which the half pins shorten [m/s]
 };
 
 inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
