@@ -88,14 +88,12 @@ enum class Column {
     tip_z,
     tip_p,
     tip_q,
-    // Of each tip: normal force, its damping part, friction along the circumference and along the flank, sliding velocities.
+    // Of each tip: normal force, its damping part, friction along the circumference and along the flank.
     normal,
     tip_drag = normal + rigid_tips,
     round = tip_drag + rigid_tips,
     flank = round + rigid_tips,
-    slip_round = flank + rigid_tips,
-    slip_flank = slip_round + rigid_tips,
-    count = slip_flank + rigid_tips
+    count = flank + rigid_tips
 };
 
 /// Column number `offset` of the group that begins with `first`.

@@ -83,6 +83,7 @@ public:
     /// Velocities that the pins have after the step if friction stays as it was.
     void predict() noexcept {
         if (!kick_.implicit()) return;
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) begin_[tip] = slip_at(tip, -0.5 * kick_.step);
         TotalForces total;
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) total.add(half_of(tip), push(tip, memory(tip)));
         const PinLanes per_mass(kick_.step / c_.mass), per_tilt(kick_.step / c_.tilt_mass);
@@ -170,30 +171,27 @@ private:
         return on_pin(c_, half_[half_of(tip)], tips_[tip], tip_force(tips_[tip], normal_[tip], friction));
     }
 
+    /// Sliding velocity of the velocities as they are, which lead by some time [s].
+    [[nodiscard]] Slip slip_at(std::size_t tip, double lead) const noexcept {
+        return tip_slip(c_, rate_, half_[half_of(tip)], sheave_[side_of(tip)], tips_[tip], shortening_[tip], lead);
+    }
+
     /// Friction now. All four contacts of a pin respond to each other: r is what they do together at most, and the velocity that
     /// friction of the last step leaves is corrected by r times its change.
     [[nodiscard]] Slip friction(std::size_t tip, PinSum& lost) noexcept {
         const int k = static_cast<int>(tip);
         const Slip old = memory(tip);
         const PinLanes response(4.0 * kick_.step / std::min(c_.mass, c_.tilt_mass));
-        const HalfMotion& half = half_[half_of(tip)];
-        const SheaveSide& sheave = sheave_[side_of(tip)];
-        Slip slip = tip_slip(c_, rate_, half, sheave, tips_[tip], shortening_[tip], 0.5 * kick_.step);
+        Slip slip = slip_at(tip, 0.5 * kick_.step);
         slip = {slip.round - response * old.round, slip.flank - response * old.flank};
         const PinLanes speed = sqrt(slip.round * slip.round + slip.flank * slip.flank);
         const PinLanes factor = -friction_factor(c_.tip_friction, c_.tip_friction.coefficient * normal_[tip].force, response, speed);
         const Slip force{factor * slip.round, factor * slip.flank};
         slip = {slip.round + response * force.round, slip.flank + response * force.flank};
-        Slip mean = slip;
-        if (kick_.implicit()) {
-            const Slip before{read(columns_, Column::slip_round + k, first_), read(columns_, Column::slip_flank + k, first_)};
-            mean = {0.5 * (slip.round + before.round), 0.5 * (slip.flank + before.flank)};
-        }
+        const Slip mean = kick_.implicit() ? Slip{0.5 * (slip.round + begin_[tip].round), 0.5 * (slip.flank + begin_[tip].flank)} : slip;
         lost.add(first_, PinLanes(-1.0) * (force.round * mean.round + force.flank * mean.flank));
         write(columns_, Column::round + k, first_, force.round);
         write(columns_, Column::flank + k, first_, force.flank);
-        write(columns_, Column::slip_round + k, first_, slip.round);
-        write(columns_, Column::slip_flank + k, first_, slip.flank);
         return force;
     }
 
@@ -217,6 +215,7 @@ private:
     PinLanes second_;
     TipPlace tips_[rigid_tips];
     NormalForce normal_[rigid_tips];
+    Slip begin_[rigid_tips];           ///< sliding velocities at the beginning of the step
     PinLanes shortening_[rigid_tips];  ///< rate at which the half pins shorten [m/s]
 };
 
