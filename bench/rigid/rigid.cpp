@@ -32,7 +32,7 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
-#include "model/rigid/rigid_observation.hpp"
+#include "model/variator/rigid/rigid_observation.hpp"
 #include "tasks/run/channels/channels.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"

@@ -2,7 +2,7 @@
 /// Friction of a contact, of the velocity that it leaves behind: implicit where the contact responds, and as it is where it does not.
 
 #include "model/law/friction.hpp"
-#include "model/rigid/rigid_vectors.hpp"
+#include "model/variator/rigid/rigid_vectors.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "model/rigid/rigid_kernels.hpp"
+#include "model/variator/rigid/rigid_kernels.hpp"
 
 namespace cvtflow::model {
 

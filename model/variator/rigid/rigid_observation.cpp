@@ -1,4 +1,4 @@
-#include "model/rigid/rigid_observation.hpp"
+#include "model/variator/rigid/rigid_observation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
-#include "model/rigid/rigid_stepper.hpp"
+#include "model/variator/rigid/rigid_stepper.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
 
-#include "model/rigid/rigid_observation.hpp"
+#include "model/variator/rigid/rigid_observation.hpp"
 #include "tests/engine/allocation_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 

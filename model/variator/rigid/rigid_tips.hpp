@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
-#include "model/rigid/rigid_friction.hpp"
-#include "model/rigid/rigid_kernels.hpp"
-#include "model/rigid/rigid_tip.hpp"
+#include "model/variator/rigid/rigid_friction.hpp"
+#include "model/variator/rigid/rigid_kernels.hpp"
+#include "model/variator/rigid/rigid_tip.hpp"
 
 namespace cvtflow::model {
 namespace {

@@ -1,4 +1,4 @@
-#include "model/rigid/rigid_model.hpp"
+#include "model/variator/rigid/rigid_model.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-#include "tests/model/rigid/plain_pins_fixture.hpp"
+#include "tests/model/variator/rigid/plain_pins_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
 namespace cvtflow::model {

@@ -2,7 +2,7 @@
 /// Numbers of rigid whole pins, derived once from the parameters. (model/EQUATIONS.md section 11)
 
 #include "model/machine/coefficients.hpp"
-#include "model/rigid/rigid_columns.hpp"
+#include "model/variator/rigid/rigid_columns.hpp"
 
 namespace cvtflow::model {
 

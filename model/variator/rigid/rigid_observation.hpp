@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "model/rigid/rigid_stepper.hpp"
+#include "model/variator/rigid/rigid_stepper.hpp"
 
 namespace cvtflow::model {
 

@@ -3,8 +3,8 @@
 /// (model/EQUATIONS.md section 11)
 
 #include "model/force/sheave_motion.hpp"
-#include "model/rigid/rigid_coefficients.hpp"
-#include "model/rigid/rigid_vectors.hpp"
+#include "model/variator/rigid/rigid_coefficients.hpp"
+#include "model/variator/rigid/rigid_vectors.hpp"
 
 namespace cvtflow::model {
 namespace {

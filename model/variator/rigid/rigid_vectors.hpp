@@ -2,7 +2,7 @@
 /// Plane vectors of pins side by side, and how columns are read and written. (model/EQUATIONS.md section 11)
 
 #include "model/basis/lanes.hpp"
-#include "model/rigid/rigid_kernels.hpp"
+#include "model/variator/rigid/rigid_kernels.hpp"
 
 namespace cvtflow::model {
 namespace {

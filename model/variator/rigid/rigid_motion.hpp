@@ -1,7 +1,7 @@
 #pragma once
 /// From forces to motion: what all forces on a pin add up to, and the step in velocities and coordinates.
 
-#include "model/rigid/rigid_links.hpp"
+#include "model/variator/rigid/rigid_links.hpp"
 
 namespace cvtflow::model {
 namespace {

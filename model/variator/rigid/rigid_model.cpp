@@ -1,4 +1,4 @@
-#include "model/rigid/rigid_model.hpp"
+#include "model/variator/rigid/rigid_model.hpp"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,7 +1,7 @@
 #pragma once
 /// The step of rigid whole pins: a leapfrog whose friction is implicit and solved where it acts. (model/EQUATIONS.md section 11)
 
-#include "model/rigid/rigid_model.hpp"
+#include "model/variator/rigid/rigid_model.hpp"
 
 namespace cvtflow::model {
 
