@@ -9,6 +9,7 @@
 ///     step=5            of rigid [us]; several separated by commas make several rows
 ///     until=100         [ms]
 ///     mean=20           [ms]
+///     start=state       of a level of detail: state, the scene's file; geometric
 ///     mode=points       points: a row of means.  parts: microseconds per step by part.  stable: the longest stable step
 ///
 ///     us_per_step       processor time; s_per_s: of a simulated second, with outputs every 20 us
@@ -44,7 +45,8 @@ using namespace cvtflow;
 constexpr double output_interval = 20e-6;  // s
 
 struct Options {
-    std::map<std::string, std::string> text{{"detail", "rigid"}, {"step", "5"}, {"until", "100"}, {"mean", "20"}, {"mode", "points"}};
+    std::map<std::string, std::string> text{{"detail", "rigid"}, {"step", "5"},      {"until", "100"},
+                                            {"mean", "20"},      {"mode", "points"}, {"start", "state"}};
     std::string scene;
     std::vector<std::string> settings;
 
@@ -271,7 +273,9 @@ void print_stable(const tasks::Scene& scene) {
 }
 
 void run(const Options& options) {
-    tasks::Scene scene = tasks::read_scene(tasks::find_scene(options.scene));
+    const bool geometric = options.text.at("start") == "geometric";
+    tasks::Scene scene =
+        tasks::read_scene(tasks::find_scene(options.scene), geometric ? tasks::StartState::ignored : tasks::StartState::required);
     tasks::set_values(scene, options.settings);
     const std::string& mode = options.text.at("mode");
     if (mode == "parts") return print_parts(scene, options.steps().front());
