@@ -176,12 +176,13 @@ private:
         return tip_slip(c_, rate_, half_[half_of(tip)], sheave_[side_of(tip)], tips_[tip], shortening_[tip], lead);
     }
 
-    /// Friction now. All four contacts of a pin respond to each other: r is what they do together at most, and the velocity that
-    /// friction of the last step leaves is corrected by r times its change.
+    /// Friction now. Contacts of a pin are solved one after the other, each with the velocities that those before it leave: the velocity
+    /// that its friction of the last step leaves is corrected by r times the change, r its own response, with some room for what its
+    /// moments do to neighbouring pins.
     [[nodiscard]] Slip friction(std::size_t tip, PinSum& lost) noexcept {
         const int k = static_cast<int>(tip);
         const Slip old = memory(tip);
-        const PinLanes response(4.0 * kick_.step / std::min(c_.mass, c_.tilt_mass));
+        const PinLanes response(1.1 * kick_.step * (1.0 / c_.mass + 1.0 / c_.tilt_mass));
         Slip slip = slip_at(tip, 0.5 * kick_.step);
         slip = {slip.round - response * old.round, slip.flank - response * old.flank};
         const PinLanes speed = sqrt(slip.round * slip.round + slip.flank * slip.flank);
@@ -192,7 +193,16 @@ private:
         lost.add(first_, PinLanes(-1.0) * (force.round * mean.round + force.flank * mean.flank));
         write(columns_, Column::round + k, first_, force.round);
         write(columns_, Column::flank + k, first_, force.flank);
+        if (kick_.implicit()) follow(tip, {force.round - old.round, force.flank - old.flank});
         return force;
+    }
+
+    /// Velocities behind a change of a tip's friction.
+    void follow(std::size_t tip, const Slip& change) noexcept {
+        const TipForce f = tip_force(tips_[tip], NormalForce{0.0, 0.0, 0.0, 0.0}, change);
+        rate_.middle = rate_.middle + PinLanes(kick_.step / c_.mass) * f.friction;
+        rate_.end = rate_.end + PinLanes(tips_[tip].side * kick_.step / c_.tilt_mass) * f.friction;
+        rate_.z += kick_.step / c_.mass * f.friction_z;
     }
 
     void store(const TotalForces& total) noexcept {
