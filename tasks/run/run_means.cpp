@@ -28,7 +28,7 @@ constexpr NoteKind kinds[] = {
     {"unsteady",
      "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it, the stored "
      "energy by more than 2 % of the input; or it was seen for less than a pin period"},
-    {"no_load", "less than 1 % of the input went out: there is no efficiency"},
+    {"no_load", "no shaft took 1 % of the input: there is no efficiency"},
 };
 
 /// What inputs brought, and what went out through inputs [J].
@@ -123,7 +123,8 @@ SpanMeans RunMeans::span(double from, double to) const {
     const EnergySums before = energy_at(means.periods > 0.0 ? means.end - means.periods * pin_period_ : means.begin);
     const EnergySums after = energy_at(means.end);
     const Traffic energy = traffic(before, after);
-    means.no_load = energy.in > 0.0 && energy.out < least_load * energy.in;
+    const double taken = std::max({0.0, before.work[0] - after.work[0], before.work[1] - after.work[1]});  // by a shaft, not by a cylinder
+    means.no_load = energy.in > 0.0 && taken < least_load * energy.in;
     means.efficiency = means.no_load ? std::numeric_limits<double>::quiet_NaN() : after.efficiency_since(before);
     means.stored = energy.in > 0.0 ? (energy.in - energy.out - (after.lost() - before.lost())) / energy.in : 0.0;
     return means;
@@ -168,7 +169,7 @@ std::vector<Note> RunMeans::notes() const {
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
         change(),
-        "no load: less than 1 % of the input went out, so there is no efficiency",
+        "no load: no shaft took 1 % of the input, so there is no efficiency",
     };
     std::vector<Note> notes;
     for (std::size_t k = 0; k < found.size(); ++k) {
