@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 INDENT = "    "
+SPECIAL = ("__init__", "__getitem__", "__iter__", "__enter__", "__exit__")  # what syntax needs; type checkers know the others
 
 
 def signature(doc):
@@ -52,7 +53,7 @@ def type_lines(name, made):
             lines.append(INDENT + f"{key}: {name}")
         elif isinstance(member, staticmethod) and not key.startswith("_"):
             lines += function(key, member.__func__, 1, static=True)
-        elif callable(member) and (not key.startswith("_") or key == "__init__"):
+        elif callable(member) and (not key.startswith("_") or key in SPECIAL):
             lines += function(key, member, 1)
     return lines + [INDENT + "..."]
 

@@ -140,6 +140,8 @@ class Faces(unittest.TestCase):
             if not inspect.isclass(member) or issubclass(member, Exception) or hasattr(member, "__members__"):
                 continue
             stubbed = {node.name for node in names[name].body if isinstance(node, ast.FunctionDef)}
+            needed = {"__getitem__", "__iter__", "__enter__", "__exit__"} & set(vars(member))
+            self.assertLessEqual(needed, stubbed, name)  # else type checkers refuse scene["load.torque"] and with-statements
             for key, of_class in vars(member).items():
                 if key.startswith("_") or not (callable(of_class) or isinstance(of_class, property)):
                     continue
