@@ -47,7 +47,8 @@ void advance_to(Stepper& self, const Quantity& time) {
     if (!py::isinstance<py::str>(which)) return which.cast<Input>();
     const py::dict members = py::type::of<Input>().attr("__members__");
     if (members.contains(which)) return members[which].cast<Input>();
-    throw Error(ErrorCode::argument, "input: there is no '" + which.cast<std::string>() + "'");
+    const auto meant = by_python("_scene", "suggestion")(which, members).cast<std::string>();
+    throw Error(ErrorCode::argument, "input: there is no '" + which.cast<std::string>() + "'" + meant);
 }
 
 /// Values of the inputs that the scene has, by name.

@@ -117,6 +117,7 @@ class Units(unittest.TestCase):
         for action, words in [
             (lambda: simulation.advance_to("1 mm"), 'time: "1 mm" is a length, expected a time'),
             (lambda: simulation.advance_to("1"), 'time: "1" has no unit, expected a time'),
+            (lambda: simulation.set_input("load_torqe", 9.0), 'there is no .load_torqe. .did you mean "load_torque"'),
             (lambda: simulation.set_input("load_torque", "9 N"), 'load_torque: "9 N" is a force, expected a torque'),
             (lambda: cvtflow.quantity("1 parsec", "m"), "unknown unit"),
         ]:
@@ -186,7 +187,9 @@ class Faces(unittest.TestCase):
             (tiny(), ["cvtflow.Scene tiny", "24 pins", "until 0.001 s"]),
             (simulation, ["cvtflow.Simulation of tiny at -0.000299 s", "unknowns"]),
             (cvtflow.Threads.own(2), ["cvtflow.Threads", "count=2"]),
-            (cvtflow.Scene.keys()["run.until"], ["cvtflow.KeyInfo run.until", "0.005 s"]),
+            (cvtflow.Scene.keys()["run.until"], ["cvtflow.KeyInfo run.until", "default 0.005 s, 1e-09 to 10000 s; The run"]),
+            (cvtflow.Scene.keys()["drive.mode"], ["default speed, one of speed, torque; Shaft 1"]),
+            (simulation.state(), [f"cvtflow.State: {len(simulation.state().bytes())} bytes"]),
         ]:
             for part in parts:
                 self.assertIn(part, repr(shown))

@@ -67,5 +67,6 @@ def install():
     _cvtflow.Simulation._repr_html_ = _simulation_html
     _cvtflow.Simulation.__repr__ = _simulation_repr
     _cvtflow.KeyInfo.__repr__ = key_repr
+    _cvtflow.State.__repr__ = lambda self: f"<cvtflow.State: {len(self.bytes())} bytes>"
     for name in ("Column", "Counters", "Energy", "SweepProgress", "Threads", "Transition", "Tuning"):
         getattr(_cvtflow, name).__repr__ = _fields

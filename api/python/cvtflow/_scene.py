@@ -159,4 +159,5 @@ def _range(key):
 
 def key_repr(key):
     """How a KeyInfo shows itself."""
-    return f"<cvtflow.KeyInfo {key.name}: default {_default(key)}, {_range(key)}; {key.help}>"
+    range_text = "one of " + _range(key) if key.choices else _range(key)
+    return f"<cvtflow.KeyInfo {key.name}: default {_default(key)}{range_text and ', ' + range_text}; {key.help}>"
