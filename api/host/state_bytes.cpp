@@ -11,7 +11,7 @@ namespace cvtflow::api {
 
 namespace {
 
-constexpr std::string_view magic = "CVTFLOW2";
+constexpr std::string_view magic = "CVTFLOW3";
 
 [[noreturn]] void reject(const char* why) { throw Error(ErrorCode::state, std::string("saved state: ") + why); }
 
@@ -76,27 +76,12 @@ private:
 template <class Stream, class Record>
 void visit(Stream& stream, Record& record) {
     auto& held = record.held;
-    auto& state = record.integration;
     stream(record.fingerprint);
     for (auto* value : {&held.driving, &held.driven, &held.load_torque, &held.drive_torque, &held.drive_speed, &held.ratio}) stream(*value);
     stream(held.since);
     stream(held.angle);
-    stream(state.started);
-    stream(state.settling);
-    for (auto* value : {&state.time, &state.begin, &state.output_interval, &state.step, &state.next_step, &state.settling_suspicion,
-                        &state.settling_residual})
-        stream(*value);
-    stream(state.grid_number);
-    stream(state.grid_steps);
-    stream(state.outputs);
-    stream(state.counters);
-    stream(state.state);
-    stream(state.phases);
-    stream(state.changed);
-    stream(state.before);
-    stream(state.method);
-    stream(state.energy);
-    stream(state.step_choice);
+    auto field = [&](const char* /*name*/, auto& value) { stream(value); };
+    tasks::visit_fields(record.integration, field);
 }
 
 [[nodiscard]] std::uint64_t checksum(std::span<const std::byte> bytes) { return engine::Hash().add(bytes).value(); }

@@ -1,13 +1,9 @@
 #include "api/host/translate.hpp"
 
-#include <pthread.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-
-#include <cstdint>
 #include <string>
 
 #include "engine/base/error_text.hpp"
+#include "engine/thread/stack_left.hpp"
 
 namespace cvtflow::api {
 
@@ -24,28 +20,9 @@ ErrorCode code_of(tasks::FaultKind kind) noexcept {
     return ErrorCode::other_fault;
 }
 
-namespace {
-
-/// Where the stack of this thread lies; nothing where it can grow or is unknown.
-struct Stack {
-    std::uintptr_t begin = 0, size = 0;
-
-    Stack() noexcept {
-        pthread_attr_t attributes;
-        if (syscall(SYS_gettid) == getpid() || pthread_getattr_np(pthread_self(), &attributes) != 0) return;
-        void* lowest = nullptr;
-        std::size_t bytes = 0;
-        if (pthread_attr_getstack(&attributes, &lowest, &bytes) == 0) begin = reinterpret_cast<std::uintptr_t>(lowest), size = bytes;
-        pthread_attr_destroy(&attributes);
-    }
-};
-
-}  // namespace
-
 void require_stack() {
-    thread_local const Stack stack;
-    const auto left = reinterpret_cast<std::uintptr_t>(__builtin_frame_address(0)) - stack.begin;
-    if (left >= stack.size || left >= least_stack) return;  // the first: another stack than the thread began with
+    const std::size_t left = engine::stack_left();
+    if (left >= least_stack) return;
     throw Error(ErrorCode::argument, "the calling thread has " + std::to_string(left >> 10U) + " KiB of stack left; 256 KiB are needed");
 }
 

@@ -70,6 +70,10 @@ struct BatchReport {
 [[nodiscard]] std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard);
 [[nodiscard]] std::string shard_folder(const std::string& folder, const Shard& shard);
 
+/// Wall time of a step on one thread, measured on a run's first steps, which are begun again where the run is shorter [s]. Zero if it
+/// cannot take one. @param seconds to spend [s]   @param untried why not
+[[nodiscard]] double step_wall(const Scene& scene, double seconds, std::string& untried);
+
 /// What a sweep will cost.
 struct BatchEstimate {
     double seconds_per_cost = 0.0;  ///< measured on a few cases [s]

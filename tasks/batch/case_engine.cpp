@@ -122,6 +122,7 @@ void CaseEngine::begin(const StartStates::State& saved) {
     simulation_ = serial_.get();
     eye_ = serial_eye_.get();
     simulation_->pause_on(&pause_);
+    if (record_options_.from != nullptr) require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->variator());
     if (!sweep_.records || own_start_) return;
     record_options_.file = record_file();
     recorder_ = std::make_unique<RunRecorder>(scene_, *simulation_, record_options_);

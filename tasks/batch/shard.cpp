@@ -63,14 +63,14 @@ std::vector<long> shard_cases(const Sweep& sweep, const Shard& shard) {
 namespace {
 
 /// How long so many steps took.
-struct Pace {
+struct TrialPace {
     double wall = 0.0;
     long steps = 0;
 };
 
 /// Goes on from a case's start in growing batches for so many seconds, but not beyond the case's end: what lies there may break down where
 /// the case does not. A fault ends it as well; steps up to there have cost what steps cost.
-void go(Simulation& simulation, double seconds, long most, Pace& pace) {
+void go(Simulation& simulation, double seconds, long most, TrialPace& pace) {
     SilentObserver silent;
     const engine::Cancellation go_on;
     using Clock = std::chrono::steady_clock;
@@ -104,13 +104,13 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
     }
 }
 
-/// Wall time per unit of cost, from so many seconds of steps of one case, begun again where it is shorter. Zero if it cannot take a step,
-/// and why.
-double measure(const Scene& scene, double seconds, std::string& untried) {
+}  // namespace
+
+double step_wall(const Scene& scene, double seconds, std::string& untried) {
     try {
         const double time = scene.run.until + (fitting_start(scene) == nullptr ? scene.parameters.start.settling_time : 0.0);
         const long most = std::max(2L, std::lround(time / scene.run.step.value_or(longest_automatic_step(scene.parameters.detail.pins))));
-        Pace pace;
+        TrialPace pace;
         const auto begin = std::chrono::steady_clock::now();
         const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
         for (long before = -1; pace.steps != before && (before < 0 || spent() < seconds);) {
@@ -118,15 +118,13 @@ double measure(const Scene& scene, double seconds, std::string& untried) {
             Simulation simulation(scene, Schedule{});
             go(simulation, seconds, most, pace);
         }
-        if (pace.steps > 0) return pace.wall / static_cast<double>(pace.steps) / step_cost(scene);
+        if (pace.steps > 0) return pace.wall / static_cast<double>(pace.steps);
         untried = "it ends in its first steps";
     } catch (const std::exception& error) {
         untried = error.what();
     }
     return 0.0;
 }
-
-}  // namespace
 
 BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
     BatchEstimate result;
@@ -146,7 +144,7 @@ BatchEstimate estimate(const Sweep& sweep, const Shard& shard, double seconds) {
         if (cases.empty()) break;
         sweep.apply_case(cases[at], scene);
         if (!violations(scene).empty()) continue;
-        if (const double rate = measure(scene, seconds / 3.0, result.untried); rate > 0.0) rates.push_back(rate);
+        if (const double wall = step_wall(scene, seconds / 3.0, result.untried); wall > 0.0) rates.push_back(wall / step_cost(scene));
         judge_step(scene, result);
     }
     result.measured = static_cast<int>(rates.size());

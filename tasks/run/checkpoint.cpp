@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <span>
 #include <stdexcept>
 
 #include "engine/base/hash.hpp"
@@ -58,38 +59,35 @@ std::string hash_of_slope(const IntegrationState& at, const model::Variator& var
 
 using Numbers = std::vector<double>;
 
-Numbers packed(const IntegrationState& s) {
-    const Counters& c = s.counters;
-    Numbers numbers{
-        static_cast<double>(s.started), static_cast<double>(s.settling), s.time, s.begin, s.output_interval, s.step, s.next_step};
-    for (const long count :
-         {s.grid_number, s.outputs, c.steps, c.evaluations, c.detected, c.truncated, c.suppressed, c.rejected, s.grid_steps})
-        numbers.push_back(static_cast<double>(count));
-    numbers.insert(numbers.end(), {s.settling_suspicion, s.settling_residual});
+/// Name of the array of an integration's scalars. Checkpoints of versions up to 0.2 call theirs "integration" and have another order.
+constexpr const char* integration_scalars = "integration_scalars";
+
+Numbers packed(const std::vector<model::TipIndicator>& tips) {
+    Numbers numbers;
+    for (const model::TipIndicator& tip : tips) numbers.insert(numbers.end(), {tip.depth, tip.slip});
     return numbers;
 }
 
-/// A count; its sign and size are looked at before, since converting any other number is undefined.
+/// Fields of an integration as named arrays: one of all scalars, and one per vector. State and phases are stored by write_state().
+struct FieldWriter {
+    std::vector<engine::NamedArray>& arrays;
+    Numbers scalars{};
+
+    void operator()(const char* /*name*/, double scalar) { scalars.push_back(scalar); }
+    void operator()(const char* /*name*/, bool flag) { scalars.push_back(flag ? 1.0 : 0.0); }
+    void operator()(const char* /*name*/, long count) { scalars.push_back(static_cast<double>(count)); }
+    void operator()(const char* /*name*/, const std::vector<model::Phase>& /*phases*/) {}
+    void operator()(const char* name, const std::vector<model::TipIndicator>& tips) { arrays.push_back({name, packed(tips)}); }
+    void operator()(const char* name, const std::vector<double>& numbers) {
+        if (std::string_view(name) != "state") arrays.push_back({name, numbers});
+    }
+};
+
+/// A count; sign and size are checked first, since converting any other number is undefined.
 long whole(double value) {
     if (!(value >= 0.0 && value <= 9007199254740992.0) || value != std::floor(value))
-        throw std::domain_error("it holds a count that is none");
+        throw std::domain_error("it contains an invalid count");
     return static_cast<long>(value);
-}
-
-void unpack(const Numbers& n, IntegrationState& s) {
-    s.started = n[0] != 0.0;
-    s.settling = n[1] != 0.0;
-    s.time = n[2];
-    s.begin = n[3];
-    s.output_interval = n[4];
-    s.step = n[5];
-    s.next_step = n[6];
-    s.grid_number = whole(n[7]);
-    s.outputs = whole(n[8]);
-    s.counters = {whole(n[9]), whole(n[10]), whole(n[11]), whole(n[12]), whole(n[13]), whole(n[14])};
-    s.grid_steps = whole(n[15]);
-    s.settling_suspicion = n[16];
-    s.settling_residual = n[17];
 }
 
 Numbers packed(const RunHistory& h) {
@@ -103,12 +101,6 @@ void unpack(const Numbers& n, RunHistory& h) {
     h = {n[0] != 0.0, {whole(n[4]), whole(n[5]), whole(n[6]), whole(n[7]), whole(n[8])}, n[1], n[2], n[3]};
 }
 
-Numbers packed(const std::vector<model::TipIndicator>& tips) {
-    Numbers numbers;
-    for (const model::TipIndicator& tip : tips) numbers.insert(numbers.end(), {tip.depth, tip.slip});
-    return numbers;
-}
-
 /// The array of that name. @throws engine::RecordError if it is missing or not as long as it must be
 const Numbers& array(const engine::SavedState& saved, const std::string& path, std::string_view name, std::size_t least) {
     for (const engine::NamedArray& each : saved.more) {
@@ -118,9 +110,36 @@ const Numbers& array(const engine::SavedState& saved, const std::string& path, s
 }
 
 [[nodiscard]] model::Phase phase_of(std::uint8_t number) {
-    if (number > static_cast<std::uint8_t>(model::Phase::slip)) throw std::domain_error("it holds a phase that is none");
+    if (number > static_cast<std::uint8_t>(model::Phase::slip)) throw std::domain_error("it contains an invalid tip phase");
     return static_cast<model::Phase>(number);
 }
+
+/// Reads back what FieldWriter wrote.
+struct FieldReader {
+    const engine::SavedState& saved;
+    const std::string& path;
+    std::span<const double> scalars;  ///< that are left
+
+    double scalar() {
+        if (scalars.empty()) throw std::domain_error("it has too few numbers");
+        const double first = scalars.front();
+        scalars = scalars.subspan(1);
+        return first;
+    }
+    void operator()(const char* /*name*/, double& value) { value = scalar(); }
+    void operator()(const char* /*name*/, bool& flag) { flag = scalar() != 0.0; }
+    void operator()(const char* /*name*/, long& count) { count = whole(scalar()); }
+    void operator()(const char* /*name*/, std::vector<model::Phase>& phases) {
+        for (const std::uint8_t phase : saved.phases) phases.push_back(phase_of(phase));
+    }
+    void operator()(const char* name, std::vector<model::TipIndicator>& tips) {
+        const Numbers& numbers = array(saved, path, name, 0);
+        for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) tips.push_back({numbers[i], numbers[i + 1]});
+    }
+    void operator()(const char* name, std::vector<double>& numbers) {
+        numbers = std::string_view(name) == "state" ? saved.state : array(saved, path, name, 0);
+    }
+};
 
 /// Of what gives a checkpoint's numbers their meaning.
 [[nodiscard]] std::string fingerprint_of(const Checkpoint& c) {
@@ -164,10 +183,10 @@ void write_checkpoint(const std::string& path, const Checkpoint& c) {
     saved.attributes = {{"scene", c.scene},     {"scene_name", c.name},         {"scene_path", c.path},
                         {"scene_text", c.text}, {"record", c.record},           {"run", c.run},
                         {"program", c.program}, {"method_hash", c.method_hash}, {"slope_hash", c.slope_hash}};
-    saved.more = {{"integration", packed(c.integration)},   {"changed", c.integration.changed},
-                  {"before", packed(c.integration.before)}, {"method", c.integration.method},
-                  {"energy", c.integration.energy},         {"step_choice", c.integration.step_choice},
-                  {"history", packed(c.history)},           {"recorder", c.recorder}};
+    saved.more = {{"history", packed(c.history)}, {"recorder", c.recorder}};
+    FieldWriter fields{saved.more};
+    visit_fields(c.integration, fields);
+    saved.more.push_back({integration_scalars, std::move(fields.scalars)});
     engine::write_state(path, saved);
 }
 
@@ -175,16 +194,10 @@ namespace {
 
 Checkpoint unpacked(const engine::SavedState& saved, const std::string& path) {
     Checkpoint c;
-    unpack(array(saved, path, "integration", 18), c.integration);
+    FieldReader fields{saved, path, array(saved, path, integration_scalars, 1)};
+    visit_fields(c.integration, fields);
+    if (!fields.scalars.empty()) throw std::domain_error("it has too many numbers");
     unpack(array(saved, path, "history", 9), c.history);
-    c.integration.state = saved.state;
-    for (const std::uint8_t phase : saved.phases) c.integration.phases.push_back(phase_of(phase));
-    c.integration.changed = array(saved, path, "changed", 0);
-    const Numbers& before = array(saved, path, "before", 0);
-    for (std::size_t i = 0; i + 1 < before.size(); i += 2) c.integration.before.push_back({before[i], before[i + 1]});
-    c.integration.method = array(saved, path, "method", 0);
-    c.integration.energy = array(saved, path, "energy", 0);
-    c.integration.step_choice = array(saved, path, "step_choice", 0);
     c.recorder = array(saved, path, "recorder", 0);
     c.scene = text(saved, "scene");
     c.name = text(saved, "scene_name");

@@ -19,15 +19,18 @@ constexpr double often = 0.05;       ///< share of outputs
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
 constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
 constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
+constexpr double takes_energy = 0.02;    ///< of the input; 7e-4 over 11 pin periods of the settled baseline
 
 constexpr NoteKind kinds[] = {
     {"gross_slip", "mean slip of the last fifth above 3 %"},
     {"control_limit", "a controller had used up its authority at more than 5 % of the last fifth's outputs"},
     {"slack_strand", "the slack strand carried no tension at more than 5 % of the last fifth's outputs"},
     {"efficiency", "efficiency of all of the run, or of its last fifth, outside 0 … 1"},
-    {"unsteady", "ratio of the first and the last fifth differ by more than 1 %, or slip by more than a fifth of it"},
+    {"unsteady",
+     "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it, the stored "
+     "energy by more than 2 % of the input; or it was seen for less than a pin period"},
     {"standstill", "the shafts turn by less than 0.1 rad/s: slip is noise"},
-    {"no_load", "drive and load take less out of the machine than is lost in it: the efficiency is that of idling"},
+    {"no_load", "drive and load take less out of the machine than is lost in it: there is no efficiency"},
     {"unresolved", "losses below what can be resolved: the energy balance would not show if 5 % of them were wrong"},
 };
 
@@ -36,6 +39,17 @@ constexpr NoteKind kinds[] = {
     constexpr double least_samples = 10.0;
     balance.loss = 0.0;
     return balance.samples < least_samples ? 0.0 : balance.honest();
+}
+
+/// Change of the stored energy over what inputs brought; 0 without input [1].
+[[nodiscard]] double stored_share(const EnergySums& before, const EnergySums& after) noexcept {
+    double in = 0.0, change = before.lost() - after.lost();
+    for (std::size_t k = 0; k < after.work.size(); ++k) {
+        const double work = after.work[k] - before.work[k];
+        in += std::max(0.0, work);
+        change += work;
+    }
+    return in > 0.0 ? change / in : 0.0;
 }
 
 }  // namespace
@@ -121,36 +135,52 @@ SpanMeans RunMeans::span(double from, double to) const {
     const EnergySums before = energy_at(means.periods > 0.0 ? means.end - means.periods * pin_period_ : means.begin);
     const EnergySums after = energy_at(means.end);
     means.efficiency = after.efficiency_since(before);
+    means.stored = stored_share(before, after);
     const auto taken_out = [&](model::Work by) {
         return std::max(0.0, before.work[static_cast<std::size_t>(by)] - after.work[static_cast<std::size_t>(by)]);
     };
     const double lost = after.lost() - before.lost();
     means.carried = lost > 0.0 ? (taken_out(model::Work::drive) + taken_out(model::Work::load)) / lost : 0.0;
+    means.no_load = std::isfinite(means.efficiency) && means.carried < 1.0;
+    if (means.no_load) means.efficiency = std::numeric_limits<double>::quiet_NaN();
     return means;
+}
+
+std::string RunMeans::change() const {
+    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
+    const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
+    const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
+    if (ratio_drifts || slip_drifts)
+        return fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio,
+                           percent(first.slip), percent(last.slip));
+    if (pin_period_ > 0.0 && whole.periods < 1.0)
+        return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one", 1e3 * pin_period_);
+    if (std::abs(whole.stored) > takes_energy)
+        return fmt::format("means are over a changing state: what moves has {} {} of the input", whole.stored > 0.0 ? "taken" : "given",
+                           percent(std::abs(whole.stored)));
+    return {};
 }
 
 std::array<bool, 8> RunMeans::odd(const EnergyBalance& balance) const {
     if (bins_.empty()) return {};
-    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+    const SpanMeans whole = all(), last = last_fifth();
     const auto impossible = [](double efficiency) { return efficiency < 0.0 || efficiency > 1.0; };  // not a number: none
-    const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
-    const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
     const bool stands = whole.turning < standing_speed;
-    const bool idles = std::isfinite(whole.efficiency) && whole.carried < 1.0;
     return {std::abs(last.slip) > gross_slip && !stands,
             last.limited > often,
             last.loose > often,
             impossible(whole.efficiency) || impossible(last.efficiency),
-            (ratio_drifts || slip_drifts) && !stands,
+            !change().empty() && !stands,
             stands,
-            idles && !stands,
+            whole.no_load && !stands,
             unresolved(balance) > resolved_share * balance.loss};
 }
 
 std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) const {
     std::array<bool, 8> found = odd(balance);
     if (!pulleys) std::fill(found.begin(), found.end() - 1, false);
-    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+    const SpanMeans whole = all(), last = last_fifth();
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     const std::string texts[] = {
         fmt::format("the chain slips by {}", percent(last.slip)),
@@ -158,10 +188,9 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
         fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
-        fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio, percent(first.slip),
-                    percent(last.slip)),
+        change(),
         "the machine stands: slip is noise",
-        fmt::format("drive and load take {} of what is lost: the efficiency is that of idling", percent(whole.carried)),
+        fmt::format("no load: drive and load take {} of what is lost, so there is no efficiency", percent(whole.carried)),
         fmt::format("losses below what can be resolved: {:.2g} J of {:.2g} J could be wrong and the energy balance would not show it",
                     unresolved(balance), balance.loss),
     };

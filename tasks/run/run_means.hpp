@@ -20,7 +20,9 @@ struct SpanMeans {
     double tight = 0.0, slack = 0.0;  ///< [N]
     double limited = 0.0;             ///< share of outputs at which a controller had reached its authority
     double loose = 0.0;               ///< share of outputs at which the slack strand carried no tension
-    double efficiency = 0.0;          ///< 1 - losses/input; not a number without input [1]
+    double efficiency = 0.0;          ///< 1 - losses/input; not a number without input or without load [1]
+    double stored = 0.0;              ///< change of the stored energy over the input; 0 without input [1]
+    bool no_load = false;             ///< drive and load took out less than was lost: there is no efficiency
     double periods = 0.0;             ///< whole pin periods that efficiency is over; 0: less than one [1]
     double turning = 0.0;             ///< speed of the shafts, whichever way, mean of both [rad/s]
     double carried = 0.0;             ///< what drive and load have taken out of the machine over its losses, in the same time [1]
@@ -66,6 +68,8 @@ private:
 
     /// Which of note_kinds() there are.
     [[nodiscard]] std::array<bool, 8> odd(const EnergyBalance& balance) const;
+    /// Why means are over a changing state; empty: it is steady.
+    [[nodiscard]] std::string change() const;
     [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from [s], to [s]
     [[nodiscard]] EnergySums energy_at(double time) const;       ///< time [s]
     void halve();

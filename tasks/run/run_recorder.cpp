@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <numeric>
 #include <random>
@@ -75,6 +76,14 @@ engine::RunContents contents_of(const Scene& scene, const model::ChainModel& cha
 }
 
 }  // namespace
+
+double record_bytes(const Scene& scene, const model::ChainModel& chain) {
+    const auto instants = [&](double interval) { return std::floor(scene.run.until / interval * (1.0 + 1e-12)) + 1.0; };
+    double width = 1.0;  // its time
+    for (const Channel* channel : chosen_channels(scene.run.channels, chain.layout())) width += channel->width(chain);
+    const double state = sizeof(double) * (1.0 + chain.layout().size()) + model::tips_per_link * chain.layout().links;
+    return instants(scene.run.output_interval) * sizeof(double) * width + instants(scene.run.state_interval) * state;
+}
 
 RunRecorder::RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options)
     : options_(options),
@@ -188,7 +197,7 @@ void RunRecorder::restore(const std::vector<double>& position) {
     const auto count = [&] {
         const double number = take();
         if (!(number >= 0.0 && number <= 9007199254740992.0))
-            throw engine::RecordError(options_.file + ": the checkpoint holds a count that is none");
+            throw engine::RecordError(options_.file + ": the checkpoint contains an invalid count");
         return static_cast<std::size_t>(number);
     };
     for (engine::RowsWritten* rows : {&written_.channels, &written_.states, &written_.tables[0]}) {

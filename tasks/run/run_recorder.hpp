@@ -12,6 +12,9 @@
 
 namespace cvtflow::tasks {
 
+/// Rows and states of a whole run, before they are compressed [byte].
+[[nodiscard]] double record_bytes(const Scene& scene, const model::ChainModel& chain);
+
 class RunRecorder final : public RunObserver {
 public:
     RunRecorder(const Scene& scene, const Simulation& simulation, const RunOptions& options);

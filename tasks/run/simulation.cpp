@@ -126,7 +126,7 @@ void Simulation::take_state(const engine::SavedState& saved) {
     }
     if (std::any_of(saved.phases.begin(), saved.phases.end(),
                     [](std::uint8_t phase) { return phase > static_cast<std::uint8_t>(model::Phase::slip); })) {
-        throw SimulationError(fmt::format("{}start.state: {} holds a phase that is none", scene_.state_place, scene_.state_file));
+        throw SimulationError(fmt::format("{}start.state: {} contains an invalid tip phase", scene_.state_place, scene_.state_file));
     }
     const auto behind = saved.state.begin() + static_cast<std::ptrdiff_t>(mechanical);
     std::copy(saved.state.begin(), behind, workspace_->states[0]);

@@ -54,6 +54,9 @@ struct Parameter {
 /// The value of a key in `scene`, as TOML.
 [[nodiscard]] std::string value_text(const Parameter& parameter, const Scene& scene);
 
+/// The same for people: numbers with their unit, in the usual one where that is shorter ("11 deg").
+[[nodiscard]] std::string readable_value(const Parameter& parameter, const Scene& scene);
+
 /// What `cvtflow explain key` prints: meaning, unit, range, default and source.
 /// @throws SceneError  unknown key, with the key that was probably meant
 [[nodiscard]] std::string explain(std::string_view key);

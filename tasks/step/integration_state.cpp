@@ -8,45 +8,68 @@
 
 namespace cvtflow::tasks {
 
-const char* IntegrationState::unsound() const noexcept {
-    constexpr long most = 1L << 53;  // up to here a double counts
-    for (const long count : {grid_number, grid_steps, outputs, counters.steps, counters.evaluations, counters.detected, counters.truncated,
-                             counters.suppressed, counters.rejected}) {
-        if (count < 0 || count > most) return "it holds a count that is none";
+namespace {
+
+constexpr long max_count = 1L << 53;  // up to here a double holds every count exactly
+
+/// Reason why a field is invalid by itself.
+struct FieldCheck {
+    const char* reason = nullptr;
+
+    void operator()(const char* /*name*/, long count) {
+        if (count < 0 || count > max_count) reason = "it contains an invalid count";
     }
-    if (std::any_of(phases.begin(), phases.end(), [](model::Phase phase) { return phase > model::Phase::slip; }))
-        return "it holds a phase that is none";
-    if (!std::isfinite(time)) return "its time is none";
+    void operator()(const char* /*name*/, const std::vector<model::Phase>& phases) {
+        if (std::any_of(phases.begin(), phases.end(), [](model::Phase phase) { return phase > model::Phase::slip; }))
+            reason = "it contains an invalid tip phase";
+    }
+    void operator()(const char* /*name*/, bool /*flag*/) {}
+    template <class Field>
+    void operator()(const char* /*name*/, const Field& /*field*/) {}
+};
+
+/// Adds fields to a hash.
+struct FieldHash {
+    engine::Hash hash;
+
+    void operator()(const char* /*name*/, bool flag) { hash.add(static_cast<std::uint64_t>(flag)); }
+    void operator()(const char* /*name*/, long count) { hash.add(static_cast<std::uint64_t>(count)); }
+    void operator()(const char* /*name*/, double number) { hash.add(std::span<const double>(&number, 1)); }
+    void operator()(const char* /*name*/, const std::vector<double>& numbers) { hash.add(std::span<const double>(numbers)); }
+    void operator()(const char* /*name*/, const std::vector<model::Phase>& phases) {
+        hash.add(std::span<const std::uint8_t>(reinterpret_cast<const std::uint8_t*>(phases.data()), phases.size()));
+    }
+    void operator()(const char* /*name*/, const std::vector<model::TipIndicator>& tips) {
+        for (const model::TipIndicator& tip : tips) {
+            const double pair[] = {tip.depth, tip.slip};
+            hash.add(std::span<const double>(pair));
+        }
+    }
+};
+
+}  // namespace
+
+const char* IntegrationState::unsound() const noexcept {
+    FieldCheck check;
+    visit_fields(*this, check);
+    if (check.reason != nullptr) return check.reason;
+    if (!std::isfinite(time)) return "its time is not finite";
     if (!started) return nullptr;
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };
-    if (!std::isfinite(begin) || !is_length(output_interval) || !(std::isfinite(step) && step >= 0.0) || grid_steps == 0 ||
-        !(std::isfinite(next_step) && next_step >= 0.0))
-        return "its steps or outputs have no length";
+    if (!std::isfinite(begin) || !is_length(output_interval) || !(std::isfinite(step) && step >= 0.0) || grid_steps == 0)
+        return "its steps or outputs have no valid length";
     if (!(static_cast<double>(outputs + 2) * std::max({1.0, static_cast<double>(grid_steps), step > 0.0 ? output_interval / step : 1.0}) <=
-          static_cast<double>(most)))
-        return "its steps cannot be counted";
+          static_cast<double>(max_count)))
+        return "it has too many steps to count";
     if (std::abs(time - begin - static_cast<double>(outputs) * output_interval) > 2.0 * output_interval + 1e-6 * std::abs(time))
-        return "its outputs are not at its time";
+        return "its outputs do not fit its time";
     return nullptr;
 }
 
 std::uint64_t IntegrationState::hash() const noexcept {
-    engine::Hash hash;
-    hash.add(static_cast<std::uint64_t>(started)).add(static_cast<std::uint64_t>(settling));
-    const double reals[] = {time, begin, output_interval, step, next_step, settling_suspicion, settling_residual};
-    hash.add(std::span<const double>(reals));
-    for (const long count : {grid_number, grid_steps, outputs, counters.steps, counters.evaluations, counters.detected, counters.truncated,
-                             counters.suppressed, counters.rejected}) {
-        hash.add(static_cast<std::uint64_t>(count));
-    }
-    hash.add(std::span<const double>(state)).add(std::span<const double>(changed)).add(std::span<const double>(method));
-    hash.add(std::span<const double>(energy)).add(std::span<const double>(step_choice));
-    hash.add(std::span<const std::uint8_t>(reinterpret_cast<const std::uint8_t*>(phases.data()), phases.size()));
-    for (const model::TipIndicator& tip : before) {
-        const double pair[] = {tip.depth, tip.slip};
-        hash.add(std::span<const double>(pair));
-    }
-    return hash.value();
+    FieldHash fields;
+    visit_fields(*this, fields);
+    return fields.hash.value();
 }
 
 }  // namespace cvtflow::tasks

@@ -1,7 +1,7 @@
 #pragma once
-/// The full state of an integration at rest between two steps: whoever has it goes on bit for bit as if it had never stopped.
+/// The full state of an integration between two steps: an integration that resumes from it continues bit for bit.
 ///
-/// A simulation hands it out and takes it (Simulation::integration_state, restore, advance); checkpoint_file.hpp keeps it on disk.
+/// A simulation returns and accepts it (Simulation::integration_state, restore, advance); checkpoint.hpp keeps it on disk.
 
 #include <cstdint>
 #include <vector>
@@ -18,8 +18,7 @@ struct IntegrationState {
     double time = 0.0;             ///< [s]
     double begin = 0.0;            ///< outputs are due at begin + k output_interval [s]
     double output_interval = 0.0;  ///< [s]
-    double step = 0.0;             ///< longest step asked for [s]
-    double next_step = 0.0;        ///< step that a step control would try next; 0: steps of the grid [s]
+    double step = 0.0;             ///< longest step, as the scene gives it [s]
     long grid_number = 0;          ///< grid points passed, of a grid of `grid_steps`
     long grid_steps = 0;           ///< steps between two points at which the length of steps may change
     long outputs = 0;              ///< outputs delivered
@@ -35,10 +34,37 @@ struct IntegrationState {
     std::vector<double> method;  ///< what else a method remembers from step to step; empty for one-step methods [what save() wrote]
 
     bool operator==(const IntegrationState&) const = default;
-    /// Why no integration can stand here, whatever the scene: counts and lengths that are none, unknown phases. nullptr if one may.
+    /// Reason why this state is invalid for every scene (counts, lengths, phases); nullptr if valid.
     [[nodiscard]] const char* unsound() const noexcept;
     /// Of every field, bit by bit.
     [[nodiscard]] std::uint64_t hash() const noexcept;
 };
+
+/// The only list of the fields: calls visitor(name, field) for each. `state` is an IntegrationState or a const one.
+template <class State, class Visitor>
+void visit_fields(State& state, Visitor& visitor) {
+    visitor("started", state.started);
+    visitor("settling", state.settling);
+    visitor("time", state.time);
+    visitor("begin", state.begin);
+    visitor("output_interval", state.output_interval);
+    visitor("step", state.step);
+    visitor("settling_suspicion", state.settling_suspicion);
+    visitor("settling_residual", state.settling_residual);
+    visitor("grid_number", state.grid_number);
+    visitor("grid_steps", state.grid_steps);
+    visitor("outputs", state.outputs);
+    auto& counters = state.counters;
+    for (auto* count :
+         {&counters.steps, &counters.evaluations, &counters.detected, &counters.truncated, &counters.suppressed, &counters.rejected})
+        visitor("counter", *count);
+    visitor("state", state.state);
+    visitor("phases", state.phases);
+    visitor("changed", state.changed);
+    visitor("before", state.before);
+    visitor("method", state.method);
+    visitor("energy", state.energy);
+    visitor("step_choice", state.step_choice);
+}
 
 }  // namespace cvtflow::tasks

@@ -12,6 +12,7 @@ public:
     [[nodiscard]] static constexpr NextCycle done() noexcept { return {Answer::done, 0}; }
     [[nodiscard]] static constexpr NextCycle failed() noexcept { return {Answer::failed, 0}; }
 
+    [[nodiscard]] constexpr bool is_cycle() const noexcept { return answer_ == Answer::cycle; }
     [[nodiscard]] constexpr bool is_done() const noexcept { return answer_ == Answer::done; }
     [[nodiscard]] constexpr bool has_failed() const noexcept { return answer_ == Answer::failed; }
     /// The number of the cycle, if there is one.

@@ -59,9 +59,21 @@ TEST_F(Package, IsFoundByPkgConfig) {
     const std::string with = "export PKG_CONFIG_PATH=" + config.substr(0, config.size() - 1) + "; ";
     EXPECT_EQ(run(with + "pkg-config --modversion cvtflow"), CVTFLOW_PROJECT_VERSION "\n");
     run(with + CVTFLOW_CC " -std=c11 -Wall -Wextra -pedantic -Werror " + here +
-        "/consumer/main.c -o c $(pkg-config --cflags --libs cvtflow)");
-    EXPECT_THAT(run(with + "LD_LIBRARY_PATH=$(pkg-config --variable=libdir cvtflow) ./c"), testing::HasSubstr("648 unknowns"));
+        "/consumer/main.c -o c $(pkg-config --cflags --libs cvtflow) -Wl,-rpath,$(pkg-config --variable=libdir cvtflow)");
+    EXPECT_THAT(run("./c"), testing::HasSubstr("648 unknowns")) << "linked as the page of embedding does";
     EXPECT_THAT(run(with + "ls $(pkg-config --variable=scenesdir cvtflow)"), testing::HasSubstr("tiny.toml"));
+}
+
+/// The scripts of `cmake --install` with another build folder, in which nothing but the program was built.
+TEST_F(Package, OfAProgramAloneNamesWhatWasNotBuilt) {
+    const std::string scripts = "find . -name cmake_install.cmake -o -path '*/Export/*.cmake' -o -name 'cvtflow-config*.cmake'";
+    run("mkdir b && (cd " CVTFLOW_BINARY_DIR " && tar -cf - $(" + scripts + ")) | tar -xf - -C b && cp " CVTFLOW_BINARY_DIR "/cvtflow b");
+    run("sed -i \"s|" CVTFLOW_BINARY_DIR "|$PWD/b|g\" $(find b -name cmake_install.cmake)");
+    const std::string output = run("cmake -DCMAKE_INSTALL_PREFIX=$PWD/p -P b/cmake_install.cmake");
+    for (const char* target : {"cvtflow_library", "cvtflow_manual"})
+        EXPECT_THAT(output, testing::HasSubstr("/b --target " + std::string(target) + ")"));
+    EXPECT_THAT(run("p/bin/cvtflow check tiny"), testing::HasSubstr("share/cvtflow/scenes/tiny.toml"));
+    EXPECT_EQ(run("ls p/include p/lib/*/libcvtflow* 2>/dev/null || true"), "");
 }
 
 TEST_F(Package, HoldsThePythonModuleAlsoAfterItWasMoved) {

@@ -123,6 +123,14 @@ class RunReport(Page):
             for shown, true in ((mean, values.mean()), (least, values.min()), (largest, values.max())):
                 self.assertAlmostEqual(shown, true, delta=1e-8 * abs(true) + 1e-300)  # nine digits
 
+    def test_a_phone_shows_the_whole_width(self):
+        metrics = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+        self.browser.call("Emulation.setDeviceMetricsOverride", metrics)
+        self.addCleanup(self.browser.call, "Emulation.setDeviceMetricsOverride",
+                        {"width": 1200, "height": 900, "deviceScaleFactor": 1, "mobile": False})
+        self.browser.open(self.page)
+        self.assertLessEqual(self.value("document.documentElement.scrollWidth"), 390)
+
     def test_every_curve_is_that_of_the_record(self):
         names = self.value("[...curves.runs[0].curves.keys()]")
         for name in ("ratio", "slip", "shaft_1/speed", "tight_tension"):

@@ -36,6 +36,7 @@ void play_honestly(long first, long count, const bench::LotteryRules& rules) {
     testing::Test::RecordProperty("counts", counts);
     EXPECT_GE(10 * statuses["finished"], 9 * count) << counts;
     EXPECT_LE(100 * alarms, count);
+    EXPECT_GT(ready, 0) << "no ready state fits what was drawn";
 }
 
 TEST(Lottery, FortyMachinesEndRightOrSayThatTheyDoNot) {

@@ -22,8 +22,8 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 
 TEST(StepSize, FiftyNanosecondsAreAccurateAndEightyChatter) {
     const auto forces = [](const char* step) {
-        const Operation run(ready_scene(
-            "baseline", {"run.until=80 us", "run.output_interval=40 us", "run.state_interval=40 us", std::string("run.step=") + step}));
+        const Operation run(ready_scene("baseline", {"run.method=rk4", "run.until=80 us", "run.output_interval=40 us",
+                                                     "run.state_interval=40 us", std::string("run.step=") + step}));
         EXPECT_FALSE(run.fault) << run.fault.message();
         return run.tip_axial.back();
     };

@@ -4,26 +4,27 @@
 
 #include <vector>
 
-#include "engine/executor/executor.hpp"
+#include "engine/executor/run.hpp"
 #include "engine/graph/task_graph.hpp"
 
 namespace cvtflow::recipes {
 namespace {
 
 /// Runs the tasks of a level from the last to the first: allowed, since nothing orders them.
-class Backward final : public engine::Executor {
+class Backward final : public engine::RunningExecutor {
 public:
-    void run(const engine::TaskGraph& graph, void* context, engine::Controller& controller) override {
-        engine::require_frozen(graph);
-        for (int cycle = controller.next(); cycle != engine::Controller::stop; cycle = controller.next()) {
-            if (cycle < 0 || cycle >= graph.cycles()) engine::reject_cycle(graph, cycle);
-            for (int level = 0; level < graph.levels(cycle); ++level) {
-                const auto tasks = graph.level(cycle, level);
-                for (auto task = tasks.rbegin(); task != tasks.rend(); ++task) graph.call (*task)(context);
+    explicit Backward(const engine::ExecutorOptions& options = {}) : RunningExecutor(options) {}
+    [[nodiscard]] std::string_view name() const noexcept override { return "backward"; }
+
+private:
+    void execute(engine::Run& run, int first) override {
+        for (int cycle = first; cycle != engine::Controller::stop; cycle = run.decide(0)) {
+            for (int level = 0; level < run.graph().levels(cycle); ++level) {
+                const auto tasks = run.graph().level(cycle, level);
+                for (auto task = tasks.rbegin(); task != tasks.rend(); ++task) run.task(*task, 0);
             }
         }
     }
-    [[nodiscard]] std::string_view name() const noexcept override { return "backward"; }
 };
 
 struct Times final : engine::Controller {

@@ -36,8 +36,9 @@ TEST_F(BatchDryRun, PrintsCasesAndAnEstimate) {
     write_sweep();
     const Outcome outcome = batch({"--dry-run"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.out,
-                AllOf(StartsWith("sweep: 12 cases\n"), HasSubstr("load.torque [N*m]"), HasSubstr("  estimate            0:0")));
+    EXPECT_THAT(outcome.out, AllOf(StartsWith("sweep: 12 cases\n"), HasSubstr("load.torque [N*m]"),
+                                   testing::ContainsRegex("  estimate            [a-z0-9. ]+ s on one thread, "),
+                                   testing::ContainsRegex("  disk                [0-9.]+ kB of results")));
     EXPECT_FALSE(exists("out"));
 }
 

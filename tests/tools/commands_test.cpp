@@ -74,7 +74,9 @@ TEST_F(Commands, ListEveryRowOfTheCatalogues) {
 }
 
 TEST_F(Commands, ListTheMethodsThatOneWouldUse) {
+    const auto begin = std::chrono::steady_clock::now();
     std::istringstream list(run({"list", "methods"}).out);
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1)) << "4 s of processor time with the measured stability";
     std::vector<std::string> names;
     for (std::string line; std::getline(list, line) && !line.empty();) names.push_back(line.substr(0, line.find(' ')));
     ASSERT_EQ(names.size(), 8u) << "a heading, a rule and six methods";
@@ -82,9 +84,8 @@ TEST_F(Commands, ListTheMethodsThatOneWouldUse) {
     for (std::size_t k = 2; k < names.size(); ++k) EXPECT_THAT(tasks::method_names(), testing::Contains(names[k]));
 }
 
-TEST_F(Commands, ListDerivedOrderAndStabilityOfMethods) {
-    // Of the classical method: order 4, real interval 2.785, imaginary interval 2 sqrt(2).
-    EXPECT_THAT(run({"list", "methods", "--all"}).out, testing::ContainsRegex("\nrk4 +4 +4 +2\\.785 +2\\.828 "));
+TEST_F(Commands, ListAllMethodsWithStagesAndOrder) {
+    EXPECT_THAT(run({"list", "methods", "--all"}).out, testing::ContainsRegex("\nrk4 +4 +4 +[a-z]"));
 }
 
 TEST_F(Commands, ExplainKeysAndSections) {
@@ -115,6 +116,8 @@ TEST_F(Commands, CheckSaysWhatASceneIs) {
     EXPECT_THAT(outcome.out, HasSubstr("20 000 + 200 000 for settling\n"));  // (1 + 10) ms of 50 ns
     EXPECT_THAT(outcome.out, HasSubstr("880 000, and some for transitions\n"));
     EXPECT_THAT(outcome.out, HasSubstr("\n  schedule            auto, which chooses the segments\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("states? every [^\n]*, up to [0-9.]+ [kM]?B\n"));
+    EXPECT_THAT(outcome.out, testing::ContainsRegex("\n  time                about [0-9:.]+( s)? on one thread"));
     EXPECT_THAT(run({"check", "tiny", "--set", "run.segments=3"}).out, HasSubstr("\n  schedule            auto, 3 segments\n"));
 }
 

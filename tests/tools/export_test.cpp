@@ -91,6 +91,33 @@ TEST_F(Export, TakesEverySoManyStatesAndReplacesNothingUnasked) {
     EXPECT_TRUE(read("run.h5") == before) << "never over its input";
 }
 
+TEST_F(Export, WritesChannelsAsOneTableWithUnits) {
+    ASSERT_EQ(made_, 0);
+    ASSERT_EQ(run({"export", "run.h5", "--csv", "all.csv"}).status, 0);
+    EXPECT_THAT(read("all.csv"), testing::StartsWith("time [s],"));
+    EXPECT_THAT(read("all.csv"), HasSubstr(",shaft_1/speed [rad/s],"));
+    ASSERT_EQ(run({"export", "run.h5", "ratio", "links/tension", "--csv", "some.csv"}).status, 0);
+    const engine::RunReader record((folder_ / "run.h5").string());
+    const std::vector<double> ratio = record.channel("ratio"), tension = record.channel("links/tension"), times = record.times();
+    const std::size_t links = tension.size() / times.size();
+    std::istringstream lines(read("some.csv"));
+    std::string line;
+    ASSERT_TRUE(std::getline(lines, line));
+    EXPECT_THAT(line, testing::StartsWith("time [s],ratio [1],links/tension[0] [N],links/tension[1] [N],"));
+    for (std::size_t row = 0; row < times.size(); ++row) {
+        ASSERT_TRUE(std::getline(lines, line));
+        std::istringstream cells(line);
+        std::vector<double> numbers;
+        for (std::string cell; std::getline(cells, cell, ',');) numbers.push_back(std::stod(cell));
+        ASSERT_EQ(numbers.size(), 2 + links);
+        EXPECT_EQ(numbers[0], times[row]);
+        EXPECT_EQ(numbers[1], ratio[row]);
+        EXPECT_EQ(numbers.back(), tension[row * links + links - 1]);
+    }
+    EXPECT_EQ(run({"export", "run.h5", "--csv", "all.csv"}).status, 1) << "replaces nothing unasked";
+    EXPECT_EQ(run({"export", "run.h5", "slp", "--csv", "x.csv"}).status, 2);
+}
+
 TEST_F(Export, SaysWhatItCannotWrite) {
     ASSERT_EQ(made_, 0);
     EXPECT_EQ(run({"export", "run.h5"}).status, 2);

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <regex>
+#include <set>
 #include <sstream>
 
 #include "engine/record/run/run_reader.hpp"
@@ -57,7 +59,7 @@ TEST_F(PlotCommand, TheCsvHasTheNumbersOfTheRecord) {
     std::istringstream lines(read("p.csv"));
     std::string line;
     std::getline(lines, line);
-    EXPECT_EQ(line, "plot,series,x,y");
+    EXPECT_EQ(line, "plot,series,x,y,x axis,y axis");
     for (std::size_t row = 0; row < ratio.size(); ++row) {
         ASSERT_TRUE(std::getline(lines, line));
         std::istringstream numbers(line.substr(line.find(',', line.find(',') + 1) + 1));
@@ -75,15 +77,15 @@ TEST_F(PlotCommand, OrdersOfTheBaselinePeakWherePinsPassAndAtTwiceThat) {
     ASSERT_EQ(run(std::vector<std::string>{"run", "baseline", "-o", "baseline.h5", "-q"} + brief).status, 0);
     ASSERT_EQ(run({"plot", "baseline.h5", "tight_tension", "--orders", "-o", "p.csv"}).status, 0);
     const std::string text = read("p.csv");
-    EXPECT_THAT(text, HasSubstr("pins pass: 14"));
+    EXPECT_THAT(text, testing::AllOf(HasSubstr("pins pass: 14"), HasSubstr("order of the passing pins")));
     const double pins = 2000.0 / 60.0 * 2.0 * std::numbers::pi * 54.44e-3 / 8.12e-3;  // speed times radius over pitch: 1404 Hz
-    for (const double expected : {pins, 2.0 * pins}) {
+    for (const double expected : {1.0, 2.0}) {
         double largest = 0.0, at = 0.0;
-        for (const auto& [frequency, amplitude] : points_of(text, "tight_tension")) {
-            if (std::abs(frequency - expected) > 0.3 * pins || amplitude < largest) continue;
-            largest = amplitude, at = frequency;
+        for (const auto& [order, amplitude] : points_of(text, "tight_tension")) {
+            if (std::abs(order - expected) > 0.3 || amplitude < largest) continue;
+            largest = amplitude, at = order;
         }
-        EXPECT_NEAR(at, expected, 25.0);  // a line of 40 ms [Hz]
+        EXPECT_NEAR(at, expected, 25.0 / pins);  // a line of 40 ms
     }
 }
 
@@ -97,9 +99,63 @@ TEST_F(PlotCommand, DrawsSweepsAsCurvesAndAsMaps) {
     write("cases.csv", table);
     const std::vector<std::string> axes{"plot", "cases.csv", "-o", "p.svg", "--x", "load.torque", "--y"};
     ASSERT_EQ(run(axes + std::vector<std::string>{"slip_mean"}).status, 0);
-    EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr("start_ratio = 2"), HasSubstr("4 of 5 cases")));
+    EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr(">start ratio 2<"), HasSubstr("4 of 5 cases"), HasSubstr(">mean slip [%]<"),
+                                              HasSubstr(">load torque [N·m]<")));
     ASSERT_EQ(run(axes + std::vector<std::string>{"start.ratio", "--colour", "slip_mean"}).status, 0);
     EXPECT_THAT(read("p.svg"), HasSubstr("class=\"contour\""));
+}
+
+TEST_F(PlotCommand, LegendOfTheShippedSweepLeavesThePicture) {
+    const std::string sweep = CVTFLOW_SOURCE_DIR "/scenes/sweeps/slip_efficiency_results.csv";
+    ASSERT_EQ(run({"plot", sweep, "--x", "load_torque", "--y", "efficiency", "-o", "p.svg"}).status, 0);
+    const std::string text = read("p.svg");
+    std::smatch frame;
+    ASSERT_TRUE(std::regex_search(text, frame, std::regex("<clipPath[^>]*><rect x=\"[0-9.]+\" y=\"[0-9.]+\" width=\"([0-9.]+)\"")));
+    EXPECT_GT(std::stod(frame[1]), 700.0) << "of 860 pixels; 120 were left";
+    EXPECT_THAT(text, testing::AllOf(HasSubstr(">start ratio 2.4, clamping driven 10 kN<"), testing::Not(HasSubstr("control ratio")),
+                                     HasSubstr(">efficiency [%]<"), HasSubstr("class=\"x\">100<")));
+}
+
+TEST_F(PlotCommand, ClassesOfColouredPointsHoldTheirPoints) {
+    const std::string sweep = CVTFLOW_SOURCE_DIR "/scenes/sweeps/slip_efficiency_results.csv";
+    ASSERT_EQ(run({"plot", sweep, "--x", "load_torque", "--y", "clamping_driven", "--colour", "slip_mean", "-o", "p.svg"}).status, 0);
+    EXPECT_THAT(read("p.svg"), testing::AllOf(HasSubstr(">below 7.5<"), HasSubstr(">7.5 … 12.5<"), HasSubstr(">above 12.5<")));
+}
+
+TEST_F(PlotCommand, PanelsBelowOneAnotherHaveTheirTimeAtTheSamePlace) {
+    ASSERT_EQ(run({"plot", "run.h5", "tight_tension", "ratio", "loss", "-o", "p.svg"}).status, 0);
+    const std::string text = read("p.svg");
+    static const std::regex frame("<clipPath[^>]*><rect x=\"([0-9.]+)\" y=\"[0-9.]+\" width=\"([0-9.]+)\"");
+    std::set<std::string> places;
+    std::size_t panels = 0;
+    for (std::sregex_iterator each(text.begin(), text.end(), frame), end; each != end; ++each, ++panels)
+        places.insert((*each)[1].str() + " " + (*each)[2].str());
+    EXPECT_GE(panels, 3U);
+    EXPECT_EQ(places.size(), 1U);
+}
+
+TEST_F(PlotCommand, TwoLossesNeverLookTheSame) {
+    ASSERT_EQ(run({"plot", "run.h5", "--losses", "-o", "p.svg"}).status, 0);
+    const std::string text = read("p.svg");
+    static const std::regex entry("<g transform=[^>]*><path d=\"M-12 0h24\" ([^/]*)/>");
+    std::set<std::string> styles;
+    std::size_t entries = 0;
+    for (std::sregex_iterator each(text.begin(), text.end(), entry), end; each != end; ++each, ++entries) styles.insert((*each)[1].str());
+    EXPECT_GT(entries, 8U) << "more than there are colours";
+    EXPECT_EQ(styles.size(), entries);
+}
+
+TEST_F(PlotCommand, SaysHowAChannelIsRecordedThatExists) {
+    const Outcome outcome = run({"plot", "run.h5", "shaft_1/slip"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_EQ(outcome.err,
+              "cvtflow: shaft_1/slip: run.h5 was recorded without this channel (record it with --set record.channels=shaft_1/slip)\n");
+}
+
+TEST_F(PlotCommand, ReadsTablesWithSemicolonsAndDecimalCommas) {
+    write("german.csv", "case;status;load_torque;slip_mean\n0;ok;10,5;0,001\n1;ok;20;0,002\n");
+    ASSERT_EQ(run({"plot", "german.csv", "--x", "load.torque", "--y", "slip_mean", "-o", "p.csv"}).status, 0);
+    EXPECT_THAT(read("p.csv"), HasSubstr(",10.5,0.1,"));
 }
 
 TEST_F(PlotCommand, SaysWhatIsWrong) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "engine/base/rainflow.hpp"
@@ -56,6 +57,21 @@ TEST_F(RainflowOfARecord, HasATextATableAndAWindow) {
     EXPECT_THAT(run({"table", "run.h5", "--rainflow", "tight_tension", "--from", "1 s"}).out, HasSubstr("no outputs\n  no cycles\n"));
 }
 
+TEST_F(RainflowOfARecord, HasADamageEquivalentRangeAndSaysThatTheRecordIsShort) {
+    ASSERT_EQ(made_, 0);
+    const Outcome json = run({"table", "run.h5", "--rainflow", "tight_tension", "--exponent", "3", "--json"});
+    ASSERT_EQ(json.status, 0) << json.err;
+    const auto load = nlohmann::json::parse(json.out).at("loads").at(0);
+    double sum = 0.0;
+    for (const auto& cycle : load.at("cycles")) sum += cycle.at("count").get<double>() * std::pow(cycle.at("range").get<double>(), 3.0);
+    EXPECT_NEAR(load.at("damage_equivalent").at("range").get<double>(), std::cbrt(sum), 1e-9 * std::cbrt(sum)) << "once in the record";
+    EXPECT_EQ(load.at("damage_equivalent").at("reference_cycles"), 1.0);
+    const Outcome text = run({"table", "run.h5", "--rainflow", "tight_tension"});
+    EXPECT_THAT(text.out, HasSubstr(" N (exponent 5, one cycle in the record)\n"));
+    EXPECT_THAT(text.out, HasSubstr("of a round of the chain (")) << "20 us of 58 ms";
+    EXPECT_EQ(run({"table", "run.h5", "--rainflow", "tight_tension", "--exponent", "0"}).status, 2);
+}
+
 TEST_F(RainflowOfARecord, SaysWhatItCannotCount) {
     ASSERT_EQ(made_, 0);
     const auto expect = [&](const std::vector<std::string>& more, int status, const std::string& why) {
@@ -65,7 +81,7 @@ TEST_F(RainflowOfARecord, SaysWhatItCannotCount) {
         EXPECT_EQ(outcome.out, "");
     };
     expect({"--rainflow", "tight_tensoin"}, 2, "the record has no such channel (did you mean \"tight_tension\"?)");
-    expect({"--rainflow", "tips/normal_force[0]"}, 2, "the record has no such channel");
+    expect({"--rainflow", "tips/normal_force[0]"}, 2, "without this channel (record it with --set record.channels=tips/normal_force)");
     expect({"--rainflow", "followed_pin/position"}, 2, "it has 3 numbers; write followed_pin/position[0] ... followed_pin/position[2]");
     expect({"--rainflow", "followed_pin/position[3]"}, 2, "there are the elements 0 to 2");
     expect({"--rainflow", "followed_pin/position[x]"}, 2, "there are the elements 0 to 2");

@@ -34,6 +34,7 @@ TEST_F(ReportCommand, SaysWhatWasSimulatedAndWhatIsNotTheDefault) {
     EXPECT_LT(page.find("class=\"status\""), page.find("What was simulated"));
     EXPECT_THAT(page, HasSubstr("<td><code>load.torque</code></td><td>7</td>"));
     EXPECT_THAT(page, Not(HasSubstr("<td><code>chain.pitch</code></td>")));
+    EXPECT_THAT(page, HasSubstr("shaft 1 drives ("));
 }
 
 TEST_F(ReportCommand, WarnsFirstOfWhatIsNotFinished) {
@@ -85,8 +86,13 @@ TEST_F(ReportCommand, DrawsMapsOfCasesThatFormAGrid) {
     write("twice.csv", heading + grid + "4,ok,2,20,0.5\n");
     ASSERT_EQ(run({"report", "grid.csv"}).status, 0);
     ASSERT_EQ(run({"report", "twice.csv"}).status, 0);
-    EXPECT_THAT(read("grid.html"), HasSubstr("slip_mean over load_torque and start_ratio"));
-    EXPECT_THAT(read("twice.html"), Not(HasSubstr("slip_mean over load_torque and start_ratio")));
+    EXPECT_THAT(read("grid.html"), HasSubstr("mean slip over load torque and start ratio"));
+    EXPECT_THAT(read("twice.html"), Not(HasSubstr("mean slip over load torque and start ratio")));
+}
+
+TEST_F(ReportCommand, OfTheShippedSweepHasMaps) {
+    ASSERT_EQ(run({"report", CVTFLOW_SOURCE_DIR "/scenes/sweeps/slip_efficiency_results.csv", "-o", "page.html"}).status, 0);
+    EXPECT_THAT(read("page.html"), testing::AllOf(HasSubstr("id=\"maps\""), HasSubstr("mean slip over load torque and clamping driven")));
 }
 
 TEST_F(ReportCommand, SaysWhatIsWrong) {

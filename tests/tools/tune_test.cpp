@@ -91,6 +91,8 @@ TEST_F(Tune, SweepsWithAnAccuracyCarryTheirErrorsAndSayWhereTheyMissIt) {
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_THAT(outcome.err, ContainsRegex("cvtflow: sweep: 2 cases verified, 0 beyond 0.4 %; at most: tight_tension_mean "));
     EXPECT_EQ(hash_in(outcome.out), table().attribute("results_hash"));
+    EXPECT_THAT(run({"table", "out"}).out,
+                HasSubstr("\naccuracy 4e-3: " + table().attribute("accuracy_choice") + " (largest error at the corners "));
     const Outcome again = run({"resume", "out"});
     EXPECT_EQ(again.status, 0) << again.err;
     EXPECT_THAT(again.err, HasSubstr(", as found before"));

@@ -47,11 +47,25 @@ void choose_isa(const std::string& name) {
     }
 }
 
+/// The option of a command that is closest to an unknown one in CLI11's message; empty if none is close.
+std::string near_option(const CLI::App& command, const std::string& message) {
+    const auto begin = message.find(" --");
+    if (begin == std::string::npos) return {};
+    const std::string word = message.substr(begin + 1, message.find_first_of(" =", begin + 1) - begin - 1);
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.get_options())
+        for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+    return engine::closest(word, names);
+}
+
 /// --help and --version come as errors with code 0.
 int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
     const auto chosen = app.get_subcommands();
-    print_error(fmt::format("{} ({} {}--help)", error.what(), program_name(), chosen.empty() ? "" : chosen.front()->get_name() + " "));
+    const bool unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    const std::string near = unknown && !chosen.empty() ? near_option(*chosen.front(), error.what()) : std::string{};
+    print_error(fmt::format("{}{} ({} {}--help)", error.what(), near.empty() ? "" : fmt::format(", did you mean '{}'?", near),
+                            program_name(), chosen.empty() ? "" : chosen.front()->get_name() + " "));
     return static_cast<int>(ExitStatus::usage);
 }
 

@@ -94,7 +94,7 @@ LotteryMachine machine_of_ready_scene(Urn& urn, Scene& scene) {
     LotteryMachine machine{std::string(urn.one_of(ready)), {}};
     scene = read_scene(find_scene(machine.scene));
     for (const Parameter& parameter : parameter_table()) {
-        if (drawn(parameter) && urn.draw() < 0.125) draw_parameter(parameter, urn, scene, machine.settings);
+        if (drawn(parameter) && urn.draw() < 0.04) draw_parameter(parameter, urn, scene, machine.settings);
     }
     const double load = urn.draw(0.3, 1.1) * scene.parameters.load.torque.at(0.0);
     machine.settings.push_back(fmt::format("load.torque={:.6g}", load));
@@ -136,7 +136,7 @@ LotteryMachine lottery_machine(std::uint64_t seed, long number) {
     Urn urn(seed, number);
     Scene scene;
     LotteryMachine machine = number % 3 == 2 ? machine_of_ready_scene(urn, scene) : machine_of_defaults(urn, scene);
-    draw_chain(urn, scene, machine.settings);
+    if (machine.scene.empty() || urn.draw() < 0.4) draw_chain(urn, scene, machine.settings);
     draw_load(urn, scene, typical_duration, machine.settings);
     return machine;
 }

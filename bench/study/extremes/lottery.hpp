@@ -27,7 +27,7 @@ struct LotteryMachine {
 
 /// Machine `number`. Two of three: every physical parameter but lengths and angles within a factor of 2 of its default, clamping
 /// 5 … 80 kN, 500 … 6000 rpm, ratio 2.4, 1 or 0.417, up to 0.9 of the torque that friction carries, any level of detail, both friction
-/// laws, both contact laws of joints. One of three: a ready scene with its state, of which one physical parameter in eight is drawn. Of
+/// laws, both contact laws of joints. One of three: a ready scene with its state, of which one or two physical parameters are drawn. Of
 /// some the chain is another one (mixed pitches, thickness, joint radius, plates), and the load is zero, is reversed, or jumps.
 /// The same for the same seed everywhere.
 [[nodiscard]] LotteryMachine lottery_machine(std::uint64_t seed, long number);

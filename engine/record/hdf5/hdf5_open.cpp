@@ -54,10 +54,20 @@ Handle open_closed_or_live(const std::string& path) {
     throw_damaged(path, reason);
 }
 
+/// What people call a file of that format.
+std::string name_of_kind(const std::string& format) {
+    if (format == "cvtflow run") return "record of a run";
+    if (format == "cvtflow state") return "state file";
+    if (format == "cvtflow cases") return "table of a sweep's results";
+    if (format == "cvtflow checkpoint") return "checkpoint";
+    return "file of format '" + format + "'";
+}
+
 void require_kind(hid_t file, const std::string& path, const FileKind& kind) {
     const std::string found = read_text(file, "format");
     if (found != kind.format) {
-        throw RecordError(path + ": an HDF5 file, but not a " + kind.format + (found.empty() ? "" : " (format: '" + found + "')"));
+        throw RecordError(path + ": an HDF5 file, but not a " + name_of_kind(kind.format) +
+                          (found.empty() ? "" : " (it is a " + name_of_kind(found) + ")"));
     }
     if (const std::int64_t given = read_integer(file, "format_version", 0); given > kind.version) {
         throw RecordError(path + ": format version " + std::to_string(given) + " is newer than this program reads (" +
@@ -81,7 +91,7 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
         throw RecordError(path + ": not an HDF5 file");
     }
     if (mark == Marked::old) {
-        throw RecordError(path + ": an HDF5 file, but not a " + kind.format);
+        throw RecordError(path + ": an HDF5 file, but not a " + name_of_kind(kind.format));
     }
     const Seal seal = inspect_seal(input);
     if (seal == Seal::broken) {

@@ -75,7 +75,7 @@ engine::RowLayout result_layout(const Sweep& sweep) {
     for (const Scalar& scalar : sweep.scalars) {
         if (sweep.accuracy.target > 0.0) columns.push_back(error_column(scalar));
     }
-    columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on"});
+    columns.push_back({"efficiency", "1", "1 - losses/input over whole pin periods, from outputs.from on; none without load"});
     columns.push_back({"energy_residual", "1", "|change of stored energy - work + losses| over the losses of the run"});
     columns.push_back({"energy_suspicion", "1",
                        "residual over what an honest integration may leave, settling included; above 1 the status is unreliable"});

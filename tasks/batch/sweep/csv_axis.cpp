@@ -22,8 +22,11 @@ public:
     void line(const std::string& text) {
         ++line_;
         if (is_blank(text)) return;
-        if (units_.empty()) return heading(cells_of(text));
-        const auto cells = cells_of(text);
+        if (units_.empty()) {
+            separator_ = csv_separator(text);
+            return heading(cells_of(text, separator_));
+        }
+        const auto cells = cells_of(text, separator_);
         if (cells.size() != units_.size()) return problem(1, fmt::format("{} cells, not {}", cells.size(), units_.size()));
         for (std::size_t k = 0; k < taken_.size(); ++k) cell(*axis_.keys[k], taken_[k], cells[taken_[k]]);
     }
@@ -75,6 +78,7 @@ private:
     Position position_;
     std::vector<Problem>& problems_;
     Axis axis_{"csv", {}, {}};
+    char separator_ = ',';
     std::vector<std::string> units_;  ///< of all columns
     std::vector<std::size_t> taken_;  ///< column of each key of the axis
     int line_ = 0;

@@ -59,7 +59,8 @@ public:
             for (std::string line; std::getline(text, line) && good_;) {
                 ++line_;
                 if (is_blank(line)) continue;
-                const std::vector<std::string> cells = cells_of(line);
+                if (columns_ == 0) separator_ = csv_separator(line);
+                const std::vector<std::string> cells = cells_of(line, separator_);
                 if (columns_ == 0)
                     heading(cells);
                 else
@@ -111,6 +112,7 @@ private:
     std::vector<Problem>& problems_;
     std::string file_, names_[2], units_[2];
     std::size_t column_[2] = {0, 1}, columns_ = 0;
+    char separator_ = ',';
     int line_ = 0;
     bool good_ = true;
 };

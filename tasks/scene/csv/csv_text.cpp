@@ -12,7 +12,26 @@ std::string trimmed(std::string_view text) {
     return first == std::string_view::npos ? "" : std::string(text.substr(first, text.find_last_not_of(" \t\r") - first + 1));
 }
 
-std::vector<std::vector<std::string>> csv_lines(std::string_view text) {
+namespace {
+
+/// "12,5" -> "12.5": a number with one comma and no point.
+void put_decimal_point(std::string& cell) {
+    const auto comma = cell.find(',');
+    const std::string number = trimmed(cell);
+    const bool decimal =
+        comma != std::string::npos && cell.find(',', comma + 1) == std::string::npos && cell.find('.') == std::string::npos;
+    if (decimal && number.find_first_not_of("+-0123456789,eE") == std::string::npos) cell[comma] = '.';
+}
+
+}  // namespace
+
+char csv_separator(std::string_view heading) {
+    for (const char separator : {';', ','})
+        if (heading.find(separator) != std::string_view::npos) return separator;
+    return heading.find('\t') != std::string_view::npos ? '\t' : ',';
+}
+
+std::vector<std::vector<std::string>> csv_lines(std::string_view text, char separator) {
     std::vector<std::vector<std::string>> lines(1, {""});
     bool quoted = false;
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -21,13 +40,16 @@ std::vector<std::vector<std::string>> csv_lines(std::string_view text) {
             lines.back().back() += text[i++];
         else if (c == '"')
             quoted = !quoted;
-        else if (c == ',' && !quoted)
+        else if (c == separator && !quoted)
             lines.back().emplace_back();
         else if (c == '\n' && !quoted)
             lines.push_back({""});
         else if (c != '\r')
             lines.back().back() += c;
     }
+    if (separator == ',') return lines;
+    for (auto& line : lines)
+        for (std::string& cell : line) put_decimal_point(cell);
     return lines;
 }
 
@@ -43,8 +65,8 @@ std::string csv_cell(std::string_view text, bool is_text, bool quoted) {
     return '"' + cell + '"';
 }
 
-std::vector<std::string> cells_of(const std::string& line) {
-    std::vector<std::string> cells = std::move(csv_lines(line).front());
+std::vector<std::string> cells_of(const std::string& line, char separator) {
+    std::vector<std::string> cells = std::move(csv_lines(line, separator).front());
     for (std::string& cell : cells) cell = trimmed(cell);
     return cells;
 }

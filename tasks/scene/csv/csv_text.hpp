@@ -13,16 +13,19 @@ inline constexpr std::uint64_t longest_csv = std::uint64_t{64} << 20U;  ///< a m
 /// Without white space around it.
 [[nodiscard]] std::string trimmed(std::string_view text);
 
-/// Lines of cells, blank ones and white space too; a cell in double quotes may hold commas and line breaks, and "" for a quote. Carriage
-/// returns are left out.
-[[nodiscard]] std::vector<std::vector<std::string>> csv_lines(std::string_view text);
+/// What separates the cells of a heading line: a semicolon if it has one, else a comma, else a tab where there is one.
+[[nodiscard]] char csv_separator(std::string_view heading);
+
+/// Lines of cells, blank ones and white space too; a cell in double quotes may hold separators and line breaks, and "" for a quote.
+/// Carriage returns are left out. Where a comma does not separate, "12,5" is 12.5.
+[[nodiscard]] std::vector<std::vector<std::string>> csv_lines(std::string_view text, char separator = ',');
 
 /// A cell as it is written: quoted where it must be (or always), control characters spelt out. A text that a spreadsheet would take for a
 /// formula, since it begins with = + - or @, gets an apostrophe in front; numbers stay as they are.
 [[nodiscard]] std::string csv_cell(std::string_view text, bool is_text, bool quoted = false);
 
 /// Cells of one line, trimmed.
-[[nodiscard]] std::vector<std::string> cells_of(const std::string& line);
+[[nodiscard]] std::vector<std::string> cells_of(const std::string& line, char separator = ',');
 
 /// Whether a line holds nothing but a comment (#) or white space.
 [[nodiscard]] bool is_blank(const std::string& line);

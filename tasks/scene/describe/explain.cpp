@@ -4,6 +4,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "tasks/scene/parameter_table.hpp"
+#include "tasks/scene/toml/unit_hints.hpp"
 #include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
@@ -40,15 +41,21 @@ std::string form_text(const Parameter& parameter) {
 
 }  // namespace
 
+std::string readable_value(const Parameter& parameter, const Scene& scene) {
+    const std::string plain = value_text(parameter, scene);
+    if (parameter.unit.empty() || parameter.unit == "1" || plain.starts_with('"')) return plain;
+    const auto parsed = parse_quantity(plain);
+    const auto* number = std::get_if<Quantity>(&parsed);
+    return number == nullptr ? fmt::format("{} {}", plain, parameter.unit) : quantity_text(number->value, parameter.unit);
+}
+
 std::string explain(std::string_view key) {
     const Parameter* parameter = find_parameter(key);
     if (!parameter) throw SceneError(fmt::format("{}: unknown key{}", key, engine::did_you_mean(nearest_keys(key))));
     std::string text = fmt::format("{}\n  {}\n", parameter->key, parameter->meaning);
     text += fmt::format("  value:    {}\n", form_text(*parameter));
     if (!parameter->unit.empty()) text += fmt::format("  range:    {}\n", range_text(*parameter));
-    const std::string unit = parameter->unit.empty() || parameter->unit == "1" ? "" : fmt::format(" {}", parameter->unit);
-    const std::string usual = value_text(*parameter, Scene{});
-    text += fmt::format("  default:  {}{}\n", usual, usual.starts_with('"') ? "" : unit);
+    text += fmt::format("  default:  {}\n", readable_value(*parameter, Scene{}));
     text += fmt::format("  source:   {}\n", parameter->source);
     return text;
 }

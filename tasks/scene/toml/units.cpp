@@ -2,6 +2,7 @@
 
 #include "engine/base/spelling.hpp"
 #include "model/basis/portable_math.hpp"
+#include "tasks/scene/toml/unit_hints.hpp"
 
 #include <algorithm>
 #include <array>
@@ -107,7 +108,7 @@ struct Product {
     double denominator = 1.0;
 };
 
-std::optional<Unit> find_unit(std::string_view symbol) {
+std::optional<Unit> find_simple_unit(std::string_view symbol) {
     const auto known = [](std::string_view name) {
         return std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.symbol == name; });
     };
@@ -121,15 +122,15 @@ std::optional<Unit> find_unit(std::string_view symbol) {
     return scaled;
 }
 
-std::string unknown_unit(std::string_view symbol) {
-    std::vector<std::string> known;
-    for (const Unit& unit : units) {
-        if (unit.symbol == "1") continue;
-        known.emplace_back(unit.symbol);
-        for (const auto& prefix : prefixes)
-            if (unit.takes_prefix) known.push_back(prefix.first + std::string(unit.symbol));
-    }
-    return fmt::format("has the unknown unit \"{}\"{}", symbol, engine::did_you_mean(engine::closest(symbol, known)));
+/// A simple unit, or a torque without its sign: Nm, kNm, Nmm.
+std::optional<Unit> find_unit(std::string_view symbol) {
+    if (const auto simple = find_simple_unit(symbol)) return simple;
+    const auto newton = symbol.find('N');
+    if (newton == std::string_view::npos) return std::nullopt;
+    const auto force = find_simple_unit(symbol.substr(0, newton + 1));
+    const auto arm = find_simple_unit(symbol.substr(newton + 1));
+    if (!force || !arm || !(arm->dimension == Dimension{2, 0, 0, 0})) return std::nullopt;
+    return Unit{symbol, {4, 2, -4, 0}, force->decimal + arm->decimal, 1, 1, false};
 }
 
 /// Multiplies `product` by unit^(halves/2).
@@ -167,7 +168,7 @@ std::string read_factor(std::string_view factor, int sign, Product& product) {
     const std::string_view symbol = trimmed(factor.substr(0, caret));
     if (symbol.empty()) return "has an incomplete unit";
     const auto unit = find_unit(symbol);
-    if (!unit) return unknown_unit(symbol);
+    if (!unit) return fmt::format("has the unknown unit \"{}\"{}", symbol, engine::did_you_mean(likely_symbols(symbol)));
     int halves = 2;
     if (caret != std::string_view::npos) {
         const auto exponent = exponent_halves(trimmed(factor.substr(caret + 1)));
@@ -192,10 +193,13 @@ std::variant<Product, std::string> read_product(std::string_view unit) {
 
 /// Replaces the signs that are not ASCII by their ASCII spelling.
 std::string in_ascii(std::string_view text) {
-    static constexpr std::array<std::pair<std::string_view, std::string_view>, 6> spellings{
-        {{"\u00b5", "u"}, {"\u03bc", "u"}, {"\u00b7", "*"}, {"\u00b2", "^2"}, {"\u00b3", "^3"}, {"\u00b0", "deg"}}};
+    using Spelling = std::pair<std::string_view, std::string_view>;
+    static constexpr Spelling micro{"\u00b5", "u"}, mu{"\u03bc", "u"}, dot{"\u00b7", "*"}, operator_dot{"\u22c5", "*"},
+        degree{"\u00b0", "deg"};
+    static constexpr Spelling inverse{"\u207b\u00b9", "^-1"}, inverse_square{"\u207b\u00b2", "^-2"}, square{"\u00b2", "^2"},
+        cube{"\u00b3", "^3"};
     std::string ascii(text);
-    for (const auto& [sign, spelling] : spellings)
+    for (const auto& [sign, spelling] : {micro, mu, dot, operator_dot, degree, inverse, inverse_square, square, cube})
         for (auto at = ascii.find(sign); at != std::string::npos; at = ascii.find(sign)) ascii.replace(at, sign.size(), spelling);
     return ascii;
 }
@@ -228,6 +232,8 @@ std::variant<Quantity, std::string> parse_quantity(std::string_view text) {
     const std::string_view unit = trimmed(rest.substr(digits.size()));
     quantity.value = quantity.number;
     if (unit.empty()) return quantity;
+    if (unit.front() == ',')
+        return fmt::format("has a decimal comma{}", engine::did_you_mean(fmt::format("{}.{}", digits, unit.substr(1))));
     auto product = read_product(unit);
     if (auto* wrong = std::get_if<std::string>(&product)) return std::move(*wrong);
     const auto& factor = std::get<Product>(product);
@@ -238,6 +244,17 @@ std::variant<Quantity, std::string> parse_quantity(std::string_view text) {
     if (const int odd = factor.decimal_halves - 2 * whole; odd != 0) quantity.value *= model::portable_pow(10.0, 0.5 * odd);
     if (!std::isfinite(quantity.value)) return std::string("is not a finite number");
     return quantity;
+}
+
+std::vector<std::string> unit_symbols() {
+    std::vector<std::string> symbols;
+    for (const Unit& unit : units) {
+        if (unit.symbol == "1") continue;
+        symbols.emplace_back(unit.symbol);
+        for (const auto& prefix : prefixes)
+            if (unit.takes_prefix) symbols.push_back(prefix.first + std::string(unit.symbol));
+    }
+    return symbols;
 }
 
 Dimension dimension_of(std::string_view unit) {

@@ -27,10 +27,13 @@ struct Quantity {
 };
 
 /// Reads "number unit". The unit is a product of symbols with * and /, each with an optional power ^ (halves are allowed); / divides by the
-/// one symbol that follows. Prefixes n u m k M G. Unit signs µ · ² ³ ° are understood. A power of ten is moved into the digits, so
-/// "8.12 mm" is the same double as 8.12e-3.
+/// one symbol that follows. A torque may be written without a sign (Nm, kNm, Nmm). Prefixes n u m k M G. Unit signs µ · ² ³ ° are
+/// understood. A power of ten is moved into the digits, so "8.12 mm" is the same double as 8.12e-3.
 /// @return the quantity, or what is wrong with the text (a sentence without the text itself)
 [[nodiscard]] std::variant<Quantity, std::string> parse_quantity(std::string_view text);
+
+/// All symbols of single units, with and without prefix: "m", "nm", "um", ….
+[[nodiscard]] std::vector<std::string> unit_symbols();
 
 /// Dimension of a unit such as "N*s/m"; "1" is none.
 /// @throws std::invalid_argument  unknown unit: an error of the parameter table, not of a user

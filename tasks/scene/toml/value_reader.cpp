@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/spelling.hpp"
+#include "tasks/scene/toml/unit_hints.hpp"
 #include "tasks/scene/toml/units.hpp"
 
 namespace cvtflow::tasks {
@@ -211,7 +212,8 @@ private:
         if (!(quantity.dimension == expected)) {
             const auto name = dimension_name(quantity.dimension);
             const auto found = name.empty() ? std::string("has another dimension") : fmt::format("is {}", name);
-            return refuse(node, "{} {}, {}", text, found, expectation), std::nullopt;
+            const std::string likely = engine::did_you_mean(likely_quantities(text, rule.unit));
+            return refuse(node, "{} {}, {}{}", text, found, expectation, likely), std::nullopt;
         }
         return in_range(node, quantity.value, quantity.number, text, rule);
     }

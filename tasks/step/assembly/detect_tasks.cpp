@@ -100,7 +100,7 @@ void find_due(Workspace& w, int link, Verdict& verdict) noexcept {
 }
 
 /// Slopes of a segment's links at the end of a step from its states at both ends: velocities, and the mean acceleration. (Those at the
-/// start are wanted only where a transition is due: StepController::make_start_secants.)
+/// start are wanted only where a transition is due: TransitionSearch::complete_start_slopes.)
 void make_secants(Workspace& w, const Segment& own) noexcept {
     const model::ChainLayout& layout = w.layout();
     const int half = layout.link_size();

@@ -7,6 +7,9 @@ namespace cvtflow::tasks {
 
 namespace {
 
+/// A point of an input's table that is closer than this fraction of a step is where the step begins or ends.
+constexpr double input_point_tolerance = 1e-6;
+
 [[nodiscard]] double next_point(const model::TimeTable& table, double t) noexcept {
     if (table.time.size() == 1 || t >= table.time.back()) return std::numeric_limits<double>::infinity();
     return *std::upper_bound(table.time.begin(), table.time.end(), t);
@@ -30,6 +33,15 @@ double next_input_point(const model::Parameters& p, const model::HeldInputs& hel
     look(p.control.slip, controlled);
     look(p.control.safety, controlled);
     return next;
+}
+
+double next_step_end(Workspace& w, const StepGrid& grid) noexcept {
+    if (w.layout().pulley_size == 0) return grid.next();
+    const double now = w.step.time, tolerance = input_point_tolerance * grid.step;
+    const auto after = [&](double t) { return next_input_point(w.parameters, w.variator.pulleys().held(), t); };
+    if (after(now - tolerance) <= now + tolerance) w.energy.inputs_changed(now);
+    const double point = after(now + tolerance);
+    return point < grid.next() - tolerance ? point : grid.next();
 }
 
 }  // namespace cvtflow::tasks

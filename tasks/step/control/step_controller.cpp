@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 #include "tasks/step/control/input_points.hpp"
 #include "tasks/step/control/longest_step.hpp"
 #include "tasks/step/integration_state.hpp"
-#include "tasks/step/method_memory.hpp"
 #include "tasks/step/stage_method.hpp"
 
 namespace cvtflow::tasks {
@@ -18,8 +16,8 @@ namespace {
 /// A step shorter than this fraction of the longest one will not help [1].
 constexpr double shortest_step = 1e-7;
 
-/// A point of an input's table that lies nearer than this fraction of a step is where the step begins or ends [1].
-constexpr double nearest_input_point = 1e-6;
+/// A longer automatic step replaces a shorter one only if it is longer by this factor.
+constexpr double min_gain = 1.05;
 
 /// A step by hand [s]. A third of 10 us is written as 3.33 us: it is that of the grid that is longer by what three digits leave out.
 [[nodiscard]] double step_by_hand(const StepSettings& settings) noexcept {
@@ -41,11 +39,6 @@ constexpr double nearest_input_point = 1e-6;
     return grid;
 }
 
-/// Longest step where the error decides.
-[[nodiscard]] double longest_free_step(const StepSettings& settings) noexcept {
-    return settings.automatic() ? settings.output_interval : std::min(settings.step, settings.output_interval);
-}
-
 }  // namespace
 
 StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer,
@@ -65,11 +58,9 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
       observer_(observer),
       cancel_(cancel),
       grid_(grid_of(settings, workspace.parameters.detail.pins)),
-      control_(longest_free_step(settings), std::max(1, method_.error_power())),
-      phases_before_(workspace.tips.phases) {
-    w_.step.estimate_error = settings.control != StepControl::fixed;
-    if (w_.step.estimate_error && method_.error_power() == 0)
-        throw std::invalid_argument("this method has no estimate of its error: run.step_control can only be \"fixed\"");
+      errors_(workspace, method_, settings),
+      transitions_(workspace, method_),
+      integration_(integrate()) {
     w_.step.time = settings.begin;
     w_.step.dwell = dwell_steps * grid_.step;
     w_.step.secant = method_.retakes();
@@ -87,12 +78,12 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
       settings_(settings),
       observer_(observer),
       cancel_(cancel),
-      outputs_(from.outputs),
       grid_(grid_of(settings, workspace.parameters.detail.pins)),
-      control_(longest_free_step(settings), std::max(1, method_.error_power())),
+      errors_(workspace, method_, settings),
+      transitions_(workspace, method_),
+      outputs_(from.outputs),
       counters_(from.counters),
-      phases_before_(workspace.tips.phases) {
-    w_.step.estimate_error = settings.control != StepControl::fixed;
+      integration_(integrate()) {
     w_.step.time = from.time;
     if (from.grid_steps > 0) {
         grid_.divide(grid_.leg_length() / static_cast<double>(from.grid_steps));
@@ -106,7 +97,7 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
     w_.step.evaluations = from.counters.evaluations;
     method_.restart();
     std::span<const double> memory(from.method);
-    if (settings.control == StepControl::error) control_.load(taken(memory, StepSizeControl::memory_size));
+    errors_.load(memory);
     method_.load(memory);
     w_.list_touching();
 }
@@ -129,14 +120,162 @@ void StepController::save(IntegrationState& state) const {
     state.changed = w_.tips.changed;
     state.before = w_.tips.before;
     method_.save(state.method);
-    if (settings_.control == StepControl::error) {
-        const auto own = control_.save();
-        state.method.insert(state.method.begin(), own.begin(), own.end());
+    errors_.save(state.method);
+}
+
+/// The integration. Each co_yield runs one cycle of the task graph on all segments; everything else is serial.
+CycleSequence StepController::integrate() {
+    while (!(fault_ = check_precision())) {
+        if (w_.energy.due(w_.step.time)) {
+            prepare_observation();
+            co_yield observe_cycle;
+            sample_energy();
+        }
+        if (deliver_output() || (fault_ = check_budget())) co_return;
+        choose_step();
+        propose_step();
+        bool cut = false;  // the step ends at a transition
+        while (true) {     // twice or more: after a rejection shorter, or up to the transition
+            NextCycle cycle = method_.begin();
+            for (; cycle.is_cycle(); cycle = method_.next()) co_yield cycle.cycle();
+            if (has_failed(cycle)) co_return;
+            prepare_detection();
+            co_yield detect_cycle;
+            const bool accurate = errors_.accepts(cut);
+            if ((fault_ = accurate ? transitions_.check(counters_) : reject())) co_return;
+            if (!accurate) continue;
+            if (!cut && !transitions_.due()) break;
+            transitions_.complete_start_slopes();
+            if (cut) break;
+
+            if (!method_.retakes()) {
+                transitions_.prepare_end_slope();
+                co_yield evaluate_cycle;
+                transitions_.close_end_slope();
+            }
+            co_yield locate_cycle;
+            cut = transitions_.locate();
+            if (!cut || !method_.retakes() || w_.step.theta <= 0.0) break;
+            shorten_to_transition();
+        }
+        if (cut) {
+            transitions_.prepare_truncation();
+            co_yield truncate_cycle;
+            truncate();
+        } else
+            accept();
     }
 }
 
-void StepController::rethrow() const {
-    if (thrown_) std::rethrow_exception(thrown_);
+/// Stages must have times of their own, and a step must advance the time by its length, to three digits.
+Fault StepController::check_precision() const {
+    const double shortest = 1e3 * std::numeric_limits<double>::epsilon() * std::abs(w_.step.time);
+    if (grid_.step >= shortest) return {};
+    return {FaultKind::step_too_short, w_.step.time, {}, grid_.step, shortest};
+}
+
+Fault StepController::check_budget() const {
+    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.step.time, {}, 0.0, 0.0};
+    if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
+        return {FaultKind::max_steps, w_.step.time, {}, 0.0, static_cast<double>(settings_.max_steps)};
+    }
+    if (settings_.max_wall > 0.0 && counters_.steps % 64 == 0) {
+        const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+        if (wall > settings_.max_wall) return {FaultKind::max_wall, w_.step.time, {}, wall, settings_.max_wall};
+    }
+    return {};
+}
+
+void StepController::prepare_observation() {
+    if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.pulleys.observed_sheaves);
+}
+
+void StepController::sample_energy() { w_.energy.sample(w_.step.time, w_.observed_links(), w_.observed_pulleys(), w_.pin_period()); }
+
+/// Delivers an output if one is due; true at the end of the integration.
+bool StepController::deliver_output() {
+    counters_.evaluations = w_.step.evaluations;
+    const bool due = w_.step.time == grid_.here() && grid_.at_output(outputs_);
+    const bool over = w_.step.time >= settings_.until - 1e-9 * settings_.output_interval;
+    if (due || over) {
+        w_.energy.output(w_.step.time, w_.shaft_momentum());
+        observer_.output(w_.step.time, w_, counters_);
+    }
+    if (due) ++outputs_;
+    return over;
+}
+
+/// Length of automatic steps, at the start of a leg: shorter as soon as needed, longer only if the gain is worth it.
+void StepController::choose_step() {
+    if (!settings_.automatic() || errors_.decides() || grid_.point != 0 || w_.step.time != grid_.here()) return;
+    const double longest = std::min(method_.longest_step(longest_automatic_step(w_.parameters.detail.pins)),
+                                    settings_.choice->longest(w_.step.time, w_.states[0], w_.tips.phases.data()));
+    StepGrid next = grid_;
+    next.divide(longest);
+    const bool longer = next.step > grid_.step;
+    if (longer && grid_.leg > 0) next.divide(longest / min_gain);
+    if (!longer || next.step > grid_.step) grid_ = next;
+    w_.step.dwell = dwell_steps * grid_.step;
+}
+
+/// To the next grid point or point of an input, in as many equal steps as the error requires.
+void StepController::propose_step() {
+    const double step_end = next_step_end(w_, grid_);
+    w_.step.h = step_end - w_.step.time;
+    reaches_grid_point_ = step_end == grid_.next();
+    if (errors_.decides()) {
+        const double pieces = std::ceil(w_.step.h / method_.longest_step(errors_.proposal()) * (1.0 - 1e-9));
+        reaches_grid_point_ = reaches_grid_point_ && pieces <= 1.0;
+        if (pieces > 1.0) w_.step.h /= pieces;
+        w_.step.dwell = dwell_steps * w_.step.h;
+    }
+    w_.step.lookout = w_.step.time + w_.step.h;
+}
+
+/// The step is repeated, shorter. Only slots have changed.
+Fault StepController::reject() {
+    ++counters_.rejected;
+    method_.rejected();
+    const double shortest = shortest_step * settings_.step;
+    if (errors_.proposal() < shortest) return {FaultKind::step_size, w_.step.time, {}, errors_.proposal(), shortest};
+    if (const Fault spent = check_budget()) return spent;
+    propose_step();
+    return {};
+}
+
+bool StepController::has_failed(NextCycle cycle) {
+    if (cycle.has_failed()) fault_ = method_.fault();
+    return cycle.has_failed();
+}
+
+void StepController::prepare_detection() {
+    transitions_.prepare_detection();
+    errors_.prepare(method_);
+}
+
+void StepController::accept() {
+    const double begin = w_.step.time;
+    if (reaches_grid_point_) grid_.pass();
+    w_.step.time = reaches_grid_point_ ? grid_.here() : w_.step.time + w_.step.h;
+    w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.end_state + w_.layout().pulley_begin());
+    std::swap(w_.states[0], w_.end_state);
+    std::swap(w_.tips.before, w_.tips.after);
+    ++counters_.steps;
+}
+
+/// The step is repeated up to the transition.
+void StepController::shorten_to_transition() {
+    w_.step.h *= w_.step.theta;
+    w_.step.theta = 1.0;
+}
+
+void StepController::truncate() {
+    const double begin = w_.step.time;
+    w_.step.time += w_.step.theta * w_.step.h;
+    w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.cut_state + w_.layout().pulley_begin());
+    ++counters_.truncated;
+    ++counters_.steps;
+    transitions_.truncate(observer_, counters_);
 }
 
 /// Phases of the start state, without dwell: a geometric start comes with all tips free.
@@ -155,147 +294,6 @@ void StepController::probe_start() {
         }
     }
     w_.list_touching();
-}
-
-int StepController::next() noexcept {
-    try {
-        switch (state_) {
-            case State::begin_step: return begin_step();
-            case State::observe: return finish_observation();
-            case State::method: return take(method_.next());
-            case State::detect: return finish_detect();
-            case State::end_slope:
-                close_evaluation(w_, w_.step.time + w_.step.h, w_.end_state + w_.layout().pulley_begin(), w_.sheave_forces(), w_.end_slope);
-                return start_locate();
-            case State::locate: return finish_locate();
-            case State::truncate: return finish_truncate();
-        }
-    } catch (...) {
-        thrown_ = std::current_exception();
-    }
-    return stop;
-}
-
-int StepController::end(Fault fault) {
-    fault_ = fault;
-    return Controller::stop;
-}
-
-Fault StepController::budget() const {
-    if (cancel_.requested() || (settings_.pause != nullptr && *settings_.pause)) return {FaultKind::cancelled, w_.step.time, {}, 0.0, 0.0};
-    if (settings_.max_steps > 0 && counters_.steps >= settings_.max_steps) {
-        return {FaultKind::max_steps, w_.step.time, {}, 0.0, static_cast<double>(settings_.max_steps)};
-    }
-    if (settings_.max_wall > 0.0 && counters_.steps % 64 == 0) {
-        const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
-        if (wall > settings_.max_wall) return {FaultKind::max_wall, w_.step.time, {}, wall, settings_.max_wall};
-    }
-    return {};
-}
-
-int StepController::begin_step() {
-    if (const Fault lost = lost_in_rounding()) return end(lost);
-    counters_.evaluations = w_.step.evaluations;
-    if (w_.energy.due(w_.step.time)) return start_observation();
-    return go_on();
-}
-
-int StepController::go_on() {
-    const bool due = w_.step.time == grid_.here() && grid_.at_output(outputs_);
-    const bool over = w_.step.time >= settings_.until - 1e-9 * settings_.output_interval;
-    if (due || over) {
-        w_.energy.output(w_.step.time, w_.shaft_momentum());
-        observer_.output(w_.step.time, w_, counters_);
-    }
-    if (due) ++outputs_;
-    if (over) return end(Fault{});
-    if (const Fault spent = budget()) return end(spent);
-    if (settings_.automatic() && grid_.point == 0 && w_.step.time == grid_.here()) choose_step();
-    return start_step();
-}
-
-namespace {
-
-/// Where a step that begins now may end: at the grid's next point, or at a point of an input's table before it. Inputs may jump between
-/// two points, and their works are exact only where they are linear over a step. What follows a point may be fast. [s]
-[[nodiscard]] double next_end(Workspace& w, const StepGrid& grid) noexcept {
-    if (w.layout().pulley_size == 0) return grid.next();
-    const double now = w.step.time, nearest = nearest_input_point * grid.step;
-    const auto after = [&](double t) { return next_input_point(w.parameters, w.variator.pulleys().held(), t); };
-    if (after(now - nearest) <= now + nearest) w.energy.inputs_changed(now);
-    const double point = after(now + nearest);
-    return point < grid.next() - nearest ? point : grid.next();
-}
-
-}  // namespace
-
-/// To the next grid point or point of an input, in as many equal steps as the error asks for.
-int StepController::start_step() {
-    const double step_end = next_end(w_, grid_);
-    w_.step.h = step_end - w_.step.time;
-    lands_ = step_end == grid_.next();
-    retaking_ = false;
-    if (settings_.control == StepControl::error) {
-        const double pieces = std::ceil(w_.step.h / method_.longest_step(control_.proposal()) * (1.0 - 1e-9));
-        lands_ = lands_ && pieces <= 1.0;
-        if (pieces > 1.0) w_.step.h /= pieces;
-        w_.step.dwell = dwell_steps * w_.step.h;
-    }
-    w_.step.lookout = w_.step.time + w_.step.h;
-    return take(method_.begin());
-}
-
-/// The step again, shorter. Nothing has changed but the slots.
-int StepController::reject() {
-    ++counters_.rejected;
-    method_.rejected();
-    const double shortest = shortest_step * settings_.step;
-    if (control_.proposal() < shortest) return end({FaultKind::step_size, w_.step.time, {}, control_.proposal(), shortest});
-    if (const Fault spent = budget()) return end(spent);
-    return start_step();
-}
-
-/// Local error of the step, the largest of all links and of the pulleys; not a number if the estimate is none.
-double StepController::step_error() {
-    const model::ChainLayout& at = w_.layout();
-    double largest = 0.0;
-    if (at.pulley_size != 0) {
-        engine::combine(w_.step.error_row, w_.step.h, w_.slots(), at.pulley_begin(), at.pulley_begin() + 2 * at.pulley_size,
-                        w_.pulleys.tail.data());
-        largest = w_.step.error_scale.norm(w_.pulleys.tail.data(), at.pulley_size);
-        if (!std::isfinite(largest)) return largest;
-    }
-    for (const double error : w_.links.errors) {
-        if (!std::isfinite(error)) return error;
-        largest = std::max(largest, error);
-    }
-    return largest;
-}
-
-/// What the method wants next: a cycle, or the step is taken, or it cannot be.
-int StepController::take(NextCycle next) {
-    state_ = State::method;
-    if (next.has_failed()) return end(method_.fault());
-    return next.is_done() ? start_detect() : next.cycle();
-}
-
-int StepController::start_end_slope() {
-    state_ = State::end_slope;
-    w_.step.evaluate_end = true;
-    w_.step.slope_out = w_.end_slope;
-    std::copy(std::begin(w_.pulleys.end_sheaves), std::end(w_.pulleys.end_sheaves), std::begin(w_.pulleys.sheaves));
-    return evaluate_cycle;
-}
-
-int StepController::accept() {
-    const double begin = w_.step.time;
-    if (lands_) grid_.pass();
-    w_.step.time = lands_ ? grid_.here() : w_.step.time + w_.step.h;
-    w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.end_state + w_.layout().pulley_begin());
-    std::swap(w_.states[0], w_.end_state);
-    std::swap(w_.tips.before, w_.tips.after);
-    ++counters_.steps;
-    return begin_step();
 }
 
 }  // namespace cvtflow::tasks

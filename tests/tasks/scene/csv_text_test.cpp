@@ -20,6 +20,14 @@ TEST(CsvText, CellsOfOneLineAreTrimmed) {
     EXPECT_EQ(cells_of("\"never closed, so"), (std::vector<std::string>{"never closed, so"}));
 }
 
+TEST(CsvText, SemicolonsSeparateAndCommasAreDecimal) {
+    EXPECT_EQ(csv_separator("t [ms];torque [N*m]"), ';');
+    EXPECT_EQ(csv_separator("t [ms],torque [N*m]"), ',');
+    EXPECT_EQ(csv_separator("t [ms]\ttorque"), '\t');
+    EXPECT_EQ(csv_lines("t;x\n1,5;-2,5e3\n1.5;1,2,3", ';'), (Lines{{"t", "x"}, {"1.5", "-2.5e3"}, {"1.5", "1,2,3"}}));
+    EXPECT_EQ(cells_of(" 0,25 ; \"a;b\"", ';'), (std::vector<std::string>{"0.25", "a;b"}));
+}
+
 TEST(CsvText, HeadingsHaveUnitsInBrackets) {
     EXPECT_EQ(heading_of("load.torque [N*m]").name, "load.torque");
     EXPECT_EQ(heading_of("load.torque [N*m]").unit, "N*m");

@@ -15,7 +15,7 @@ TEST(Explain, SaysMeaningUnitRangeDefaultAndSource) {
               "  Lean of the sheave's flank, half the wedge angle.\n"
               "  value:    a number in rad or a text with a unit (\"... deg\")\n"
               "  range:    1e-2 to 0.8 rad\n"
-              "  default:  0.19198621771937624 rad\n"
+              "  default:  11 deg\n"
               "  source:   published chain variators\n");
 }
 
@@ -23,11 +23,21 @@ TEST(Explain, KnowsEveryKey) {
     for (const Parameter& parameter : parameter_table()) {
         const std::string text = explain(parameter.key);
         EXPECT_NE(text.find(parameter.meaning), std::string::npos) << parameter.key;
-        EXPECT_NE(text.find(fmt::format("default:  {}", value_text(parameter, Scene{}))), std::string::npos) << parameter.key;
+        EXPECT_NE(text.find(fmt::format("default:  {}", readable_value(parameter, Scene{}))), std::string::npos) << parameter.key;
         EXPECT_NE(text.find(fmt::format("source:   {}", parameter.source)), std::string::npos) << parameter.key;
         EXPECT_EQ(text.find("range:") != std::string::npos, !parameter.unit.empty()) << parameter.key;
         for (const auto choice : parameter.choices) EXPECT_NE(text.find(fmt::format("\"{}\"", choice)), std::string::npos);
     }
+}
+
+TEST(Explain, DefaultsAreInTheUnitThatPeopleUse) {
+    const auto of = [](const char* key) { return readable_value(*find_parameter(key), Scene{}); };
+    EXPECT_EQ(of("tip.angle"), "11 deg");
+    EXPECT_EQ(of("drive.speed"), "2000 rpm");
+    EXPECT_EQ(of("chain.pitch"), "8.12 mm");
+    EXPECT_EQ(of("load.torque"), "150 N*m");
+    EXPECT_EQ(of("run.step"), "\"auto\"");
+    EXPECT_EQ(of("chain.pins"), "84");
 }
 
 TEST(Explain, UnknownKeyIsAnErrorWithASuggestion) {

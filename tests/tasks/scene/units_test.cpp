@@ -5,9 +5,11 @@
 #include <numbers>
 #include <stdexcept>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "model/parameters/parameters.hpp"
+#include "tasks/scene/toml/unit_hints.hpp"
 
 namespace cvtflow::tasks {
 namespace {
@@ -89,6 +91,40 @@ TEST(Units, WrongTextsAreNamed) {
     EXPECT_EQ(quantity_complaint("8 m^0"), "has the unusable power \"^0\"");
     EXPECT_EQ(quantity_complaint("8 m^0.3"), "has the unusable power \"^0.3\"");
     EXPECT_EQ(quantity_complaint("8 mdeg").substr(0, 20), "has the unknown unit");
+}
+
+TEST(Units, ATorqueNeedsNoSignBetweenItsUnits) {
+    EXPECT_EQ(si("12 Nm"), si("12 N*m"));
+    EXPECT_EQ(si("8 kNm"), si("8 kN*m"));
+    EXPECT_EQ(si("8 Nmm"), si("8 N*mm"));
+    EXPECT_EQ(si("5 Ncm"), si("5 N*cm"));
+    EXPECT_EQ(si("200 Nm/rad"), si("200 N*m/rad"));
+    EXPECT_EQ(dimension_of("kNm"), dimension_of("N*m"));
+}
+
+TEST(Units, AMisspeltUnitIsCorrected) {
+    const auto corrected = [](const std::string& written, const std::string& meant) {
+        EXPECT_EQ(quantity_complaint("8 " + written), "has the unknown unit \"" + written + "\" (did you mean \"" + meant + "\"?)");
+    };
+    for (const auto& [written, meant] :
+         {std::pair{"RPM", "rpm"}, {"Rpm", "rpm"}, {"U", "rpm"},     {"min-1", "rpm"}, {"kn", "kN"},    {"KN", "kN"},   {"Bar", "bar"},
+          {"mpa", "MPa"},          {"MPA", "MPa"}, {"KG", "kg"},     {"Kg", "kg"},     {"MM", "mm"},    {"HZ", "Hz"},   {"NM", "N*m"},
+          {"knm", "kN*m"},         {"Ns", "N*s"},  {"Nms", "N*m*s"}, {"N m", "N*m"},   {"mm2", "mm^2"}, {"msec", "ms"}, {"degrees", "deg"}})
+        corrected(written, meant);
+    EXPECT_EQ(quantity_complaint("2 in"), "has the unknown unit \"in\"") << "inches are not minutes";
+    EXPECT_EQ(quantity_complaint("2 psi"), "has the unknown unit \"psi\"");
+    EXPECT_EQ(quantity_complaint("12,5 N*m"), "has a decimal comma (did you mean \"12.5 N*m\"?)");
+}
+
+TEST(Units, AQuantityOfAnotherKindIsCorrected) {
+    using testing::ElementsAre;
+    EXPECT_THAT(likely_quantities("2000 1/min", "rad/s"), ElementsAre("2000 rpm"));
+    EXPECT_THAT(likely_quantities("2000 min^-1", "rad/s"), ElementsAre("2000 rpm"));
+    EXPECT_THAT(likely_quantities("2000 min\u207b\u00b9", "rad/s"), ElementsAre("2000 rpm"));
+    EXPECT_THAT(likely_quantities("30 Hz", "rad/s"), ElementsAre("1800 rpm"));
+    EXPECT_THAT(likely_quantities("30 1/s", "rad/s"), ElementsAre("30 rad/s", "1800 rpm"));
+    EXPECT_THAT(likely_quantities("12 nm", "N*m"), ElementsAre("12 N*m"));
+    EXPECT_THAT(likely_quantities("12 mm", "N*m"), ElementsAre());
 }
 
 TEST(Units, DimensionsHaveNames) {

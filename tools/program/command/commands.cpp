@@ -26,7 +26,7 @@ std::span<const Command> commands() noexcept {
         Command{"plot", record, "Draw a record, several, or a sweep: curves, orders, losses, maps; SVG, PNG or CSV", declare_plot},
         Command{"report", record, "Make a page of a record, several, or a sweep that opens anywhere: curves, the running chain, tables",
                 declare_report},
-        Command{"export", record, "Write the states of a record for other programs: pins, plates and sheaves for ParaView", declare_export},
+        Command{"export", record, "Write a record for other programs: channels as CSV, pins and plates for ParaView", declare_export},
         Command{"export-fmu", record, "Write a scene as an FMU for other simulators (FMI 2.0 or 3.0)", declare_export_fmu},
         Command{"list", reference, "List what there is: methods, detail, channels, scenes, executors, keys, units", declare_list},
         Command{"explain", reference, "Explain keys of scenes and sweeps: meaning, unit, range, default, source", declare_explain},

@@ -66,11 +66,33 @@ std::string differences(const tasks::Scene& scene) {
            rows + "</tbody></table>\n";
 }
 
+/// Mean power that flows into a shaft from outside [W]; not a number where the record does not tell.
+double power_into(const RecordedRun& run, int shaft) {
+    std::vector<double> torque, speed;
+    for (const engine::ChannelInfo& channel : run.reader().channels()) {
+        if (channel.name == fmt::format("shaft_{}/torque", shaft)) torque = run.reader().channel(channel.name);
+        if (channel.name == fmt::format("shaft_{}/speed", shaft)) speed = run.reader().channel(channel.name);
+    }
+    if (torque.empty() || torque.size() != speed.size()) return NAN;
+    return std::inner_product(torque.begin(), torque.end(), speed.begin(), 0.0) / static_cast<double>(torque.size());
+}
+
+/// "shaft 1 drives: 31.7 kW in, shaft 2 delivers 31.3 kW"; empty where the record does not tell.
+std::string drive_text(const RecordedRun& run) {
+    const double first = power_into(run, 1), second = power_into(run, 2);
+    if (!std::isfinite(first) || !std::isfinite(second)) return "";
+    const bool one = first >= second;
+    const double in = one ? first : second, out = one ? -second : -first;
+    return fmt::format("shaft {} drives ({:.3g} kW in), shaft {} {} ({:.3g} kW)", one ? 1 : 2, 1e-3 * in, one ? 2 : 1,
+                       out >= 0.0 ? "delivers" : "takes as well", 1e-3 * std::abs(out));
+}
+
 std::string simulated(const RecordedRun& run) {
     const auto& times = run.times();
     std::vector<std::pair<std::string, std::string>> rows{{"record", html(run.path())}, {"scene", html(attribute(run, "scene"))}};
     if (run.scene()) rows.insert(rows.end(), {{"", html(run.scene()->description)}, {"detail", html(detail_text(*run.scene()))}});
     rows.push_back({"conditions", html(run.conditions())});
+    if (const std::string drive = drive_text(run); !drive.empty()) rows.push_back({"power", html(drive)});
     rows.push_back({"time", fmt::format("{} to {}, {} rows, {} states", time_text(times.front()), time_text(times.back()),
                                         count_text(static_cast<long>(times.size())), run.reader().state_times().size())});
     return definition_table(rows) + (run.scene() ? differences(*run.scene()) : "<p>This program cannot read the record's scene.</p>\n");

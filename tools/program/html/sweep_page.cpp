@@ -68,7 +68,18 @@ std::set<std::string> values_of(const SweepView& sweep, std::size_t column) {
     return values;
 }
 
-/// Maps of results over the first and the last axis; nothing where the cases form no grid of those.
+/// Maps of results over two axes; empty where several cases are at one point of these.
+std::string maps_over(const SweepView& sweep, const std::string& x, const std::string& y, const std::vector<std::string>& results) {
+    std::string text;
+    try {
+        for (const std::string& result : results) text += "<figure>" + svg(sweep_map(sweep, x, y, result)) + "</figure>\n";
+    } catch (const UsageError&) {  // the picture above shows them all
+        return "";
+    }
+    return text;
+}
+
+/// Over the last axis and the first other one that tells the cases apart: with contours where the cases form a grid, else coloured points.
 std::string maps(const SweepView& sweep) {
     constexpr std::size_t most = 6;
     std::vector<std::string> axes, results;
@@ -78,17 +89,10 @@ std::string maps(const SweepView& sweep) {
         if (column.axis && values > 1) axes.push_back(column.name);
         if (!column.axis && values > 1 && column.name != "case" && results.size() < most) results.push_back(column.name);
     }
-    if (axes.size() < 2) return "";
-    std::string text;
-    try {
-        for (const std::string& result : results) {
-            const Plot plot = sweep_map(sweep, axes.back(), axes.front(), result);
-            if (!plot.fields.empty()) text += "<figure>" + svg(plot) + "</figure>\n";
-        }
-    } catch (const UsageError&) {  // several cases at one point: the picture above shows them all
-        return "";
+    for (std::size_t other = 0; other + 1 < axes.size(); ++other) {
+        if (std::string text = maps_over(sweep, axes.back(), axes[other], results); !text.empty()) return text;
     }
-    return text;
+    return "";
 }
 
 std::string origin(const SweepView& sweep) {

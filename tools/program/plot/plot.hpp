@@ -23,7 +23,7 @@ struct Axis {
 };
 
 enum class Mark { none, dot, small_dot, ring, square, diamond, triangle, cross };
-enum class Line { none, solid, dashed };
+enum class Line { none, solid, dashed, dotted };
 
 struct Point {
     double x, y;
@@ -57,19 +57,29 @@ struct Plot {
     std::string subtitle;  ///< conditions, in smaller letters; may be empty
     Axis x, y;
     std::vector<Series> series;
-    std::vector<Region> regions;           ///< below the series, in this order
-    std::vector<Field> fields{};           ///< above the regions, below the series
-    double width = 860.0, height = 540.0;  ///< of the picture [px], legend included
+    std::vector<Region> regions;               ///< below the series, in this order
+    std::vector<Field> fields{};               ///< above the regions, below the series
+    double width = 860.0, height = 540.0;      ///< of the picture [px], without a legend below it
+    double left_room = 0.0, right_room = 0.0;  ///< beside the frame, at least: aligns pictures below one another [px]
 };
 
-/// The plot as an SVG document: white background, grid, ticks with round numbers, legend at the right.
+/// The plot as an SVG document: white background, grid, ticks with round numbers. The legend is at the right; below the picture, which
+/// becomes higher by it, where it would take more than a third of the width.
 /// @throws std::invalid_argument if an axis has no length, or a symlog axis no linear part
 [[nodiscard]] std::string svg(const Plot& plot);
 
-/// Pictures below one another as one SVG document.
+/// Pictures below one another as one SVG document; those with the same horizontal axis have it at the same place.
 [[nodiscard]] std::string svg(const std::vector<Plot>& plots);
 
-/// The colour that the series of that number gets if it names none: eight, told apart by the colour-blind, repeated.
+/// What a picture takes: its height with the legend, and the room beside its frame [px].
+struct PictureSize {
+    double height, left, right;
+};
+[[nodiscard]] PictureSize picture_size(const Plot& plot);
+
+/// The colour that the series of that number gets if it names none: eight, told apart by the colour-blind. Their lines differ where the
+/// colours come again: solid, dashed, dotted.
 [[nodiscard]] std::string palette(std::size_t number);
+[[nodiscard]] Line palette_line(std::size_t number);
 
 }  // namespace cvtflow::tools

@@ -9,67 +9,15 @@
 #include "tools/program/plot/axis_scale.hpp"
 #include "tools/program/plot/field.hpp"
 #include "tools/program/plot/plot.hpp"
-#include "tools/program/text/markup.hpp"
+#include "tools/program/plot/svg_parts.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
 
-constexpr double letter = 6.9;  ///< mean width of a character at 12 px, to leave room [px]
-
-/// A text as it may stand in the picture.
-std::string escaped(std::string text) {
-    std::erase_if(text, [](char c) { return static_cast<unsigned char>(c) < 0x20; });  // XML knows no control characters
-    return html(text);
-}
-
-/// Characters of a text in UTF-8.
-double letters(const std::string& text) {
-    return static_cast<double>(
-        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
-}
-
-/// A tenth of a pixel is enough.
-std::string px(double value) {
-    std::string text = fmt::format("{:.1f}", value);
-    if (text.ends_with(".0")) text.erase(text.size() - 2);
-    return text == "-0" ? "0" : text;
-}
-
-std::string mark_path(Mark mark, double x, double y) {
-    switch (mark) {
-        case Mark::none: return "";
-        case Mark::dot:
-        case Mark::small_dot: return fmt::format("M{} {}h0", px(x), px(y));  // a round cap draws it
-        case Mark::ring: return fmt::format("M{} {}a3.5 3.5 0 1 0 7 0a3.5 3.5 0 1 0 -7 0", px(x - 3.5), px(y));
-        case Mark::square: return fmt::format("M{} {}h6v6h-6z", px(x - 3.0), px(y - 3.0));
-        case Mark::diamond: return fmt::format("M{} {}l4 4l-4 4l-4 -4z", px(x), px(y - 4.0));
-        case Mark::triangle: return fmt::format("M{} {}l4 7h-8z", px(x), px(y - 4.5));
-        case Mark::cross: return fmt::format("M{} {}l6 6m0 -6l-6 6", px(x - 3.0), px(y - 3.0));
-    }
-    return "";
-}
-
-std::string mark_style(Mark mark, const std::string& colour) {
-    if (mark == Mark::dot || mark == Mark::small_dot)
-        return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"", colour, mark == Mark::dot ? 6 : 3.5);
-    const bool open = mark == Mark::ring || mark == Mark::cross;
-    return fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1.4\"", open ? "none" : colour, colour);
-}
-
-std::string line_style(const Series& series, const std::string& colour) {
-    return fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}", colour, px(series.width),
-                       series.line == Line::dashed ? " stroke-dasharray=\"6 4\"" : "");
-}
-
 std::string text_at(double x, double y, const std::string& text, const std::string& more) {
     return fmt::format("<text x=\"{}\" y=\"{}\" {}>{}</text>\n", px(x), px(y), more, escaped(text));
 }
-
-/// The legend of a plot: series and regions that have names.
-struct LegendEntry {
-    std::string name, drawing;  ///< drawn around the origin, 24 px wide
-};
 
 std::vector<double> all(const Plot& plot, double Point::*coordinate) {
     std::vector<double> values;
@@ -83,20 +31,18 @@ std::vector<double> all(const Plot& plot, double Point::*coordinate) {
 
 class Drawing {
 public:
-    explicit Drawing(const Plot& plot)
-        : plot_(plot), x_(plot.x, all(plot, &Point::x)), y_(plot.y, all(plot, &Point::y)), entries_(legend()) {
+    explicit Drawing(const Plot& plot) : plot_(plot), x_(plot.x, all(plot, &Point::x)), y_(plot.y, all(plot, &Point::y)), legend_(plot) {
         y_ticks_ = y_.ticks(static_cast<int>(plot.height / 60.0));
         double widest = 0.0;
         for (const Tick& tick : y_ticks_) widest = std::max(widest, letters(tick.label));
-        left_ = 44.0 + letter * widest;
+        left_ = std::max(plot.left_room, 44.0 + letter * widest);
         top_ = plot.subtitle.empty() ? 44.0 : 62.0;
-        double names = 0.0;
-        for (const LegendEntry& entry : entries_) names = std::max(names, letters(entry.name));
-        right_ = plot.width - (entries_.empty() ? 20.0 : 56.0 + letter * names);
-        right_ = std::max(right_, left_ + 120.0);
+        right_ = plot.width - std::max(plot.right_room, legend_.width());
         bottom_ = std::max(plot.height - 52.0, top_ + 80.0);
-        x_ticks_ = x_.ticks(static_cast<int>((right_ - left_) / 90.0));
+        x_ticks_ = x_.ticks(std::max(3, static_cast<int>((right_ - left_) / 90.0)));
     }
+
+    [[nodiscard]] PictureSize size() const { return {plot_.height + legend_.height(), left_, plot_.width - right_}; }
 
     [[nodiscard]] std::string text() const {
         std::string made = fmt::format(
@@ -104,7 +50,7 @@ public:
             "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#222\">\n<title>{2}</title>\n"
             "<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n"
             "<clipPath id=\"{7}\"><rect x=\"{3}\" y=\"{4}\" width=\"{5}\" height=\"{6}\"/></clipPath>\n",
-            px(plot_.width), px(plot_.height), escaped(plot_.title), px(left_), px(top_), px(right_ - left_), px(bottom_ - top_), name());
+            px(plot_.width), px(size().height), escaped(plot_.title), px(left_), px(top_), px(right_ - left_), px(bottom_ - top_), name());
         const std::string clipped = fmt::format("<g clip-path=\"url(#{})\">\n", name());
         const auto x_of = [this](double value) { return at_x(value); };
         const auto y_of = [this](double value) { return at_y(value); };
@@ -112,8 +58,8 @@ public:
         for (const Region& region : plot_.regions) made += shade(region);
         for (const Field& field : plot_.fields) made += field_svg(field, x_of, y_of);
         made += grid() + "</g>\n" + frame() + clipped;
-        for (std::size_t k = 0; k < plot_.series.size(); ++k) made += draw(plot_.series[k], colour(k));
-        return made + "</g>\n" + headings() + drawn_legend() + "</svg>\n";
+        for (std::size_t k = 0; k < plot_.series.size(); ++k) made += draw(styled(plot_.series[k], k));
+        return made + "</g>\n" + headings() + legend_.text(left_, right_, top_, plot_.height) + "</svg>\n";
     }
 
 private:
@@ -125,34 +71,6 @@ private:
     }
     [[nodiscard]] double at_x(double value) const { return left_ + x_.place(value) * (right_ - left_); }
     [[nodiscard]] double at_y(double value) const { return bottom_ - y_.place(value) * (bottom_ - top_); }
-    [[nodiscard]] std::string colour(std::size_t k) const {
-        return plot_.series[k].colour.empty() ? palette(k) : escaped(plot_.series[k].colour);
-    }
-
-    [[nodiscard]] std::vector<LegendEntry> legend() const {
-        std::vector<LegendEntry> entries;
-        for (std::size_t k = 0; k < plot_.series.size(); ++k) {
-            const Series& series = plot_.series[k];
-            if (series.name.empty()) continue;
-            std::string drawing;
-            if (series.line != Line::none) drawing += fmt::format("<path d=\"M-12 0h24\" {}/>", line_style(series, colour(k)));
-            if (series.mark != Mark::none)
-                drawing += fmt::format("<path d=\"{}\" {}/>", mark_path(series.mark, 0.0, 0.0), mark_style(series.mark, colour(k)));
-            entries.push_back({series.name, drawing});
-        }
-        for (const Region& region : plot_.regions) {
-            if (!region.name.empty())
-                entries.push_back({region.name, fmt::format("<rect x=\"-12\" y=\"-6\" width=\"24\" height=\"12\" fill=\"{}\"/>",
-                                                            escaped(region.colour))});
-        }
-        for (const Field& field : plot_.fields) {
-            entries.push_back({field.label, ""});
-            for (const auto& [name, colour] : field_legend(field))
-                entries.push_back({name, fmt::format("<rect x=\"-12\" y=\"-10\" width=\"24\" height=\"20\" fill=\"{}\"/>", colour)});
-        }
-        return entries;
-    }
-
     [[nodiscard]] std::string grid() const {
         std::string strong, faint;
         for (const Tick& tick : x_ticks_)
@@ -193,18 +111,8 @@ private:
                               fmt::format("text-anchor=\"middle\" font-size=\"13\" transform=\"rotate(-90 16 {})\"", px(middle)));
     }
 
-    [[nodiscard]] std::string drawn_legend() const {
-        std::string made;
-        double y = top_ + 10.0;
-        for (const LegendEntry& entry : entries_) {
-            made += fmt::format("<g transform=\"translate({} {})\">{}{}</g>\n", px(right_ + 26.0), px(y), entry.drawing,
-                                fmt::format("<text x=\"18\" y=\"4\" class=\"legend\">{}</text>", escaped(entry.name)));
-            y += 20.0;
-        }
-        return made;
-    }
-
-    [[nodiscard]] std::string draw(const Series& series, const std::string& colour) const {
+    [[nodiscard]] std::string draw(const Series& series) const {
+        const std::string colour = escaped(series.colour);
         std::string line, marks;
         bool joined = false;
         for (const Point& point : series.points) {
@@ -263,18 +171,15 @@ private:
 
     const Plot& plot_;
     const AxisScale x_, y_;
-    const std::vector<LegendEntry> entries_;
+    const Legend legend_;
     std::vector<Tick> x_ticks_, y_ticks_;
     double left_ = 0.0, right_ = 0.0, top_ = 0.0, bottom_ = 0.0;  ///< of the frame [px]
 };
 
 }  // namespace
 
-std::string palette(std::size_t number) {
-    static constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#444444", "#8c6d1f"};
-    return colours[number % colours.size()];
-}
-
 std::string svg(const Plot& plot) { return Drawing(plot).text(); }
+
+PictureSize picture_size(const Plot& plot) { return Drawing(plot).size(); }
 
 }  // namespace cvtflow::tools

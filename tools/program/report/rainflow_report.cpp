@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <optional>
 
 #include "engine/base/rainflow.hpp"
@@ -13,6 +14,7 @@
 #include "tools/program/guard.hpp"
 #include "tools/program/text/provenance_json.hpp"
 #include "tools/program/text/text.hpp"
+#include "tools/program/view/recorded_run.hpp"
 
 namespace cvtflow::tools {
 
@@ -24,6 +26,28 @@ struct Load {
     std::vector<double> time, history;
     std::vector<engine::RainflowCycle> cycles;
 };
+
+/// How long the record is in rounds of the chain, and how long a round is; zero where the record does not tell.
+struct Rounds {
+    double time = 0.0;  ///< of one [s]
+    [[nodiscard]] double in(const Load& load) const {
+        return time > 0.0 && !load.time.empty() ? (load.time.back() - load.time.front()) / time : 0.0;
+    }
+};
+
+Rounds rounds_of(const RecordedRun& run) {
+    const auto pins = run.pin_frequency();
+    return {pins ? run.scene()->parameters.chain.pins / *pins : 0.0};
+}
+
+/// The range that does the same damage by Miner's rule when it comes once in a round of the chain (once in the record where that holds less
+/// than a round): (sum n_i range_i^m / rounds)^(1/m).
+double equivalent_range(const Load& load, double exponent, double rounds) {
+    double largest = 0.0, sum = 0.0;
+    for (const engine::RainflowCycle& cycle : load.cycles) largest = std::max(largest, cycle.range);
+    for (const engine::RainflowCycle& cycle : load.cycles) sum += cycle.count * std::pow(cycle.range / largest, exponent);
+    return load.cycles.empty() ? 0.0 : largest * std::pow(sum / std::max(1.0, rounds), 1.0 / exponent);
+}
 
 /// Which elements a request means. @throws UsageError
 std::vector<int> elements_of(const engine::ChannelInfo& channel, const std::string& request) {
@@ -54,8 +78,10 @@ const engine::ChannelInfo& channel_of(const engine::RunReader& run, const std::s
         if (channel.name == name) return channel;
         names.push_back(channel.name);
     }
-    throw UsageError(fmt::format("--rainflow {}: the record has no such channel{} (cvtflow info shows them; record.channels adds some)",
-                                 name, engine::did_you_mean(engine::closest(name, names))));
+    if (const std::string how = how_to_record(name); !how.empty())
+        throw UsageError(fmt::format("--rainflow {}: the run was recorded without this channel ({})", name, how));
+    throw UsageError(fmt::format("--rainflow {}: the record has no such channel{} (cvtflow info shows them)", name,
+                                 engine::did_you_mean(engine::closest(name, names))));
 }
 
 std::vector<Load> loads_of(const engine::RunReader& run, const RainflowRequest& request) {
@@ -84,6 +110,19 @@ std::string span_text(const Load& load) {
     return fmt::format("{} outputs from {} to {}", load.time.size(), time_text(load.time.front()), time_text(load.time.back()));
 }
 
+/// The equivalent load, and what is to be said of a short record.
+std::string damage_text(const Load& load, double exponent, const Rounds& round) {
+    const double rounds = round.in(load);
+    const std::string each =
+        rounds >= 1.0 ? fmt::format("one cycle per round of the chain ({:.3g} rounds)", rounds) : "one cycle in the record";
+    std::string text = fmt::format("  damage-equivalent range {:.6g} {} (exponent {:g}, {})\n", equivalent_range(load, exponent, rounds),
+                                   load.unit, exponent, each);
+    if (rounds > 0.0 && rounds < 1.0)
+        text +=
+            fmt::format("  note: {:.2g} of a round of the chain ({}): no link has met all of its loads\n", rounds, time_text(round.time));
+    return text;
+}
+
 std::string text_of(const Load& load, int classes) {
     const auto column = [&](const char* name) { return Table::Column{fmt::format("{} [{}]", name, load.unit), Align::right}; };
     Table table({column("range from"), column("to"), {"cycles", Align::right}, column("mean"), column("largest range")});
@@ -106,7 +145,7 @@ std::string csv_of(const std::vector<Load>& loads) {
     return text;
 }
 
-nlohmann::ordered_json json_of(const Load& load, int classes) {
+nlohmann::ordered_json json_of(const Load& load, const RainflowRequest& request, const Rounds& round) {
     auto cycles = nlohmann::ordered_json::array(), counts = nlohmann::ordered_json::array();
     for (const engine::RainflowCycle& cycle : load.cycles)
         cycles.push_back({{"range", cycle.range},
@@ -114,24 +153,33 @@ nlohmann::ordered_json json_of(const Load& load, int classes) {
                           {"count", cycle.count},
                           {"from_time", load.time[cycle.first]},
                           {"to_time", load.time[cycle.second]}});
-    for (const engine::RainflowClass& each : engine::rainflow_classes(load.cycles, classes))
+    for (const engine::RainflowClass& each : engine::rainflow_classes(load.cycles, request.classes))
         counts.push_back({{"from", each.from}, {"to", each.to}, {"count", each.count}, {"mean", each.mean}, {"largest", each.largest}});
-    return {{"load", load.name}, {"unit", load.unit}, {"outputs", load.time.size()}, {"classes", counts}, {"cycles", cycles}};
+    const double rounds = round.in(load);
+    const nlohmann::ordered_json damage{{"exponent", request.exponent},
+                                        {"range", equivalent_range(load, request.exponent, rounds)},
+                                        {"reference_cycles", std::max(1.0, rounds)},
+                                        {"rounds", rounds}};
+    return {{"load", load.name},           {"unit", load.unit}, {"outputs", load.time.size()},
+            {"damage_equivalent", damage}, {"classes", counts}, {"cycles", cycles}};
 }
 
 }  // namespace
 
 std::string rainflow_report(const RainflowRequest& request) {
-    const std::vector<Load> loads = loads_of(engine::RunReader(request.record), request);
+    const RecordedRun run(request.record);
+    const std::vector<Load> loads = loads_of(run.reader(), request);
+    const Rounds round = rounds_of(run);
     if (request.form == RainflowForm::csv) return csv_of(loads);
     if (request.form == RainflowForm::json) {
         auto all = nlohmann::ordered_json::array();
-        for (const Load& load : loads) all.push_back(json_of(load, request.classes));
+        for (const Load& load : loads) all.push_back(json_of(load, request, round));
         return json_text(
             {{"record", request.record}, {"method", "ASTM E1049 rainflow"}, {"loads", all}, {"provenance", provenance_json()}});
     }
     std::string text;
-    for (const Load& load : loads) text += (text.empty() ? "" : "\n") + text_of(load, request.classes);
+    for (const Load& load : loads)
+        text += (text.empty() ? "" : "\n") + text_of(load, request.classes) + damage_text(load, request.exponent, round);
     return text;
 }
 

@@ -14,7 +14,8 @@ struct RainflowRequest {
     std::vector<std::string> channels;  ///< "name", or an element "name[3]", or all of them "name[*]"
     double from = 0.0;                  ///< [s]
     double until = std::numeric_limits<double>::infinity();
-    int classes = 16;  ///< of ranges, in the text
+    int classes = 16;       ///< of ranges, in the text
+    double exponent = 5.0;  ///< of the Woehler line: life falls with this power of the range
     RainflowForm form = RainflowForm::text;
 };
 

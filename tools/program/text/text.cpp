@@ -42,6 +42,11 @@ std::string clock_text(double seconds) {
     return fmt::format("{}:{:02}", whole / 60, whole % 60);
 }
 
+std::string duration_text(double seconds) {
+    if (!(seconds < 60.0)) return clock_text(seconds);
+    return seconds < 0.1 ? "less than 0.1 s" : fmt::format("{:.2g} s", seconds);
+}
+
 std::string size_text(double bytes) {
     if (bytes < 1e3) return fmt::format("{:.0f} B", bytes);
     if (bytes < 1e6) return fmt::format("{:.1f} kB", 1e-3 * bytes);

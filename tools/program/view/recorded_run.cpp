@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "engine/base/spelling.hpp"
+#include "tasks/run/channels/channels.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/text/attribute_text.hpp"
 #include "tools/program/text/text.hpp"
@@ -57,6 +58,17 @@ std::pair<std::string, int> taken_apart(const std::string& word) {
 
 }  // namespace
 
+std::string how_to_record(const std::string& name) {
+    const auto all = tasks::channels();
+    const auto named = [&](const tasks::Channel& channel) { return channel.name == name; };
+    const auto of_group = [&](const tasks::Channel& channel) { return channel.name.starts_with(name + "/"); };
+    const bool group = std::any_of(all.begin(), all.end(), of_group);
+    const auto found = std::find_if(all.begin(), all.end(), named);
+    if (found == all.end() && !group) return {};
+    if (found != all.end() && found->usual) return "a machine without pulleys has none";
+    return fmt::format("record it with --set record.channels={}{}", name, found == all.end() ? "/*" : "");
+}
+
 RecordedRun::RecordedRun(std::string path)
     : path_(std::move(path)), reader_(path_), scene_(scene_in(reader_.attributes(), "parameters")), times_(reader_.times()) {
     if (times_.empty()) throw engine::RecordError(path_ + ": the record has no rows yet");
@@ -72,34 +84,36 @@ std::string RecordedRun::conditions() const {
                        length == nullptr || *length == 0.0 ? "auto" : time_text(*length));
 }
 
-std::vector<Curve> RecordedRun::curves(const engine::ChannelInfo& channel) const {
-    if (channel.width > most_single) return envelope(reader_, channel);
+std::vector<Curve> RecordedRun::curves(const engine::ChannelInfo& channel, bool each) const {
+    if (channel.width > most_single && !each) return envelope(reader_, channel);
     const std::vector<double> all = reader_.channel(channel.name);
     std::vector<Curve> made;
     for (int number = 0; number < channel.width; ++number) made.push_back(element_of(channel, all, number));
     return made;
 }
 
-std::vector<Curve> RecordedRun::group(const std::string& name) const {
+std::vector<Curve> RecordedRun::group(const std::string& name, bool each) const {
     std::vector<Curve> made;
     for (const engine::ChannelInfo& channel : reader_.channels()) {
         if (!channel.name.starts_with(name + "/")) continue;
-        for (Curve& curve : curves(channel)) made.push_back(std::move(curve));
+        for (Curve& curve : curves(channel, each)) made.push_back(std::move(curve));
     }
     return made;
 }
 
-std::vector<Curve> RecordedRun::find(const std::string& word) const {
+std::vector<Curve> RecordedRun::find(const std::string& word, bool each) const {
     const auto [name, number] = taken_apart(word);
     std::vector<std::string> names;
     for (const engine::ChannelInfo& channel : reader_.channels()) {
         names.push_back(channel.name);
         if (channel.name != name) continue;
-        if (number < 0) return curves(channel);
+        if (number < 0) return curves(channel, each);
         if (number >= channel.width) throw UsageError(fmt::format("{}: {} has {} numbers, from 0 on", word, name, channel.width));
         return {element_of(channel, reader_.channel(name), number)};
     }
-    std::vector<Curve> all = number < 0 ? group(name) : std::vector<Curve>{};
+    std::vector<Curve> all = number < 0 ? group(name, each) : std::vector<Curve>{};
+    if (const std::string how = all.empty() ? how_to_record(name) : std::string{}; !how.empty())
+        throw UsageError(fmt::format("{}: {} was recorded without this channel ({})", word, path_, how));
     if (all.empty())
         throw UsageError(
             fmt::format("{}: neither a file nor a channel of {}{}", word, path_, engine::did_you_mean(engine::closest(name, names))));

@@ -17,6 +17,10 @@ struct Curve {
     std::vector<double> values;
 };
 
+/// What to do about a channel, or a group of them, that exists and was not recorded: "record it with --set record.channels=NAME". Empty:
+/// there is none of that name.
+[[nodiscard]] std::string how_to_record(const std::string& name);
+
 class RecordedRun {
 public:
     /// @throws engine::RecordError as RunReader, and for a record without a row
@@ -31,15 +35,15 @@ public:
     /// Times of the rows [s].
     [[nodiscard]] const std::vector<double>& times() const noexcept { return times_; }
 
-    /// All numbers of a channel; of one with more than four, three curves: its least, mean and largest.
-    [[nodiscard]] std::vector<Curve> curves(const engine::ChannelInfo& channel) const;
+    /// All numbers of a channel; of one with more than four, three curves: its least, mean and largest. @param each those numbers as well
+    [[nodiscard]] std::vector<Curve> curves(const engine::ChannelInfo& channel, bool each = false) const;
     /// What a word names: a channel, a group ("shaft_1"), or one number of a channel ("links/tension[12]").
     /// @throws UsageError with the name that was probably meant
-    [[nodiscard]] std::vector<Curve> find(const std::string& word) const;
+    [[nodiscard]] std::vector<Curve> find(const std::string& word, bool each = false) const;
     /// Channels of one number that are in no group: what a run is about.
     [[nodiscard]] std::vector<Curve> overview() const;
     /// Channels of one group, in order of declaration.
-    [[nodiscard]] std::vector<Curve> group(const std::string& name) const;
+    [[nodiscard]] std::vector<Curve> group(const std::string& name, bool each = false) const;
 
     /// Pins that pass a place, by the mean speed of the chain and its mean pitch [Hz]; none where the record does not tell.
     [[nodiscard]] std::optional<double> pin_frequency() const;

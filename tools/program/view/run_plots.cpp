@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/guard.hpp"
+#include "tools/program/text/text.hpp"
+#include "tools/program/view/labels.hpp"
 #include "tools/program/view/order_spectrum.hpp"
 
 namespace cvtflow::tools {
@@ -15,10 +18,6 @@ namespace cvtflow::tools {
 namespace {
 
 constexpr std::size_t columns_drawn = 1500;  ///< of pixels, or of half pixels
-
-std::string label_of(const std::string& quantity, const std::string& unit) {
-    return unit.empty() || unit == "1" ? quantity : fmt::format("{} [{}]", quantity, unit);
-}
 
 std::vector<Curve> chosen(const RecordedRun& run, const std::vector<std::string>& words) {
     if (words.empty()) return run.overview();
@@ -43,6 +42,10 @@ std::string name_in(const std::vector<RecordedRun>& runs, const RecordedRun& run
     return runs.size() == 1 ? name : fmt::format("{}, {}", name, run.path());
 }
 
+double mean_of(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 struct Panel {
     std::string kind;
     Plot plot;
@@ -52,11 +55,14 @@ Plot& panel_of(std::vector<Panel>& panels, const Curve& curve) {
     const std::string kind = kind_of(curve);
     const auto found = std::find_if(panels.begin(), panels.end(), [&](const Panel& panel) { return panel.kind == kind; });
     if (found != panels.end()) {
-        found->plot.title += found->plot.title.find(curve.name) == std::string::npos ? ", " + curve.name : "";
+        const bool new_name = found->plot.title.find(curve.name) == std::string::npos;
+        found->plot.title += new_name ? ", " + curve.name : "";
+        if (new_name) found->plot.y.label = label_of_unit(curve.unit);
         return found->plot;
     }
     panels.push_back({kind, {}});
     panels.back().plot.title = curve.name;
+    panels.back().plot.y.label = shown(curve.name, curve.unit).label;
     return panels.back().plot;
 }
 
@@ -85,13 +91,55 @@ std::vector<double> in_milliseconds(std::vector<double> times) {
     return times;
 }
 
-/// A dashed line at each multiple of a frequency.
-void add_multiples(Plot& plot, double frequency, double least, double largest, double end) {
+/// A dashed line at each order.
+void add_orders(Plot& plot, double frequency, double least, double largest, double end) {
     Series lines{fmt::format("pins pass: {:.4g} Hz and multiples", frequency), {}, Mark::none, Line::dashed, "#999999", 1.0};
-    for (int multiple = 1; multiple * frequency < end && multiple <= 20; ++multiple) {
-        for (const double y : {least, largest, static_cast<double>(NAN)}) lines.points.push_back({multiple * frequency, y});
+    for (int order = 1; order < end && order <= 20; ++order) {
+        for (const double y : {least, largest, static_cast<double>(NAN)}) lines.points.push_back({static_cast<double>(order), y});
     }
     plot.series.insert(plot.series.begin(), std::move(lines));
+}
+
+/// Means over whole pin periods at the middles of these; what a long run shows.
+struct PeriodMeans {
+    std::vector<double> times, values;
+};
+
+PeriodMeans period_means(const std::vector<double>& times, const std::vector<double>& values, double period) {
+    PeriodMeans means;
+    double end = times.front() + period, sum = 0.0;
+    long count = 0;
+    for (std::size_t k = 0; k < std::min(times.size(), values.size()); ++k) {
+        if (times[k] >= end && count > 0) {
+            means.times.push_back(end - 0.5 * period);
+            means.values.push_back(sum / static_cast<double>(count));
+            sum = 0.0, count = 0;
+            end += period * std::max(1.0, std::ceil((times[k] - end) / period));
+        }
+        if (std::isfinite(values[k])) sum += values[k], ++count;
+    }
+    return means;
+}
+
+constexpr double long_run = 60.0;  ///< pin periods beyond which vibrations would be a solid band
+
+/// The pin period of a run that is longer than that [s]; 0: every output is drawn.
+double averaged_period(const RecordedRun& run) {
+    const auto pins = run.pin_frequency();
+    const double span = run.times().back() - run.times().front();
+    if (!pins || span * *pins < long_run || static_cast<double>(run.times().size()) < 4.0 * span * *pins) return 0.0;
+    return 1.0 / *pins;
+}
+
+/// "order 1 = 1404 Hz; a round of the chain 0.0119, shafts 0.0237, 0.0236".
+std::string orders_text(const RecordedRun& run, double pins) {
+    std::string text = fmt::format("order 1 = {:.4g} Hz; a round of the chain {:.3g}", pins, 1.0 / run.scene()->parameters.chain.pins);
+    for (const engine::ChannelInfo& channel : run.reader().channels()) {
+        if (channel.name != "shaft_1/speed" && channel.name != "shaft_2/speed") continue;
+        const double turns = mean_of(run.curves(channel).front().values) / (2.0 * std::numbers::pi);
+        text += fmt::format("{} {:.3g}", channel.name == "shaft_1/speed" ? ", shafts" : ",", turns / pins);
+    }
+    return text;
 }
 
 /// Millimetres are as long in either direction.
@@ -111,10 +159,6 @@ void equalise(Plot& plot) {
     plot.height = std::clamp(above + (plot.width - beside) * shape, 240.0, 1200.0);
 }
 
-double mean_of(const std::vector<double>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
-
 }  // namespace
 
 std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns) {
@@ -132,36 +176,46 @@ std::vector<Point> thinned(const std::vector<Point>& points, std::size_t columns
     return kept;
 }
 
-std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {
+std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words, bool every_output) {
     std::vector<Panel> panels;
+    std::string means;
     for (const RecordedRun& run : runs) {
-        const std::vector<double> times = in_milliseconds(run.times());
+        const double period = every_output ? 0.0 : averaged_period(run);
+        if (period > 0.0) means = fmt::format("; means over pin periods ({})", time_text(period));
         for (const Curve& curve : chosen(run, words)) {
             Plot& plot = panel_of(panels, curve);
             plot.x.label = "time [ms]";
-            plot.y.label = label_of(curve.unit == "1" ? curve.name : "", curve.unit);
-            plot.series.push_back(line_through(name_in(runs, run, curve.name), times, curve.values));
+            PeriodMeans drawn{run.times(), curve.values};
+            if (period > 0.0) drawn = period_means(run.times(), curve.values, period);
+            for (double& value : drawn.values) value *= shown(curve.name, curve.unit).factor;
+            plot.series.push_back(line_through(name_in(runs, run, curve.name), in_milliseconds(drawn.times), drawn.values));
         }
     }
-    return finished(panels, subtitle_of(runs));
+    return finished(panels, subtitle_of(runs) + means);
 }
 
 std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {
     std::vector<Panel> panels;
     double end = INFINITY;
+    const auto pins = runs.front().pin_frequency();
     for (const RecordedRun& run : runs) {
         for (const Curve& curve : chosen(run, words)) {
-            const AmplitudeSpectrum spectrum = amplitude_spectrum(run.times(), curve.values);
+            AmplitudeSpectrum spectrum = amplitude_spectrum(run.times(), curve.values);
             if (spectrum.frequency.empty()) throw UsageError(run.path() + ": orders need 8 rows at least");
             Plot& plot = panel_of(panels, curve);
-            plot.x.label = "frequency [Hz]";
-            plot.y = {label_of("amplitude", curve.unit), Scale::logarithmic, 1.0, {}, {}};
+            plot.x.label = pins ? "order of the passing pins" : "frequency [Hz]";
+            for (double& frequency : spectrum.frequency) frequency /= pins.value_or(1.0);
+            const Shown how = shown(curve.name, curve.unit);
+            for (double& amplitude : spectrum.amplitude) amplitude *= how.factor;
+            if (plot.series.empty())
+                plot.y = {"amplitude of " + how.label, Scale::logarithmic, 1.0, {}, {}};
+            else
+                plot.y.label = "amplitude, " + label_of_unit(curve.unit);
             end = std::min(end, spectrum.frequency.back());
             plot.series.push_back(line_through(name_in(runs, run, curve.name), spectrum.frequency, spectrum.amplitude));
         }
     }
-    const auto pins = runs.front().pin_frequency();
-    if (pins) end = std::min(end, 12.5 * *pins);
+    if (pins) end = std::min(end, 12.5);
     for (Panel& panel : panels) {
         double largest = 1e-300;
         for (const Series& series : panel.plot.series) {
@@ -169,11 +223,13 @@ std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::v
         }
         panel.plot.x.from = 0.0, panel.plot.x.to = end;
         panel.plot.y.from = 1e-6 * largest, panel.plot.y.to = 2.0 * largest;
-        if (panel.plot.series.size() == 1) panel.plot.series.front().colour = palette(0);
-        for (std::size_t k = 0; k < panel.plot.series.size(); ++k) panel.plot.series[k].colour = palette(k);
-        if (pins) add_multiples(panel.plot, *pins, 1e-6 * largest, 2.0 * largest, end);
+        for (std::size_t k = 0; k < panel.plot.series.size(); ++k) {
+            panel.plot.series[k].colour = palette(k);
+            panel.plot.series[k].line = palette_line(k);
+        }
+        if (pins) add_orders(panel.plot, *pins, 1e-6 * largest, 2.0 * largest, end);
     }
-    return finished(panels, subtitle_of(runs));
+    return finished(panels, subtitle_of(runs) + (pins ? "; " + orders_text(runs.front(), *pins) : ""));
 }
 
 Plot round_plot(const std::vector<RecordedRun>& runs) {
@@ -210,30 +266,11 @@ Plot loss_plot(const RecordedRun& run) {
     for (const Curve& kind : kinds) {
         const double mean = mean_of(kind.values);
         const std::string share = total > 0.0 ? fmt::format(" ({:.1f} %)", 100.0 * mean / total) : "";
-        plot.series.push_back(line_through(fmt::format("{}: {:.4g} W{}", kind.name.substr(5), mean, share), times, kind.values));
+        std::string name = kind.name.substr(5);
+        std::replace(name.begin(), name.end(), '_', ' ');
+        plot.series.push_back(line_through(fmt::format("{}: {:.4g} W{}", name, mean, share), times, kind.values));
     }
     return plot;
-}
-
-std::string csv(const std::vector<Plot>& plots) {
-    const bool fields = std::any_of(plots.begin(), plots.end(), [](const Plot& plot) { return !plot.fields.empty(); });
-    std::string text = fields ? "plot,series,x,y,value\n" : "plot,series,x,y\n";
-    const auto quoted = [](const std::string& cell) { return tasks::csv_cell(cell, true, true); };
-    for (const Plot& plot : plots) {
-        for (const Field& field : plot.fields) {
-            for (std::size_t k = 0; k < field.values.size(); ++k)
-                text += fmt::format("{},{},{:.9g},{:.9g},{:.9g}\n", quoted(plot.title), quoted(field.label), field.x[k % field.x.size()],
-                                    field.y[k / field.x.size()], field.values[k]);
-        }
-        for (const Series& series : plot.series) {
-            const std::string name = quoted(series.name.empty() ? plot.y.label : series.name);
-            for (const Point& point : series.points) {
-                if (std::isfinite(point.x) && std::isfinite(point.y))
-                    text += fmt::format("{},{},{:.9g},{:.9g}{}\n", quoted(plot.title), name, point.x, point.y, fields ? "," : "");
-            }
-        }
-    }
-    return text;
 }
 
 }  // namespace cvtflow::tools

@@ -7,9 +7,11 @@
 #include <map>
 #include <set>
 
+#include "tasks/scene/toml/unit_hints.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/plot/axis_scale.hpp"
 #include "tools/program/plot/field.hpp"
+#include "tools/program/view/labels.hpp"
 
 namespace cvtflow::tools {
 
@@ -21,8 +23,27 @@ std::size_t numbers_of(const SweepView& sweep, const std::string& word) {
     return column;
 }
 
-std::string heading_of(const SweepColumn& column) {
-    return column.unit.empty() || column.unit == "1" ? column.name : fmt::format("{} [{}]", column.name, column.unit);
+std::string heading_of(const SweepColumn& column) { return shown(column.name, column.unit).label; }
+double factor_of(const SweepColumn& column) { return shown(column.name, column.unit).factor; }
+
+/// "load torque" of a column.
+std::string title_of(const SweepColumn& column) {
+    const std::string heading = heading_of(column);
+    return heading.substr(0, heading.find(" ["));
+}
+
+/// In the unit of the column's heading.
+double value_of(const SweepView& sweep, std::size_t row, std::size_t column) {
+    return sweep.number(row, column) * factor_of(sweep.columns[column]);
+}
+
+/// "start ratio 2.4", "clamping driven 10000 N".
+std::string setting_text(const SweepView& sweep, std::size_t row, std::size_t column) {
+    const SweepColumn& key = sweep.columns[column];
+    const double value = sweep.number(row, column);
+    if (!std::isfinite(value)) return fmt::format("{} {}", title_of(key), sweep.cells[row][column]);
+    const bool plain = key.unit.empty() || key.unit == "1";
+    return fmt::format("{} {}", title_of(key), plain ? sweep.cells[row][column] : tasks::quantity_text(value, key.unit));
 }
 
 /// "153 of 160 cases".
@@ -41,6 +62,20 @@ std::vector<std::size_t> others(const SweepView& sweep, const std::set<std::size
         if (values.size() > 1) found.push_back(c);
     }
     return found;
+}
+
+/// Those of the columns that tell the cases apart: one that only follows the others is left out.
+std::vector<std::size_t> telling(const SweepView& sweep, const std::vector<std::size_t>& columns) {
+    std::vector<std::size_t> kept;
+    std::vector<std::string> names(sweep.cells.size());
+    for (const std::size_t c : columns) {
+        std::vector<std::string> finer = names;
+        for (std::size_t row = 0; row < finer.size(); ++row) finer[row] += "\n" + sweep.cells[row][c];
+        if (std::set(finer.begin(), finer.end()).size() == std::set(names.begin(), names.end()).size()) continue;
+        names = std::move(finer);
+        kept.push_back(c);
+    }
+    return kept;
 }
 
 struct Chosen {
@@ -62,22 +97,27 @@ Chosen begin_plot(const SweepView& sweep, const SweepColumn& x, const SweepColum
 /// Points whose colours tell a value, in eight steps.
 void add_points(Plot& plot, const SweepView& sweep, std::size_t x, std::size_t y, std::size_t colour, const std::string& label) {
     Field values{label, {0.0, 1.0}, {0.0, 1.0}, {}};
-    for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.values.push_back(sweep.number(row, colour));
+    for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.values.push_back(value_of(sweep, row, colour));
     std::vector<double> levels = contour_levels(values);
     if (levels.empty()) levels.push_back(values.values.empty() ? 0.0 : values.values.front());
     const double step = levels.size() > 1 ? levels[1] - levels[0] : 1.0;
     for (std::size_t k = 0; k < levels.size(); ++k) {
         const double share = levels.size() > 1 ? static_cast<double>(k) / static_cast<double>(levels.size() - 1) : 0.5;
-        Series series{fmt::format("{} ± {}", tick_label(levels[k], step), tick_label(0.5 * step, 0.1 * step)),
+        const std::string from = tick_label(levels[k] - 0.5 * step, 0.1 * step), to = tick_label(levels[k] + 0.5 * step, 0.1 * step);
+        const bool first = k == 0, last = k + 1 == levels.size();  // what lies beyond the levels belongs to the nearest
+        Series series{first && last ? "all"
+                      : first       ? "below " + to
+                      : last        ? "above " + from
+                                    : fmt::format("{} … {}", from, to),
                       {},
                       Mark::dot,
                       Line::none,
                       heat_colour(share)};
         for (std::size_t row = 0; row < sweep.cells.size(); ++row) {
-            const double value = sweep.number(row, colour);
+            const double value = value_of(sweep, row, colour);
             const auto nearest =
                 static_cast<std::size_t>(std::clamp(std::lround((value - levels[0]) / step), 0L, static_cast<long>(levels.size()) - 1));
-            if (std::isfinite(value) && nearest == k) series.points.push_back({sweep.number(row, x), sweep.number(row, y)});
+            if (std::isfinite(value) && nearest == k) series.points.push_back({value_of(sweep, row, x), value_of(sweep, row, y)});
         }
         plot.series.push_back(std::move(series));
     }
@@ -85,7 +125,7 @@ void add_points(Plot& plot, const SweepView& sweep, std::size_t x, std::size_t y
 
 std::vector<double> distinct(const SweepView& sweep, std::size_t column) {
     std::set<double> values;
-    for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.insert(sweep.number(row, column));
+    for (std::size_t row = 0; row < sweep.cells.size(); ++row) values.insert(value_of(sweep, row, column));
     return {values.begin(), values.end()};
 }
 
@@ -93,7 +133,7 @@ std::vector<double> distinct(const SweepView& sweep, std::size_t column) {
 std::map<std::pair<double, double>, double> by_place(const SweepView& sweep, std::size_t x, std::size_t y, std::size_t colour) {
     std::map<std::pair<double, double>, double> places;
     for (std::size_t row = 0; row < sweep.cells.size(); ++row) {
-        const auto [at, added] = places.insert({{sweep.number(row, x), sweep.number(row, y)}, sweep.number(row, colour)});
+        const auto [at, added] = places.insert({{value_of(sweep, row, x), value_of(sweep, row, y)}, value_of(sweep, row, colour)});
         if (added) continue;
         std::string differ;
         for (const std::size_t c : others(sweep, {x, y, colour})) differ += (differ.empty() ? "" : ", ") + sweep.columns[c].name;
@@ -107,33 +147,31 @@ std::map<std::pair<double, double>, double> by_place(const SweepView& sweep, std
 
 Plot sweep_curves(const SweepView& sweep, const std::string& x, const std::string& y) {
     const std::size_t xc = numbers_of(sweep, x), yc = numbers_of(sweep, y);
-    Chosen made =
-        begin_plot(sweep, sweep.columns[xc], sweep.columns[yc], fmt::format("{} over {}", sweep.columns[yc].name, sweep.columns[xc].name));
-    const std::vector<std::size_t> rest = others(made.good, {xc, yc});
+    Chosen made = begin_plot(sweep, sweep.columns[xc], sweep.columns[yc],
+                             fmt::format("{} over {}", title_of(sweep.columns[yc]), title_of(sweep.columns[xc])));
+    const std::vector<std::size_t> rest = telling(made.good, others(made.good, {xc, yc}));
     std::map<std::string, std::vector<Point>> curves;
     std::vector<std::string> order;
     for (std::size_t row = 0; row < made.good.cells.size(); ++row) {
         std::string name;
-        for (const std::size_t c : rest)
-            name += fmt::format("{}{} = {}", name.empty() ? "" : ", ", sweep.columns[c].name, made.good.cells[row][c]);
+        for (const std::size_t c : rest) name += (name.empty() ? "" : ", ") + setting_text(made.good, row, c);
         if (!curves.contains(name)) order.push_back(name);
-        curves[name].push_back({made.good.number(row, xc), made.good.number(row, yc)});
+        curves[name].push_back({value_of(made.good, row, xc), value_of(made.good, row, yc)});
     }
     for (const std::string& name : order) {
         auto& points = curves[name];
         std::stable_sort(points.begin(), points.end(), [](const Point& a, const Point& b) { return a.x < b.x; });
-        made.plot.series.push_back({name, points, Mark::dot, made.plot.series.size() < 8 ? Line::solid : Line::dashed, "", 1.4});
+        made.plot.series.push_back({name, points, Mark::dot, Line::solid, "", 1.4});
     }
-    const double needed = 120.0 + 20.0 * static_cast<double>(order.size());
-    made.plot.height = std::max(made.plot.height, std::min(needed, 1400.0));
     return made.plot;
 }
 
 Plot sweep_map(const SweepView& sweep, const std::string& x, const std::string& y, const std::string& colour) {
     const std::size_t xc = numbers_of(sweep, x), yc = numbers_of(sweep, y), cc = numbers_of(sweep, colour);
     const std::string label = heading_of(sweep.columns[cc]);
-    Chosen made = begin_plot(sweep, sweep.columns[xc], sweep.columns[yc],
-                             fmt::format("{} over {} and {}", sweep.columns[cc].name, sweep.columns[xc].name, sweep.columns[yc].name));
+    Chosen made =
+        begin_plot(sweep, sweep.columns[xc], sweep.columns[yc],
+                   fmt::format("{} over {} and {}", title_of(sweep.columns[cc]), title_of(sweep.columns[xc]), title_of(sweep.columns[yc])));
     const auto places = by_place(made.good, xc, yc, cc);
     Field field{label, distinct(made.good, xc), distinct(made.good, yc), {}};
     const std::size_t grid = field.x.size() * field.y.size();

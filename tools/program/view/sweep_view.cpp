@@ -46,7 +46,7 @@ SweepView from_csv(const std::string& path) {
     } catch (const engine::InputError& error) {
         throw engine::RecordError(path + ": " + error.what());
     }
-    auto lines = tasks::csv_lines(text);
+    auto lines = tasks::csv_lines(text, tasks::csv_separator(text.substr(0, text.find('\n'))));
     std::erase_if(lines, [](const auto& cells) { return cells.size() == 1 && cells[0].empty(); });
     if (lines.size() < 2 || std::find(lines[0].begin(), lines[0].end(), "status") == lines[0].end())
         throw engine::RecordError(path + ": not a sweep's table as cvtflow table --csv prints it");

@@ -113,9 +113,9 @@ TEST_F(RunReaderTest, SaysHowMuchOfATruncatedFileIsThere) {
 
 TEST_F(RunReaderTest, TellsOtherKindsOfFilesFromRuns) {
     H5Fclose(H5Fcreate(path("other.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
-    EXPECT_EQ(opening(path("other.h5")), path("other.h5") + ": an HDF5 file, but not a cvtflow run");
+    EXPECT_EQ(opening(path("other.h5")), path("other.h5") + ": an HDF5 file, but not a record of a run");
     write_state(path("state.h5"), {});
-    EXPECT_EQ(opening(path("state.h5")), path("state.h5") + ": an HDF5 file, but not a cvtflow run (format: 'cvtflow state')");
+    EXPECT_EQ(opening(path("state.h5")), path("state.h5") + ": an HDF5 file, but not a record of a run (it is a state file)");
 }
 
 TEST_F(RunReaderTest, RefusesAFormatOfTheFuture) {

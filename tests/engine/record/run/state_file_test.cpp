@@ -103,7 +103,7 @@ TEST_F(StateFileTest, SaysWhyAFileCannotBeRead) {
         RunFile run(path("run.h5"), {});
         run.close();
     }
-    EXPECT_EQ(reading(path("run.h5")), path("run.h5") + ": an HDF5 file, but not a cvtflow state (format: 'cvtflow run')");
+    EXPECT_EQ(reading(path("run.h5")), path("run.h5") + ": an HDF5 file, but not a state file (it is a record of a run)");
     write_state(path("s.h5"), example());
     const auto size = fs::file_size(path("s.h5")) - seal_size;
     fs::resize_file(path("s.h5"), size - 100);

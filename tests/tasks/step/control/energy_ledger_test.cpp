@@ -1,5 +1,6 @@
 #include "tasks/step/control/energy_ledger.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -139,8 +140,50 @@ std::string notes_of_idling(double speed) {
 }
 
 TEST(RunMeans, SayWhereSlipIsNoiseAndWhereEfficiencyIsThatOfIdling) {
-    EXPECT_EQ(notes_of_idling(200.0), "gross_slip no_load") << "an efficiency of 64 % with nothing carried";
+    EXPECT_EQ(notes_of_idling(200.0), "gross_slip unsteady no_load") << "64 % of the input are neither lost nor carried";
     EXPECT_EQ(notes_of_idling(2e-3), "standstill");
+}
+
+/// Means of a steady chain, a tenth of a second, of 100 W of losses, whose drive and load have those powers [W].
+RunMeans steady_means(double drive, double load, double pin_period = 7e-4) {
+    RunMeans means;
+    for (int k = 0; k <= 5000; ++k) {
+        model::Observation now;
+        now.time = 2e-5 * k;
+        now.ratio = 1.0;
+        now.speed = {200.0, -200.0};
+        now.slack = 100.0;
+        EnergySums sums;
+        sums.time = now.time;
+        sums.work[0] = drive * now.time;
+        sums.work[1] = -load * now.time;
+        sums.loss[0] = 100.0 * now.time;
+        means.add(now, sums, pin_period);
+    }
+    return means;
+}
+
+constexpr EnergyBalance closed_balance{.work = 10.0, .loss = 10.0, .through = 1000.0, .samples = 100.0};
+
+std::string names_of(const RunMeans& means) {
+    std::string names;
+    means.name_notes(closed_balance, names);
+    return names;
+}
+
+TEST(RunMeans, OfAStateThatStoresOrGivesEnergyAreNotSteady) {
+    EXPECT_EQ(names_of(steady_means(10000.0, 9900.0)), "");
+    EXPECT_EQ(names_of(steady_means(10000.0, 9600.0)), "unsteady") << "3 % of the input are stored";
+    EXPECT_EQ(names_of(steady_means(6000.0, 9600.0)), "unsteady") << "the load is carried by what moves";
+    EXPECT_THAT(steady_means(6000.0, 9600.0).notes(closed_balance).front().text,
+                testing::HasSubstr("what moves has given 61.7 % of the input"));
+    EXPECT_EQ(names_of(steady_means(10000.0, 9900.0, 0.2)), "unsteady") << "half a pin period";
+}
+
+TEST(RunMeans, WithoutLoadThereIsNoEfficiency) {
+    const RunMeans means = steady_means(100.0, 0.0);
+    EXPECT_TRUE(std::isnan(means.all().efficiency));
+    EXPECT_EQ(names_of(means), "no_load");
 }
 
 }  // namespace

@@ -1,25 +1,30 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 
 #include "engine/record/run/run_reader.hpp"
+#include "tasks/scene/csv/csv_text.hpp"
 #include "tasks/scene/scene.hpp"
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/output_place.hpp"
 #include "tools/program/output/replacing.hpp"
+#include "tools/program/output/text_file.hpp"
 #include "tools/program/report/chain_solids.hpp"
 #include "tools/program/text/text.hpp"
 #include "tools/program/view/machine_state.hpp"
+#include "tools/program/view/recorded_run.hpp"
 
 namespace cvtflow::tools {
 
 namespace {
 
 struct ExportArguments {
-    std::string record, vtk;
+    std::string record, vtk, csv;
+    std::vector<std::string> channels;
     int every = 1;
     bool force = false;
 };
@@ -36,8 +41,48 @@ tasks::Scene recorded_scene(const std::string& path, const engine::RunReader& ru
     }
 }
 
+/// Channels of one number, or what was asked for, number by number.
+std::vector<Curve> columns_of(const RecordedRun& run, const std::vector<std::string>& words) {
+    std::vector<Curve> columns;
+    for (const std::string& word : words) {
+        for (Curve& curve : run.find(word, true)) columns.push_back(std::move(curve));
+    }
+    for (const engine::ChannelInfo& channel : run.reader().channels()) {
+        if (words.empty() && channel.width == 1) columns.push_back(run.curves(channel).front());
+    }
+    return columns;
+}
+
+/// A row per output, a column per number, units in the heading.
+ExitStatus export_csv(const ExportArguments& arguments) {
+    const RecordedRun run(arguments.record);
+    const std::vector<Curve> columns = columns_of(run, arguments.channels);
+    require_output(arguments.csv, {arguments.record});
+    const std::string replaced = replacing(arguments.csv, true, arguments.force);
+    std::string text = "time [s]";
+    for (const Curve& column : columns)
+        text += ',' + tasks::csv_cell(fmt::format("{} [{}]", column.name, column.unit.empty() ? "1" : column.unit), true, false);
+    text += '\n';
+    for (std::size_t row = 0; row < run.times().size(); ++row) {
+        text += fmt::format("{}", run.times()[row]);
+        for (const Curve& column : columns) {
+            text += ',';
+            if (std::isfinite(column.values[row])) text += fmt::format("{}", column.values[row]);
+        }
+        text += '\n';
+    }
+    write_text(arguments.csv, text);
+    if (!replaced.empty()) print_error(replaced);
+    fmt::print("{}", field("written", fmt::format("{}, {} of {}", arguments.csv, plural(static_cast<long>(run.times().size()), "row"),
+                                                  plural(static_cast<long>(columns.size() + 1), "column"))));
+    return ExitStatus::finished;
+}
+
 ExitStatus export_record(const ExportArguments& arguments) {
-    if (arguments.vtk.empty()) throw UsageError("--vtk FILE.pvd is required: what should be written?");
+    if (arguments.vtk.empty() == arguments.csv.empty())
+        throw UsageError("--csv FILE or --vtk FILE.pvd is required: what should be written?");
+    if (!arguments.csv.empty()) return export_csv(arguments);
+    if (!arguments.channels.empty()) throw UsageError("channels go with --csv");
     if (std::filesystem::path(arguments.vtk).extension() != ".pvd")
         throw UsageError(fmt::format("--vtk {}: the name has to end in .pvd", arguments.vtk));
     const engine::RunReader run(arguments.record);
@@ -68,7 +113,13 @@ ExitStatus export_record(const ExportArguments& arguments) {
 
 Action declare_export(CLI::App& app) {
     const auto arguments = std::make_shared<ExportArguments>();
-    app.add_option("RECORD", arguments->record, "Record of a run; its states are shown (run.state_interval)")->required()->type_name("");
+    app.add_option("RECORD", arguments->record, "Record of a run; ParaView shows its states (run.state_interval)")
+        ->required()
+        ->type_name("");
+    app.add_option("CHANNEL", arguments->channels, "With --csv: channels, groups or elements (default: all channels of one number)")
+        ->type_name("...");
+    app.add_option("--csv", arguments->csv, "Table to write: a row per output, a column per number, units in the heading")
+        ->type_name("FILE");
     app.add_option("--vtk", arguments->vtk,
                    "Collection to write for ParaView, FILE.pvd; its states go to the folder FILE: pins, plates and sheaves with forces")
         ->type_name("FILE.pvd");

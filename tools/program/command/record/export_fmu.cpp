@@ -56,8 +56,9 @@ fs::path fmu_library() {
     for (const fs::path& place : places) {
         if (fs::is_regular_file(place, unknown)) return place;
     }
-    throw engine::RecordError(
-        fmt::format("{}: not beside this program nor in lib/cvtflow of its installation (it is built for x86-64 only)", name));
+    throw engine::RecordError(fmt::format(
+        "{}: not beside this program nor in lib/cvtflow of its installation (cmake --build build --target cvtflow_fmu; x86-64 only)",
+        name));
 }
 
 /// Letters, digits and underlines of a name, which becomes the library's.

@@ -20,7 +20,7 @@ struct PlotArguments {
     std::vector<std::string> words;
     std::string output, x, y, colour;
     std::vector<std::string> where;
-    bool orders = false, round = false, losses = false;
+    bool orders = false, round = false, losses = false, every_output = false;
 };
 
 /// Words that name files come first; the others name channels.
@@ -45,7 +45,7 @@ std::vector<Plot> plots_of_runs(const PlotArguments& arguments, const PlotWords&
     for (const std::string& file : words.files) runs.emplace_back(file);
     if (arguments.round) return {round_plot(runs)};
     if (arguments.orders) return order_plots(runs, words.channels);
-    if (!arguments.losses) return time_plots(runs, words.channels);
+    if (!arguments.losses) return time_plots(runs, words.channels, arguments.every_output);
     std::vector<Plot> plots;
     for (const RecordedRun& run : runs) plots.push_back(loss_plot(run));
     return plots;
@@ -102,7 +102,8 @@ Action declare_plot(CLI::App& app) {
     app.add_option("-o,--output", arguments->output,
                    "Picture or table to write, by its ending .svg, .png or .csv (default: beside FILE, .svg)")
         ->type_name("FILE");
-    app.add_flag("--orders", arguments->orders, "Amplitudes over frequency, with the frequency at which pins pass and its multiples");
+    app.add_flag("--orders", arguments->orders, "Amplitudes over orders of the passing pins");
+    app.add_flag("--every-output", arguments->every_output, "Draw every output of a run of more than 60 pin periods, not means over these");
     app.add_flag("--round", arguments->round, "The way of the followed pin");
     app.add_flag("--losses", arguments->losses, "Losses by kind, with means and shares");
     app.add_option("--x", arguments->x, "Sweeps: column along the horizontal axis")->type_name("COLUMN");

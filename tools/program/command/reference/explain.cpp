@@ -45,7 +45,7 @@ std::string step_lines(const tasks::Scene& scene) {
 
 std::string scene_lines(const std::string& key, const tasks::Scene& scene) {
     const tasks::Parameter& parameter = *tasks::find_parameter(key);
-    std::string text = fmt::format("  here:     {} in {}\n", tasks::value_text(parameter, scene), scene.name);
+    std::string text = fmt::format("  here:     {} in {}\n", tasks::readable_value(parameter, scene), scene.name);
     if (key == "run.step" || key == "run.method") text += step_lines(scene);
     return text;
 }

@@ -8,7 +8,6 @@
 
 #include "engine/base/spelling.hpp"
 #include "engine/executor/runtimes.hpp"
-#include "engine/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/channels/channels.hpp"
@@ -16,6 +15,7 @@
 #include "tasks/scene/toml/units.hpp"
 #include "tools/program/arguments/ready_scenes.hpp"
 #include "tools/program/command/command.hpp"
+#include "tools/program/guard.hpp"
 #include "tools/program/text/executor_text.hpp"
 #include "tools/program/text/method_text.hpp"
 #include "tools/program/text/text.hpp"
@@ -42,30 +42,23 @@ constexpr std::array choices{
 std::string methods() {
     Table table({{"method"}, {"used for"}});
     for (const Choice& choice : choices) table.add({choice.method, choice.reason});
-    return table.text() + "\nAll methods, with stages, order and stability: cvtflow list methods --all.\n";
+    return table.text() + "\nAll methods, with stages and order: cvtflow list methods --all.\n";
 }
 
 std::string all_methods() {
-    Table table({{"method"},
-                 {"stages", Align::right},
-                 {"order", Align::right},
-                 {"real", Align::right},
-                 {"imaginary", Align::right},
-                 {"description"}});
+    Table table({{"method"}, {"stages", Align::right}, {"order", Align::right}, {"description"}});
     for (const engine::StagePlan& plan : engine::methods()) {
-        table.add({plan.name, fmt::format("{}", plan.stages.size()), order_text(plan), fmt::format("{:.3f}", engine::real_stability(plan)),
-                   fmt::format("{:.3f}", engine::imaginary_stability(plan)), plan.description});
+        table.add({plan.name, fmt::format("{}", plan.stages.size()), order_text(plan), plan.description});
     }
     for (const tasks::MethodProgram& program : tasks::method_programs()) {
         table.add({program.name, program.evaluations > 0 ? fmt::format("{}", program.evaluations) : "", fmt::format("{}", program.order),
-                   "", "", program.description});
+                   program.description});
     }
     std::string families;
     for (const engine::MethodFamily& family : engine::method_families())
         families += fmt::format("\n  {}\n    {}: {}", family.form, family.description, family.limits);
     return table.text() + "\nAny member of these families by its name:" + families +
-           "\n\nreal, imaginary: h|lambda| up to which a step is stable along that axis. order p(q): q of the embedded solution. More: "
-           "cvtflow-lab method NAME.\n";
+           "\n\norder p(q): q of the embedded solution. Stability, growth of errors and the table of a method: cvtflow-lab method NAME.\n";
 }
 
 std::string detail() {
@@ -120,9 +113,9 @@ std::string executors() { return executor_table() + fmt::format("\nRuntimes: {}.
 
 std::string keys() {
     const tasks::Scene defaults;
-    Table table({{"key"}, {"default"}, {"unit"}, {"meaning"}});
+    Table table({{"key"}, {"default"}, {"SI unit"}, {"meaning"}});
     for (const tasks::Parameter& parameter : tasks::parameter_table()) {
-        table.add({std::string(parameter.key), tasks::value_text(parameter, defaults), std::string(parameter.unit),
+        table.add({std::string(parameter.key), tasks::readable_value(parameter, defaults), std::string(parameter.unit),
                    std::string(parameter.meaning)});
     }
     return table.text();
@@ -139,7 +132,7 @@ std::string units() {
     }
     return table.text() +
            "\nAny product of m cm g s min h rad deg rpm Hz N Pa bar % with prefixes n u m k M G and powers will do: \"5.7e4 N/mm\", "
-           "\"2.5e10 N/m^1.5\".\n";
+           "\"2.5e10 N/m^1.5\".\nTorques also as Nm, kNm, Nmm.\n";
 }
 
 struct Listing {
@@ -150,7 +143,7 @@ struct Listing {
 };
 
 constexpr std::array listings{
-    Listing{"methods", "Integration methods; --all: every one, with stages, order, stability", methods, all_methods},
+    Listing{"methods", "Integration methods; --all: every one, with stages and order", methods, all_methods},
     Listing{"detail", "Levels of detail, coarsest first", detail},
     Listing{"channels", "Recorded quantities", channels},
     Listing{"scenes", "Ready scenes", scenes},
@@ -164,20 +157,20 @@ const Listing* find_listing(const std::string& name) {
     return found == listings.end() ? nullptr : &*found;
 }
 
-/// What is wrong with a name, empty: nothing. (CLI11's form of a check.)
-std::string refusal(const std::string& name) {
-    if (find_listing(name) != nullptr) return {};
+/// The list of that name. @throws UsageError with the name that was probably meant
+const Listing& listing_of(const std::string& name) {
+    if (const Listing* listing = find_listing(name)) return *listing;
     std::vector<std::string> names;
     for (const Listing& listing : listings) names.emplace_back(listing.name);
     const std::string near = engine::closest(name, names);
-    return near.empty() ? fmt::format("no list '{}', only {}", name, fmt::join(names, ", "))
-                        : fmt::format("no list '{}', did you mean '{}'?", name, near);
+    throw UsageError(near.empty() ? fmt::format("no list '{}', only {}", name, fmt::join(names, ", "))
+                                  : fmt::format("no list '{}', did you mean '{}'?", name, near));
 }
 
 ExitStatus list(const std::vector<std::string>& names, bool all) {
     std::string text;
     for (const std::string& name : names) {
-        const Listing& listing = *find_listing(name);
+        const Listing& listing = listing_of(name);
         text += (text.empty() ? "" : "\n") + (all && listing.all != nullptr ? listing.all() : listing.text());
     }
     fmt::print("{}", text);
@@ -188,7 +181,7 @@ ExitStatus list(const std::vector<std::string>& names, bool all) {
 
 Action declare_list(CLI::App& app) {
     const auto names = std::make_shared<std::vector<std::string>>();
-    app.add_option("WHAT", *names, "One or more of the names below")->required()->type_name("")->check(CLI::Validator(refusal, ""));
+    app.add_option("WHAT", *names, "One or more of the names below")->required()->type_name("");
     const auto all = std::make_shared<bool>(false);
     app.add_flag("--all", *all, "Every row, not only the usual ones (methods)");
     std::string footer = "Lists:";

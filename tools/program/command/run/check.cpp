@@ -4,9 +4,11 @@
 #include <cmath>
 #include <memory>
 
+#include "tasks/batch/batch.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/run/run_recorder.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/command/command.hpp"
@@ -55,9 +57,15 @@ std::string cost_lines(const tasks::Scene& scene, const tasks::Simulation& simul
                                              : fmt::format("{}, and some for transitions", count_text(stages * (running + settling))));
     const long outputs = std::lround(std::floor(run.until / run.output_interval * (1.0 + 1e-12))) + 1;
     const long states = std::lround(std::floor(run.until / run.state_interval * (1.0 + 1e-12))) + 1;
-    text += field("record", fmt::format("{} every {}, {} every {}", plural(outputs, "row"), time_text(run.output_interval),
-                                        plural(states, "state"), time_text(run.state_interval)));
-    return text;
+    text += field("record", fmt::format("{} every {}, {} every {}, up to {}", plural(outputs, "row"), time_text(run.output_interval),
+                                        plural(states, "state"), time_text(run.state_interval),
+                                        size_text(tasks::record_bytes(scene, simulation.variator().chain()))));
+    constexpr double trial = 0.3;  // [s]
+    std::string untried;
+    const double wall = tasks::step_wall(scene, trial, untried);
+    return text + field("time", wall > 0.0 ? fmt::format("about {} on one thread (measured on its first steps)",
+                                                         duration_text(wall * static_cast<double>(running + settling)))
+                                           : "not measured: " + untried);
 }
 
 /// Of the state that the run begins with; empty where that has yet to settle.

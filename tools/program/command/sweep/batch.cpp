@@ -7,6 +7,8 @@
 #include <optional>
 
 #include "tasks/batch/bench.hpp"
+#include "tasks/batch/results/results.hpp"
+#include "tasks/run/run_recorder.hpp"
 #include "tasks/schedule/schedule.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/command/command.hpp"
@@ -61,6 +63,20 @@ std::string cases_text(const tasks::Sweep& sweep, const std::vector<long>& cases
     return table.text(2) + (more > 0 ? fmt::format("  … and {} more\n", more) : "");
 }
 
+/// What the sweep will write.
+std::string disk_text(const tasks::Sweep& sweep, const std::vector<long>& cases) {
+    const double rows = static_cast<double>(cases.size());
+    std::string text = size_text(rows * static_cast<double>(tasks::result_layout(sweep).bytes())) + " of results";
+    if (!sweep.records || cases.empty()) return text;
+    tasks::Scene scene = sweep.scene;
+    double records = 0.0;
+    for (const long number : cases) {
+        sweep.apply_case(number, scene);
+        if (tasks::violations(scene).empty()) records += tasks::record_bytes(scene, model::ChainModel(scene.parameters));
+    }
+    return text + fmt::format(", up to {} of records", size_text(records));
+}
+
 ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int threads) {
     const std::vector<long> cases = tasks::shard_cases(sweep, shard);
     const tasks::BatchEstimate cost = tasks::estimate(sweep, shard, 0.6);
@@ -70,13 +86,14 @@ ExitStatus dry_run(const tasks::Sweep& sweep, const tasks::Shard& shard, int thr
     for (const tasks::Scalar& scalar : sweep.scalars) scalars.push_back(scalar.text);
     fmt::print("{}", field("scalars", fmt::format("{}", fmt::join(scalars, ", "))));
     if (cost.bad > 0) fmt::print("{}", field("bad parameters", plural(cost.bad, "case")));
-    const std::string one =
-        fmt::format("{} on one thread, {} on {}", clock_text(cost.total), clock_text(cost.total / threads), plural(threads, "thread"));
+    const std::string one = fmt::format("{} on one thread, {} on {}", duration_text(cost.total), duration_text(cost.total / threads),
+                                        plural(threads, "thread"));
     const std::string none =
         cost.bad == cost.cases ? "none: no case has parameters that agree" : "none: no case could be tried: " + cost.untried;
     fmt::print("{}", field("estimate", cost.measured == 0 ? none
                                                           : fmt::format("{} (measured on {}, without settling of shared starts)", one,
                                                                         plural(cost.measured, "case"))));
+    fmt::print("{}", field("disk", disk_text(sweep, cases)));
     if (cost.stable_step > 0.0 && std::isfinite(cost.stable_step))
         fmt::print("{}", field("stable to", fmt::format("{} at the start of the cases tried{}", time_text(cost.stable_step),
                                                         cost.beyond > 1.0 ? "; run.step is beyond" : "")));

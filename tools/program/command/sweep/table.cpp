@@ -25,6 +25,7 @@ struct TableArguments {
     std::string status;
     std::vector<std::string> rainflow;
     int classes = 16;
+    double exponent = 5.0;
     std::string from, until;
     bool csv = false, json = false;
 };
@@ -91,6 +92,8 @@ ExitStatus show(const TableArguments& arguments) {
     fmt::print("{}\n", table_text(table, chosen_columns(table.layout, arguments.columns)));
     const auto of = [&table](const char* name) { return engine::visible(table.attribute(name)); };
     fmt::print("{}: {} of {} cases, {}, results hash {}\n", of("sweep"), table.size(), of("cases"), of("status"), hash);
+    if (const std::string choice = of("accuracy_choice"); !choice.empty())
+        fmt::print("accuracy {}: {} (largest error at the corners {})\n", of("accuracy_target"), choice, of("accuracy_at_corners"));
     if (const std::string error = of("continuation_error"); !error.empty()) fmt::print("continuation changes, in {}\n", error);
     return ExitStatus::finished;
 }
@@ -110,6 +113,7 @@ ExitStatus show_rainflow(const TableArguments& arguments) {
     if (arguments.csv && arguments.json) throw UsageError("--csv or --json, not both");
     RainflowRequest request{arguments.folder, arguments.rainflow};
     request.classes = arguments.classes;
+    request.exponent = arguments.exponent;
     if (!arguments.from.empty()) request.from = instant_of("--from", arguments.from);
     if (!arguments.until.empty()) request.until = instant_of("--until", arguments.until);
     request.form = arguments.csv ? RainflowForm::csv : arguments.json ? RainflowForm::json : RainflowForm::text;
@@ -133,6 +137,10 @@ void declare_rainflow(CLI::App& app, TableArguments& arguments) {
     app.add_option("--classes", arguments.classes, "Classes of ranges")
         ->check(CLI::Range(1, 10000))
         ->type_name("COUNT")
+        ->capture_default_str();
+    app.add_option("--exponent", arguments.exponent, "Of the Woehler line, for the damage-equivalent range")
+        ->check(CLI::Range(1.0, 50.0))
+        ->type_name("NUMBER")
         ->capture_default_str();
     app.add_option("--from", arguments.from, "Count from this time on")->type_name("TIME");
     app.add_option("--until", arguments.until, "Count up to this time")->type_name("TIME");

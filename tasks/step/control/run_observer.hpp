@@ -1,0 +1,50 @@
+#pragma once
+/// What a caller sees of a running integration: outputs, transitions, counters.
+
+#include "model/law/phase_rule.hpp"
+#include "tasks/step/workspace.hpp"
+
+namespace cvtflow::tasks {
+
+/// What happened so far. All monotone.
+struct Counters {
+    long steps = 0;        ///< accepted, truncated ones included
+    long evaluations = 0;  ///< of the right-hand side
+    long detected = 0;     ///< transitions carried out
+    long truncated = 0;    ///< steps cut at a transition
+    long suppressed = 0;   ///< transitions put off because the tip had just changed
+    long rejected = 0;     ///< steps taken again because of their error
+    bool operator==(const Counters&) const = default;
+};
+
+/// One change of a tip's phase, as recorded.
+struct TransitionRecord {
+    double time;  ///< [s]
+    int pin;      ///< link's rear pin + end
+    int tip;      ///< 4 link + 2 end + side
+    model::Phase from, to;
+};
+
+/// Called by the controller, serially, while the graph rests. May throw: the run then ends and the exception reaches its caller.
+class RunObserver {
+public:
+    virtual ~RunObserver() = default;
+    /// At every output time, the first one included. The state is that of the workspace's slot 0.
+    virtual void output(double time, const Workspace& workspace, const Counters& counters) = 0;
+    /// After each truncated step, for every tip that changed.
+    virtual void transition(const TransitionRecord& record) = 0;
+
+protected:
+    RunObserver() = default;
+    RunObserver(const RunObserver&) = default;
+    RunObserver& operator=(const RunObserver&) = default;
+};
+
+/// Ignores everything.
+class SilentObserver final : public RunObserver {
+public:
+    void output(double, const Workspace&, const Counters&) override {}
+    void transition(const TransitionRecord&) override {}
+};
+
+}  // namespace cvtflow::tasks

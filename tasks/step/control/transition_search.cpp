@@ -1,0 +1,98 @@
+#include "tasks/step/control/transition_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cvtflow::tasks {
+
+TransitionSearch::TransitionSearch(Workspace& workspace, StepMethod& method)
+    : w_(workspace), method_(method), secant_(method.retakes()), phases_before_(workspace.tips.phases) {}
+
+void TransitionSearch::prepare_detection() {
+    const model::ChainLayout& at = w_.layout();
+    engine::combine(w_.step.row, w_.step.h, w_.slots(), at.pulley_begin(), at.size(), w_.end_state + at.pulley_begin());
+    if (at.pulley_size != 0) w_.variator.pulleys().motions(w_.end_state + at.pulley_begin(), w_.pulleys.end_sheaves);
+    if (secant_) make_secants();
+}
+
+/// Slopes behind the links at both ends of a step from its states there: velocities, and one mean acceleration.
+void TransitionSearch::make_secants() {
+    const model::ChainLayout& at = w_.layout();
+    const int begin = at.pulley_begin();
+    const int half = at.pulley_size;
+    for (int k = begin; k < at.size(); ++k) {
+        const double mean = (w_.end_state[k] - w_.states[0][k]) / w_.step.h;
+        const bool position = k < begin + half;
+        w_.slopes[0][k] = position ? w_.states[0][k + half] : mean;
+        w_.end_slope[k] = position ? w_.end_state[k + half] : mean;
+    }
+}
+
+Fault TransitionSearch::check(Counters& counters) {
+    due_ = false;
+    const double* tail = w_.end_state + w_.layout().pulley_begin();
+    for (int k = 0; k < w_.tail_size(); ++k) {
+        if (!std::isfinite(tail[k])) return {FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0};
+    }
+    for (const Verdict& verdict : w_.verdicts) {
+        if (verdict.fault) return verdict.fault;
+        counters.suppressed += verdict.suppressed;
+        due_ = due_ || verdict.pending;
+    }
+    return {};
+}
+
+void TransitionSearch::complete_start_slopes() {
+    if (!secant_) return;  // slopes[0] is the slope that the method has evaluated
+    const model::ChainLayout& at = w_.layout();
+    const int half = at.link_size();
+    for (int link = 0; link < at.links; ++link) {
+        const int begin = at.link_begin(link);
+        std::copy_n(w_.states[0] + begin + half, half, w_.slopes[0] + begin);
+        std::copy_n(w_.end_slope + begin + half, half, w_.slopes[0] + begin + half);
+    }
+}
+
+void TransitionSearch::prepare_end_slope() {
+    w_.step.evaluate_end = true;
+    w_.step.slope_out = w_.end_slope;
+    std::copy(std::begin(w_.pulleys.end_sheaves), std::end(w_.pulleys.end_sheaves), std::begin(w_.pulleys.sheaves));
+}
+
+void TransitionSearch::close_end_slope() {
+    close_evaluation(w_, w_.step.time + w_.step.h, w_.end_state + w_.layout().pulley_begin(), w_.sheave_forces(), w_.end_slope);
+}
+
+bool TransitionSearch::locate() {
+    Transition first;
+    for (const Verdict& verdict : w_.verdicts) {
+        if (verdict.first.theta < first.theta) first = verdict.first;
+    }
+    if (first.theta > 1.0) return false;
+    w_.step.theta = first.theta;
+    w_.step.due = first;
+    return true;
+}
+
+void TransitionSearch::prepare_truncation() {
+    std::copy(w_.tips.phases.begin(), w_.tips.phases.end(), phases_before_.begin());
+    const model::ChainLayout& at = w_.layout();
+    w_.interpolant().evaluate(w_.step.theta, at.pulley_begin(), at.size(), w_.cut_state + at.pulley_begin());
+    w_.variator.pulleys().motions(w_.cut_state + at.pulley_begin(), w_.pulleys.sheaves);
+}
+
+void TransitionSearch::truncate(RunObserver& observer, Counters& counters) {
+    std::swap(w_.states[0], w_.cut_state);
+    std::swap(w_.tips.before, w_.tips.after);
+    method_.transition();
+    w_.list_touching();
+    for (std::size_t tip = 0; tip < w_.tips.phases.size(); ++tip) {
+        if (w_.tips.phases[tip] == phases_before_[tip]) continue;
+        const int number = static_cast<int>(tip);
+        const int pin = (number / 4 + number / 2 % 2) % w_.layout().links;
+        ++counters.detected;
+        observer.transition({w_.step.time, pin, number, phases_before_[tip], w_.tips.phases[tip]});
+    }
+}
+
+}  // namespace cvtflow::tasks

@@ -1,0 +1,19 @@
+#pragma once
+/// How quantities are shown in pictures: names without underscores, shares in per cent, units beside them.
+
+#include <string>
+
+namespace cvtflow::tools {
+
+struct Shown {
+    std::string label;    ///< "slip [%]", "tight tension [N]"
+    double factor = 1.0;  ///< from the unit of the record to that of the label
+};
+
+/// A channel or a column of a sweep. @param unit SI unit; "1" or empty: none
+[[nodiscard]] Shown shown(const std::string& name, const std::string& unit);
+
+/// The common label of several quantities of one unit: "force [N]".
+[[nodiscard]] std::string label_of_unit(const std::string& unit);
+
+}  // namespace cvtflow::tools
