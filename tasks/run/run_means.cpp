@@ -153,7 +153,7 @@ std::array<bool, 6> RunMeans::odd() const {
     return {std::abs(last.slip) > gross_slip,
             last.limited > often,
             last.loose > often,
-            impossible(whole.efficiency) || impossible(last.efficiency),
+            !whole.no_load && (impossible(whole.efficiency) || impossible(last.efficiency)),
             !change().empty(),
             whole.no_load};
 }
