@@ -197,9 +197,9 @@ std::string operating_point(const RunReport& r) {
     line("axial tip forces    1-{:9.1f}  1+{:9.1f}  2-{:9.1f}  2+{:9.1f} N", r.axial_force[0], r.axial_force[1], r.axial_force[2],
          r.axial_force[3]);
     line("speed ratio         {:.5f}   (first fifth {:.5f}, last fifth {:.5f})", r.ratio, r.ratio_begin, r.ratio_end);
-    const auto percent = [](const SpanMeans& means) {
-        if (std::isfinite(means.efficiency)) return fmt::format("{:.2f} %", 100.0 * means.efficiency);
-        return std::string(means.no_load ? "- (no load)" : "- (no input)");
+    const auto percent = [&r](const SpanMeans& means) {
+        if (r.whole.no_load || means.no_load) return std::string("- (no load)");
+        return std::isfinite(means.efficiency) ? fmt::format("{:.2f} %", 100.0 * means.efficiency) : std::string("- (no input)");
     };
     line("slip                {:.3f} %      efficiency {}   (over {})", 100.0 * r.slip, percent(r.whole), periods_text(r.whole));
     line("last fifth          slip {:.3f} %      efficiency {}      tight {:.1f} N      slack {:.1f} N", 100.0 * r.last_fifth.slip,

@@ -174,7 +174,7 @@ std::array<bool, 8> RunMeans::odd(const EnergyBalance& balance) const {
     return {std::abs(last.slip) > gross_slip && !stands,
             last.limited > often,
             last.loose > often,
-            impossible(whole.efficiency) || impossible(last.efficiency),
+            !whole.no_load && (impossible(whole.efficiency) || impossible(last.efficiency)),
             !change().empty() && !stands,
             stands,
             (whole.no_load || (std::isfinite(whole.efficiency) && whole.carried < 1.0)) && !stands,
