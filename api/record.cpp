@@ -1,11 +1,14 @@
 #include <cvtflow/record.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include "api/host/translate.hpp"
+#include "api/simulation/simulation_impl.hpp"
 #include "engine/base/spelling.hpp"
 #include "engine/record/run/run_reader.hpp"
 #include "tasks/batch/results/results.hpp"
+#include "tasks/run/run_recorder.hpp"
 
 namespace cvtflow {
 inline namespace v0 {
@@ -24,6 +27,15 @@ namespace {
 
 struct Record::Impl {
     engine::RunReader reader;
+
+    [[nodiscard]] engine::RecordedState recorded(std::size_t number) const {
+        return entered(ErrorCode::record, [&] {
+            const std::size_t count = reader.state_times().size();
+            if (number >= count)
+                throw Error(ErrorCode::argument, "state: number " + std::to_string(number) + " of " + std::to_string(count));
+            return reader.state(number);
+        });
+    }
 };
 
 Record::Record(const std::string& path)
@@ -61,6 +73,93 @@ std::vector<double> Record::read(const std::string& channel, std::size_t first, 
 std::vector<double> Record::read(const std::string& channel) const { return read(channel, 0, rows()); }
 std::vector<double> Record::state_times() const {
     return entered(ErrorCode::record, [&] { return impl_->reader.state_times(); });
+}
+
+std::vector<double> Record::state(std::size_t number) const { return impl_->recorded(number).state; }
+std::vector<std::uint8_t> Record::phases(std::size_t number) const { return impl_->recorded(number).phases; }
+
+std::vector<Transition> Record::transitions() const {
+    return entered(ErrorCode::record, [&] {
+        std::vector<Transition> rows;
+        for (const std::vector<double>& row : impl_->reader.table("transitions"))
+            rows.push_back(
+                {row[0], static_cast<int>(row[1]), static_cast<int>(row[2]), static_cast<int>(row[3]), static_cast<int>(row[4])});
+        return rows;
+    });
+}
+
+struct Recording::Impl final : public tasks::RunObserver {
+    Simulation::Impl& simulation;
+    const tasks::Scene& scene;
+    tasks::RunOptions options;
+    tasks::RunRecorder recorder;
+    double next;  ///< outputs are numbered by their multiples of the interval
+
+    Impl(Simulation::Impl& of, const tasks::Scene& what, const std::string& path)
+        : simulation(of),
+          scene(what),
+          options(writing(path)),
+          recorder(what, of.simulation(), options),
+          next(std::ceil(std::max(0.0, of.simulation().time()) / what.run.output_interval - 1e-9)) {
+        if (simulation.recorder() != nullptr) throw Error(ErrorCode::state, "the simulation is being recorded already");
+        simulation.recorder() = this;
+    }
+    ~Impl() override { detach(); }
+    Impl(const Impl&) = delete;
+    Impl& operator=(const Impl&) = delete;
+
+    [[nodiscard]] static tasks::RunOptions writing(const std::string& path) {
+        tasks::RunOptions made;
+        made.file = path;
+        return made;
+    }
+
+    void detach() noexcept {
+        if (simulation.recorder() == this) simulation.recorder() = nullptr;
+    }
+
+    void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
+        // Calls of advance_to() also end with an output, settling with one at t = 0 that the run repeats.
+        const double number = time / scene.run.output_interval + 1e-9;
+        if (simulation.simulation().needs_settling() || number < next) return;
+        next = std::floor(number) + 1.0;
+        api::translated(ErrorCode::record, [&] { recorder.output(time, workspace, counters); });
+    }
+    void transition(const tasks::TransitionRecord& record) override {
+        if (simulation.simulation().needs_settling()) return;
+        api::translated(ErrorCode::record, [&] { recorder.transition(record); });
+    }
+
+    void finish(bool complete) {
+        detach();
+        const tasks::Simulation& now = simulation.simulation();
+        tasks::RunReport report;
+        if (!complete) report.fault.kind = tasks::FaultKind::cancelled;
+        report.fault.time = now.time();
+        report.step_setting = scene.run.step;
+        report.step = now.step();
+        report.energy = now.energy().balance();
+        report.suspicion = now.suspicion();
+        report.hash = now.hash();
+        recorder.finish(report);
+    }
+};
+
+Recording::Recording(Simulation& simulation, const std::string& path)
+    : impl_(api::entered(ErrorCode::record, [&] {
+          const Simulation::Impl::Scope scope(*simulation.impl_, Simulation::Impl::Scope::As::visitor);
+          return std::make_unique<Impl>(*simulation.impl_, simulation.scene().data_->scene, path);
+      })) {}
+Recording::~Recording() = default;
+Recording::Recording(Recording&& other) noexcept = default;
+Recording& Recording::operator=(Recording&& other) noexcept = default;
+
+void Recording::finish(bool complete) {
+    api::entered(ErrorCode::record, [&] {
+        if (!impl_) throw Error(ErrorCode::state, "the recording is over");
+        const std::unique_ptr<Impl> ending = std::move(impl_);
+        ending->finish(complete);
+    });
 }
 
 struct Table::Impl {

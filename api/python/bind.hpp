@@ -4,10 +4,12 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <cvtflow/cvtflow.hpp>
 #include <memory>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace cvtflow::python {
@@ -20,9 +22,27 @@ using Released = py::gil_scoped_release;
 /// How long Python may wait until somebody looks for its signals [s].
 inline constexpr double between_looks = 0.05;
 
+/// A simulation, and how fast it goes: Python checks for signals after spans of whole output intervals that take about a twentieth of a
+/// second. A span that ended between two outputs would begin the means of channels anew.
+struct Stepper {
+    Simulation simulation;
+    Threads threads;
+    int segments;
+    double interval = std::stod(simulation.scene().value("run.output_interval"));  ///< [s]
+    double pace = 0.0;                                                             ///< simulated over wall time; 0: not known yet
+};
+
 /// A Python callable that C++ may copy and drop on any thread, with or without the lock.
 using Callable = std::shared_ptr<py::function>;
 [[nodiscard]] Callable share(py::function function);
+
+/// A number in SI, or a text with a unit: 1e-4 or "0.1 ms".
+using Quantity = std::variant<double, std::string>;
+/// @param name of the argument, for messages. @throws Error (argument)
+[[nodiscard]] double in_si(const Quantity& quantity, const std::string& name, const std::string& unit);
+
+/// A function of the package's Python part: by_python("_scene", "keys").
+[[nodiscard]] py::object by_python(const char* file, const char* function);
 
 /// An array of numbers that takes over a vector's memory. @param width > 1: [n, width]
 [[nodiscard]] py::array_t<double> array_of(std::vector<double> values, std::size_t width = 1);

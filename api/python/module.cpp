@@ -11,6 +11,19 @@ Callable share(py::function function) {
             }};
 }
 
+double in_si(const Quantity& quantity, const std::string& name, const std::string& unit) {
+    if (const auto* number = std::get_if<double>(&quantity)) return *number;
+    try {
+        return cvtflow::quantity(std::get<std::string>(quantity), unit);
+    } catch (const Error& error) {
+        throw Error(error.code(), name + ": " + error.what());
+    }
+}
+
+py::object by_python(const char* file, const char* function) {
+    return py::module_::import((std::string("cvtflow.") + file).c_str()).attr(function);
+}
+
 py::array_t<double> array_of(std::vector<double> values, std::size_t width) {
     auto* kept = new std::vector<double>(std::move(values));
     const py::capsule owner(kept, [](void* memory) { delete static_cast<std::vector<double>*>(memory); });
@@ -29,6 +42,9 @@ PYBIND11_MODULE(_cvtflow, module) {
     bind_values(module);
     bind_simulation(module);
     bind_records(module);
+    module.def(
+        "quantity", &cvtflow::quantity, pybind11::arg("text"), pybind11::arg("unit"),
+        "A quantity with its unit, in SI: quantity(\"0.1 ms\", \"s\") is 1e-4. unit: SI unit that is expected, \"1\" for a plain number.");
     module.def("library_version", &cvtflow::library_version, "Version of the library that is loaded.");
     module.def(
         "shutdown",

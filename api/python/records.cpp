@@ -19,6 +19,22 @@ namespace {
     return array_of(self.read(channel, first, count.value_or(self.rows() - std::min(first, self.rows()))), width);
 }
 
+/// Structured; its type is registered here, since that needs NumPy, without which the module must load (pip builds where there is none).
+[[nodiscard]] py::array transitions(const Record& self) {
+    static const bool registered = [] {
+        PYBIND11_NUMPY_DTYPE_EX(Transition, time, "time", pin, "pin", tip, "tip", from, "phase_from", to, "phase_to");
+        return true;
+    }();
+    static_cast<void>(registered);
+    const std::vector<Transition> rows = self.transitions();
+    return py::array_t<Transition>(static_cast<py::ssize_t>(rows.size()), rows.data());
+}
+
+[[nodiscard]] py::array_t<std::uint8_t> phases(const Record& self, std::size_t number) {
+    const std::vector<std::uint8_t> row = self.phases(number);
+    return py::array_t<std::uint8_t>(static_cast<py::ssize_t>(row.size()), row.data());
+}
+
 /// Numbers as an array, texts as a list.
 [[nodiscard]] py::object column(const Table& self, const std::string& name) {
     for (const Column& row : self.columns()) {
@@ -55,6 +71,32 @@ void bind_sweep(py::module_& module) {
         .def("cancel", &Sweep::cancel, "Ends run() of another thread soon; running cases leave checkpoints.");
 }
 
+/// A recording and the file that it leaves.
+struct Recorder {
+    Recording recording;
+    std::string path;
+};
+
+[[nodiscard]] std::unique_ptr<Recorder> record(Stepper& stepper, const std::filesystem::path& path) {
+    return std::make_unique<Recorder>(Recorder{Recording(stepper.simulation, path.string()), path.string()});
+}
+
+[[nodiscard]] py::object finish(Recorder& self, bool complete) {
+    self.recording.finish(complete);
+    return by_python("_records", "Record")(self.path);
+}
+
+void bind_recording(py::module_& module) {
+    py::class_<Recorder>(module, "Recording", "The record of a simulation while it is advanced.")
+        .def(py::init(&record), py::arg("simulation"), py::arg("path"), py::keep_alive<1, 2>(),
+             "Channels, states and transitions at the scene's run.output_interval from now on, as `cvtflow run` records them; no settling. "
+             "Ends where a with-statement does, or with finish().")
+        .def("finish", &finish, py::arg("complete") = true, "Completes the file and returns its Record. Raises RecordError.")
+        .def("__enter__", [](const py::object& self) { return self; })
+        .def("__exit__",
+             [](Recorder& self, const py::object& kind, const py::object&, const py::object&) { self.recording.finish(kind.is_none()); });
+}
+
 }  // namespace
 
 void bind_records(py::module_& module) {
@@ -74,7 +116,12 @@ void bind_records(py::module_& module) {
         .def("read", &read, py::arg("channel"), py::arg("first") = 0, py::arg("count") = py::none(),
              "Rows of a channel, or of \"time\" [s]: [count] or [count, width].")
         .def(
-            "state_times", [](const Record& self) { return array_of(self.state_times()); }, "Times of the states recorded [s].");
+            "state_times", [](const Record& self) { return array_of(self.state_times()); }, "Times of the states recorded [s].")
+        .def(
+            "state", [](const Record& self, std::size_t number) { return array_of(self.state(number)); }, py::arg("number"),
+            "Unknowns of a recorded state [unknowns].")
+        .def("phases", &phases, py::arg("number"), "Phases of the tips in a recorded state [tips].")
+        .def("transitions", &transitions, "All changes of a tip's phase, as an array with fields time, pin, tip, phase_from, phase_to.");
     py::class_<Table>(module, "Table", "Results of a sweep (cases.h5), in the order of cases.")
         .def(py::init<const std::string&>(), py::arg("path"), "Raises RecordError.")
         .def(
@@ -83,6 +130,7 @@ void bind_records(py::module_& module) {
         .def("rows", &Table::rows, "Number of cases.")
         .def("read", &column, py::arg("column"), "A column [rows]: an array of numbers, or a list of texts.");
     bind_sweep(module);
+    bind_recording(module);
 }
 
 }  // namespace cvtflow::python

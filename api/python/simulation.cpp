@@ -2,23 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 namespace cvtflow::python {
 
 namespace {
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-/// A simulation, and how fast it goes: between spans of time that take a twentieth of a second Python looks for signals. Where the spans
-/// end does not change results.
-struct Stepper {
-    Simulation simulation;
-    Threads threads;
-    int segments;
-    double pace = 0.0;  ///< simulated over wall time; 0: not known yet
-};
-
-constexpr double first_span = 1e-5;  ///< [s] of simulated time
 
 /// Advances until `end` without the lock. @return wall time [s]
 double advance_released(Simulation& simulation, double end) {
@@ -28,10 +18,12 @@ double advance_released(Simulation& simulation, double end) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-void advance_to(Stepper& self, double until) {
+void advance_to(Stepper& self, const Quantity& time) {
+    const double until = in_si(time, "time", "s");
     for (bool there = false; !there;) {
         const double begin = self.simulation.time();
-        const double end = begin + (self.pace > 0.0 ? self.pace * between_looks : first_span);
+        const double intervals = std::max(1.0, std::floor(self.pace * between_looks / self.interval));
+        const double end = (std::floor(begin / self.interval + 1e-9) + intervals) * self.interval;
         there = !(end < until);
         const double wall = advance_released(self.simulation, there ? until : end);
         const double covered = self.simulation.time() - begin;
@@ -47,7 +39,7 @@ void advance_to(Stepper& self, double until) {
 
 [[nodiscard]] std::unique_ptr<Stepper> copy(const Stepper& self) {
     const Released released;
-    return std::make_unique<Stepper>(Stepper{self.simulation.copy(), self.threads, self.segments, self.pace});
+    return std::make_unique<Stepper>(Stepper{self.simulation.copy(), self.threads, self.segments, self.interval, self.pace});
 }
 
 /// An input itself, or its name.
@@ -55,7 +47,8 @@ void advance_to(Stepper& self, double until) {
     if (!py::isinstance<py::str>(which)) return which.cast<Input>();
     const py::dict members = py::type::of<Input>().attr("__members__");
     if (members.contains(which)) return members[which].cast<Input>();
-    throw Error(ErrorCode::argument, "input: there is no '" + which.cast<std::string>() + "'");
+    const auto meant = by_python("_scene", "suggestion")(which, members).cast<std::string>();
+    throw Error(ErrorCode::argument, "input: there is no '" + which.cast<std::string>() + "'" + meant);
 }
 
 /// Values of the inputs that the scene has, by name.
@@ -85,18 +78,31 @@ void advance_to(Stepper& self, double until) {
     return out;
 }
 
+void set_input(Stepper& self, const py::object& which, const Quantity& value) {
+    const Input input = input_of(which);
+    const InputInfo info = input_info(input);
+    self.simulation.set_input(input, in_si(value, std::string(info.name), std::string(info.unit)));
+}
+
+[[nodiscard]] std::vector<Column> channel_infos(const Stepper& self) {
+    std::vector<Column> rows;
+    for (std::size_t index = 0; index < self.simulation.channels(); ++index) {
+        const ChannelInfo info = self.simulation.channel_info(index);
+        rows.push_back({std::string(info.name), std::string(info.unit), std::string(info.description), info.width});
+    }
+    return rows;
+}
+
 /// A view that cannot be written to and keeps the simulation alive.
-[[nodiscard]] py::array_t<double> channel(const py::object& object, const py::object& which) {
+[[nodiscard]] py::array_t<double> channel(const py::object& object, const std::string& name) {
     auto& self = object.cast<Stepper&>();
-    const std::size_t index =
-        py::isinstance<py::str>(which) ? self.simulation.find_channel(which.cast<std::string>()) : which.cast<std::size_t>();
-    const std::span<const double> now = self.simulation.channel(index);
+    const std::span<const double> now = self.simulation.channel(name);
     py::array_t<double> view(static_cast<py::ssize_t>(now.size()), now.data(), object);
     view.attr("setflags")(py::arg("write") = false);
     return view;
 }
 
-void on_output(const py::object& object, double interval, const std::optional<py::function>& callback) {
+void on_output(const py::object& object, const Quantity& interval, const std::optional<py::function>& callback) {
     std::function<void(Simulation&)> call;
     if (callback) {
         call = [self = py::handle(object), held = share(*callback)](Simulation&) {
@@ -104,7 +110,7 @@ void on_output(const py::object& object, double interval, const std::optional<py
             (*held)(self);
         };
     }
-    object.cast<Stepper&>().simulation.on_output(interval, std::move(call));
+    object.cast<Stepper&>().simulation.on_output(in_si(interval, "interval", "s"), std::move(call));
 }
 
 void on_transition(const py::object& object, const std::optional<py::function>& callback) {
@@ -146,7 +152,8 @@ void bind_time(Class& type) {
             "step_length", [](const Stepper& self) { return self.simulation.step_length(); },
             "Length of a step that no transition cuts [s].")
         .def("advance_to", &advance_to, py::arg("time"),
-             "Takes whole steps until self.time >= time [s], without the interpreter's lock. Ctrl-C ends it between two steps, and the "
+             "Takes whole steps until self.time >= time (\"1 ms\"; numbers are in s), without the interpreter's lock. Ctrl-C ends it "
+             "between two steps, and the "
              "simulation can go on. Raises a Fault, CancelledError, BusyError.")
         .def("step", &step, "One step, perhaps cut short by a transition.")
         .def(
@@ -162,9 +169,8 @@ void bind_state(Class& type) {
             "Raises StateError if it is of another scene.")
         .def(
             "hash", [](const Stepper& self) { return self.simulation.hash(); }, "Of unknowns and phases: bitwise equality in short.")
-        .def(
-            "set_input", [](Stepper& self, const py::object& input, double value) { self.simulation.set_input(input_of(input), value); },
-            py::arg("input"), py::arg("value"), "Sets an input, given as Input or by name, in its SI unit.")
+        .def("set_input", &set_input, py::arg("input"), py::arg("value"),
+             "Sets an input, given as Input or by name, to a number in SI or a text with a unit.")
         .def(
             "input", [](const Stepper& self, const py::object& input) { return self.simulation.input(input_of(input)); }, py::arg("input"),
             "Present value, set or of the scene's table, in its SI unit.")
@@ -176,26 +182,23 @@ void bind_state(Class& type) {
 }
 
 void bind_sight(Class& type) {
-    type.def(
-            "channels", [](const Stepper& self) { return self.simulation.channels(); }, "Number of channels.")
-        .def(
-            "channel_info", [](const Stepper& self, std::size_t index) { return self.simulation.channel_info(index); }, py::arg("index"),
-            "What a channel is.")
-        .def(
-            "find_channel", [](const Stepper& self, const std::string& name) { return self.simulation.find_channel(name); },
-            py::arg("name"), "Number of a channel.")
-        .def("channel", &channel, py::arg("channel"),
-             "Values of a channel now [width], given by number or name: a view, which changes with the next read after a step.")
+    type.def_property_readonly(
+            "channels", [](const py::object& self) { return by_python("_channels", "of_simulation")(self); },
+            "What can be seen now, by name: channels[\"slip\"] is a number, channels[\"links/tension\"] an array, channels.info their "
+            "units.")
+        .def("_channel_infos", &channel_infos, "Of all channels.")
+        .def("channel", &channel, py::arg("name"),
+             "Values of a channel now [width]: a view without a copy, which changes with the next read after a step.")
         .def(
             "counters", [](const Stepper& self) { return self.simulation.counters(); }, "What happened since the start.")
         .def(
             "energy", [](const Stepper& self) { return self.simulation.energy(); }, "Whether results can be believed.")
         .def(
             "notices", [](const Stepper& self) { return self.simulation.notices(); }, "What a user should know, one line each.")
-        .def(
-            "on_output", &on_output, py::arg("interval"), py::arg("callback"),
-            "callback(simulation) after the first step at or after every multiple of interval [s]; None removes it. A callback that refers "
-            "to its simulation keeps both alive until it is removed.")
+        .def("on_output", &on_output, py::arg("interval"), py::arg("callback"),
+             "callback(simulation) after the first step at or after every multiple of interval (\"10 us\"; numbers are in s); None removes "
+             "it. A callback that refers "
+             "to its simulation keeps both alive until it is removed.")
         .def("on_transition", &on_transition, py::arg("callback"), "callback(simulation, transition); None removes it.");
 }
 

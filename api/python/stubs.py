@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 INDENT = "    "
+SPECIAL = ("__init__", "__getitem__", "__iter__", "__enter__", "__exit__")  # what syntax needs; type checkers know the others
 
 
 def signature(doc):
@@ -20,8 +21,9 @@ def signature(doc):
         return "(*args, **kwargs) -> Any", doc or ""
     arguments, result = (re.sub(r"\b(cvtflow\.)?_cvtflow\.|pybind11_builtins\.\w+", "", part) for part in found.groups())
     arguments = re.sub(r"numpy\.ndarray\[[^]]*\]", "numpy.ndarray", arguments)
-    arguments = re.sub(r" = <[^>]*>", " = ...", arguments).replace("self: ", "self: ")
-    return f"{arguments} -> {re.sub(r'numpy.ndarray.*', 'numpy.ndarray', result)}", rest.strip()
+    arguments = re.sub(r" = <[^>]*>", " = ...", arguments).replace("os.PathLike", "Union[str, os.PathLike]")
+    result = "Any" if result == "object" else re.sub(r"numpy.ndarray.*", "numpy.ndarray", result)
+    return f"{arguments} -> {result}", rest.strip()
 
 
 def function(name, member, depth, static=False):
@@ -34,7 +36,7 @@ def function(name, member, depth, static=False):
 
 def value(name, member):
     found = re.search(r"-> (.*)", (member.fget.__doc__ if member.fget else "") or "")
-    kind = re.sub(r"\b(cvtflow\.)?_cvtflow\.", "", found.group(1)) if found else "Any"
+    kind = re.sub(r"\b(cvtflow\.)?_cvtflow\.", "", found.group(1)) if found and found.group(1) != "object" else "Any"
     lines = [INDENT + "@property", INDENT + f"def {name}(self) -> {kind}:"]
     return lines + ([INDENT * 2 + f'"""{member.__doc__.strip()}"""'] if member.__doc__ else []) + [INDENT * 2 + "..."]
 
@@ -51,7 +53,7 @@ def type_lines(name, made):
             lines.append(INDENT + f"{key}: {name}")
         elif isinstance(member, staticmethod) and not key.startswith("_"):
             lines += function(key, member.__func__, 1, static=True)
-        elif callable(member) and (not key.startswith("_") or key == "__init__"):
+        elif callable(member) and (not key.startswith("_") or key in SPECIAL):
             lines += function(key, member, 1)
     return lines + [INDENT + "..."]
 
@@ -61,7 +63,8 @@ def main(folder):
     spec = importlib.util.spec_from_file_location("cvtflow._cvtflow", file)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    lines = ['"""The C++ interface of cvtflow; made from the module itself."""', "", "from typing import *", "import numpy", ""]
+    lines = ['"""The C++ interface of cvtflow; made from the module itself."""', ""]
+    lines += ["import os", "from typing import *", "import numpy", ""]
     for name, member in vars(module).items():
         if name.startswith("_"):
             continue

@@ -41,14 +41,6 @@ void bind_figures(py::module_& module) {
         .def_readonly("dissipated", &Energy::dissipated, "energy dissipated [J]")
         .def_readonly("suspicion", &Energy::suspicion, "|residual| over what an honest integration may leave [1]")
         .def_readonly("reliable", &Energy::reliable, "suspicion <= 1");
-    py::class_<ChannelInfo>(module, "ChannelInfo", "What a channel is.")
-        .def_property_readonly(
-            "name", [](const ChannelInfo& info) { return std::string(info.name); }, "e.g. shaft_1/torque")
-        .def_property_readonly(
-            "unit", [](const ChannelInfo& info) { return std::string(info.unit); }, "e.g. N*m; 1 for none")
-        .def_property_readonly(
-            "description", [](const ChannelInfo& info) { return std::string(info.description); }, "one sentence")
-        .def_readonly("width", &ChannelInfo::width, "number of values");
     py::class_<Transition>(module, "Transition", "A change of a tip's phase: 0 free, 1 touching, 2 sticking, 3 slipping.")
         .def_readonly("time", &Transition::time, "time [s]")
         .def_readonly("pin", &Transition::pin, "counted from 0")

@@ -40,7 +40,7 @@ Scene Scene::ready(const std::string& name) {
 Scene Scene::with(std::span<const std::string> settings) const {
     return api::entered(ErrorCode::scene, [&] {
         Data changed = *data_;
-        tasks::set_values(changed.scene, settings);
+        tasks::set_values(changed.scene, settings, "");
         return Scene(std::make_shared<const Data>(std::move(changed)));
     });
 }

@@ -93,6 +93,7 @@ double Simulation::Impl::next_stop(double until) const {
 }
 
 void Simulation::Impl::transition(const tasks::TransitionRecord& record) {
+    if (recorder_ != nullptr) recorder_->transition(record);
     if (!transition_callback_) return;
     transitions_.push_back({record.time, record.pin, record.tip, static_cast<int>(record.from), static_cast<int>(record.to)});
 }

@@ -58,6 +58,9 @@ public:
     [[nodiscard]] double largest_stable_step();
     [[nodiscard]] tasks::FrozenStart present() const;
 
+    /// Told of outputs and transitions; nullptr: nothing is.
+    [[nodiscard]] tasks::RunObserver*& recorder() noexcept { return recorder_; }
+
     [[nodiscard]] const Scene& scene() const noexcept { return scene_; }
     [[nodiscard]] const tasks::Simulation& simulation() const noexcept { return simulation_; }
     [[nodiscard]] std::size_t channels() const noexcept { return channels_.size(); }
@@ -65,7 +68,9 @@ public:
     [[nodiscard]] Counters counters() const noexcept;
 
 private:
-    void output(double, const tasks::Workspace&, const tasks::Counters&) override {}
+    void output(double time, const tasks::Workspace& workspace, const tasks::Counters& counters) override {
+        if (recorder_ != nullptr) recorder_->output(time, workspace, counters);
+    }
     void transition(const tasks::TransitionRecord& record) override;
     [[nodiscard]] const tasks::Scene& data() const noexcept { return scene_.data_->scene; }
     void require_own_process();
@@ -92,6 +97,7 @@ private:
     long outputs_ = 0;              ///< the next one is due at outputs_ * output_interval_
     std::function<void(Simulation&, const Transition&)> transition_callback_;
     std::vector<Transition> transitions_;  ///< not delivered yet
+    tasks::RunObserver* recorder_ = nullptr;
 };
 
 }  // namespace v0

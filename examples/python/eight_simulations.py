@@ -11,7 +11,7 @@ import cvtflow
 
 def slip_under(load, until):
     """Mean slip [1] under a load [N m]."""
-    scene = cvtflow.Scene.ready("tiny").with_(f"load.torque={load} N*m")
+    scene = cvtflow.Scene.ready("tiny").with_(load__torque=load)
     rows = cvtflow.run(scene, until, channels=["slip", "shaft_2/torque"])
     return load, rows["slip"].mean(), rows["shaft_2/torque"].mean()
 

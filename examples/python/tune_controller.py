@@ -24,14 +24,14 @@ def settled(scene):
 def error(logarithms, scene):
     """Mean square distance of the ratio from the wanted one."""
     gain, integral = np.exp(logarithms)
-    trial = settled(scene.with_(f"control.proportional={gain}", f"control.integral={integral}"))
+    trial = settled(scene.with_(proportional=gain, integral=integral))
     rows = cvtflow.run(trial, SPAN, channels=["ratio"], interval=5e-5)
     return float(np.mean((rows["ratio"] - WANTED) ** 2))
 
 
 def main(evaluations):
-    scene = cvtflow.Scene.ready("tiny").with_("control.enabled=true", "control.ratio=1", "start.settling_time=1 ms", "start.ramp_time=0.5 ms")
-    begin = np.log([float(scene.value("control.proportional")), float(scene.value("control.integral"))])
+    scene = cvtflow.Scene.ready("tiny").with_(control={"enabled": True, "ratio": 1}, start={"settling_time": "1 ms", "ramp_time": "0.5 ms"})
+    begin = np.log([scene["control.proportional"], scene["control.integral"]])
     found = minimize(error, begin, args=(scene,), method="Nelder-Mead", options={"maxfev": evaluations, "xatol": 0.05, "fatol": 1e-12})
     print(f"gain {np.exp(found.x[0]):.4g} N, integral {np.exp(found.x[1]):.4g} N/s: "
           f"root mean square {found.fun ** 0.5:.4g}, was {error(begin, scene) ** 0.5:.4g} ({found.nfev} evaluations)")

@@ -19,6 +19,7 @@ constexpr double often = 0.05;       ///< share of outputs
 constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
 constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
 constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
+constexpr double min_load = 0.01;        ///< taken by shafts, of the input
 constexpr double takes_energy = 0.02;    ///< of the input; 7e-4 over 11 pin periods of the settled baseline
 
 constexpr NoteKind kinds[] = {
@@ -30,7 +31,7 @@ constexpr NoteKind kinds[] = {
      "the state changes: ratio of the first and the last fifth differ by more than 1 %, slip by more than a fifth of it, the stored "
      "energy by more than 2 % of the input; or it was seen for less than a pin period"},
     {"standstill", "the shafts turn by less than 0.1 rad/s: slip is noise"},
-    {"no_load", "drive and load take less out of the machine than is lost in it: there is no efficiency"},
+    {"no_load", "drive and load take less out of the machine than is lost in it: an efficiency is that of idling"},
     {"unresolved", "losses below what can be resolved: the energy balance would not show if 5 % of them were wrong"},
 };
 
@@ -41,15 +42,18 @@ constexpr NoteKind kinds[] = {
     return balance.samples < least_samples ? 0.0 : balance.honest();
 }
 
-/// Change of the stored energy over what inputs brought; 0 without input [1].
-[[nodiscard]] double stored_share(const EnergySums& before, const EnergySums& after) noexcept {
-    double in = 0.0, change = before.lost() - after.lost();
-    for (std::size_t k = 0; k < after.work.size(); ++k) {
-        const double work = after.work[k] - before.work[k];
-        in += std::max(0.0, work);
-        change += work;
-    }
-    return in > 0.0 ? change / in : 0.0;
+/// What inputs brought [J].
+[[nodiscard]] double input(const EnergySums& before, const EnergySums& after) noexcept {
+    double in = 0.0;
+    for (std::size_t k = 0; k < after.work.size(); ++k) in += std::max(0.0, after.work[k] - before.work[k]);
+    return in;
+}
+
+/// Change of the stored energy, by works and losses [J].
+[[nodiscard]] double change_of_energy(const EnergySums& before, const EnergySums& after) noexcept {
+    double change = before.lost() - after.lost();
+    for (std::size_t k = 0; k < after.work.size(); ++k) change += after.work[k] - before.work[k];
+    return change;
 }
 
 }  // namespace
@@ -134,15 +138,15 @@ SpanMeans RunMeans::span(double from, double to) const {
         means.periods = 1.0;  // a fifth shorter than a period
     const EnergySums before = energy_at(means.periods > 0.0 ? means.end - means.periods * pin_period_ : means.begin);
     const EnergySums after = energy_at(means.end);
-    means.efficiency = after.efficiency_since(before);
-    means.stored = stored_share(before, after);
-    const auto taken_out = [&](model::Work by) {
+    const auto taken_out = [&](model::Work by) {  // by a shaft, not by a cylinder
         return std::max(0.0, before.work[static_cast<std::size_t>(by)] - after.work[static_cast<std::size_t>(by)]);
     };
-    const double lost = after.lost() - before.lost();
-    means.carried = lost > 0.0 ? (taken_out(model::Work::drive) + taken_out(model::Work::load)) / lost : 0.0;
-    means.no_load = std::isfinite(means.efficiency) && means.carried < 1.0;
-    if (means.no_load) means.efficiency = std::numeric_limits<double>::quiet_NaN();
+    const double taken = taken_out(model::Work::drive) + taken_out(model::Work::load), lost = after.lost() - before.lost();
+    const double in = input(before, after);
+    means.no_load = in > 0.0 && taken < min_load * in;
+    means.efficiency = means.no_load ? std::numeric_limits<double>::quiet_NaN() : after.efficiency_since(before);
+    means.carried = lost > 0.0 ? taken / lost : 0.0;
+    means.stored = in > 0.0 ? change_of_energy(before, after) / in : 0.0;
     return means;
 }
 
@@ -173,7 +177,7 @@ std::array<bool, 8> RunMeans::odd(const EnergyBalance& balance) const {
             impossible(whole.efficiency) || impossible(last.efficiency),
             !change().empty() && !stands,
             stands,
-            whole.no_load && !stands,
+            (whole.no_load || (std::isfinite(whole.efficiency) && whole.carried < 1.0)) && !stands,
             unresolved(balance) > resolved_share * balance.loss};
 }
 
@@ -190,7 +194,8 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
                     percent(last.efficiency)),
         change(),
         "the machine stands: slip is noise",
-        fmt::format("no load: drive and load take {} of what is lost, so there is no efficiency", percent(whole.carried)),
+        fmt::format("no load: drive and load take {} of what is lost{}", percent(whole.carried),
+                    whole.no_load ? ", so there is no efficiency" : ": the efficiency is that of idling"),
         fmt::format("losses below what can be resolved: {:.2g} J of {:.2g} J could be wrong and the energy balance would not show it",
                     unresolved(balance), balance.loss),
     };

@@ -22,7 +22,7 @@ struct SpanMeans {
     double loose = 0.0;               ///< share of outputs at which the slack strand carried no tension
     double efficiency = 0.0;          ///< 1 - losses/input; not a number without input or without load [1]
     double stored = 0.0;              ///< change of the stored energy over the input; 0 without input [1]
-    bool no_load = false;             ///< drive and load took out less than was lost: there is no efficiency
+    bool no_load = false;             ///< no shaft took a hundredth of the input: there is no efficiency
     double periods = 0.0;             ///< whole pin periods that efficiency is over; 0: less than one [1]
     double turning = 0.0;             ///< speed of the shafts, whichever way, mean of both [rad/s]
     double carried = 0.0;             ///< what drive and load have taken out of the machine over its losses, in the same time [1]

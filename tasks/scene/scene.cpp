@@ -186,14 +186,16 @@ Scene parse_scene(std::string text, std::filesystem::path name, StartState start
     return scene;
 }
 
-void set_values(Scene& scene, std::span<const std::string> settings) {
+void set_values(Scene& scene, std::span<const std::string> settings, std::string_view origin) {
     constexpr Position nowhere{-1, 0};
     Reading reading(scene, {}, StartState::required, nowhere);
     int number = 0;
     for (const std::string& setting : settings) read_setting(reading, setting, {number++, 0});
+    const auto setting_at = [&](Position position) { return settings[static_cast<std::size_t>(position.line)]; };
     scene = reading.finish([&](Position position) {
         return position == nowhere ? fmt::format("{}, as it is now", scene.name)
-                                   : fmt::format("--set {}", settings[static_cast<std::size_t>(position.line)]);
+               : origin.empty()    ? shown(setting_at(position))
+                                   : fmt::format("{}{}", origin, setting_at(position));
     });
 }
 

@@ -90,8 +90,9 @@ enum class StartState { required, ignored };
 /// Applies settings "key=value" in their order, then checks the whole scene; so settings that are consistent only together can be given
 /// together. A value is written as in TOML; quotes around texts, choices and quantities may be left out (shells strip them). start.state is
 /// relative to the working directory, as everything on a command line is. The scene is unchanged if anything is wrong.
+/// @param origin  text before a setting in messages; hosts have no command line and pass "": long settings are then shortened
 /// @throws SceneError  lines begin with `--set key=value: `
-void set_values(Scene& scene, std::span<const std::string> settings);
+void set_values(Scene& scene, std::span<const std::string> settings, std::string_view origin = "--set ");
 
 /// set_values with one setting.
 void set_value(Scene& scene, std::string_view setting);

@@ -67,7 +67,7 @@ class Records(Folder):
         record = cvtflow.Record(file)
         self.assertEqual((record.status, record.rows), ("finished", 11))
         self.assertEqual(record["links/tension"].shape, (11, 24))
-        self.assertEqual(record.channels["links/tension"].unit, "N")
+        self.assertEqual(record.channels.info["links/tension"].unit, "N")
         np.testing.assert_array_equal(record.read("ratio", 3, 2), record["ratio"][3:5])
         self.assertRaises(cvtflow.ArgumentError, record.read, "ratio", 10, 2)
         self.assertRaises(KeyError, lambda: record["rato"])
@@ -104,7 +104,7 @@ class Sweeps(Folder):
     @unittest.skipUnless(importlib.util.find_spec("pandas"), "pandas is not installed")
     def test_results_become_a_frame(self):
         cvtflow.Sweep("tiny", {"load.torque": [6.0, 7.0]}, ["slip mean"], settings=SETTINGS).run(self.folder)
-        frame = cvtflow.Sweep.frame(self.folder)
+        frame = cvtflow.Sweep.results(self.folder).frame()
         self.assertEqual(list(frame.index), [0, 1])
         self.assertEqual(list(frame["load_torque"]), [6.0, 7.0])
 
@@ -140,6 +140,8 @@ class Faces(unittest.TestCase):
             if not inspect.isclass(member) or issubclass(member, Exception) or hasattr(member, "__members__"):
                 continue
             stubbed = {node.name for node in names[name].body if isinstance(node, ast.FunctionDef)}
+            needed = {"__getitem__", "__iter__", "__enter__", "__exit__"} & set(vars(member))
+            self.assertLessEqual(needed, stubbed, name)  # else type checkers refuse scene["load.torque"] and with-statements
             for key, of_class in vars(member).items():
                 if key.startswith("_") or not (callable(of_class) or isinstance(of_class, property)):
                     continue

@@ -89,6 +89,18 @@ TEST_F(PlotCommand, OrdersOfTheBaselinePeakWherePinsPassAndAtTwiceThat) {
     }
 }
 
+TEST_F(PlotCommand, ALongRunIsDrawnAsMeansOverPinPeriods) {
+    ASSERT_EQ(run({"run", "control", "-o", "long.h5", "-q", "--until", "50 ms"}).status, 0);
+    ASSERT_EQ(run({"plot", "long.h5", "slip", "-o", "means.csv"}).status, 0);
+    ASSERT_EQ(run({"plot", "long.h5", "slip", "-o", "all.csv", "--every-output"}).status, 0);
+    const auto means = points_of(read("means.csv"), "slip"), all = points_of(read("all.csv"), "slip");
+    EXPECT_EQ(all.size(), 2501U);
+    ASSERT_GT(means.size(), 60U);
+    EXPECT_LT(means.size(), 80U) << "50 ms of 0.71 ms";
+    EXPECT_NEAR(means[1].first - means[0].first, 1e3 * 8.12e-3 / (2000.0 / 60.0 * 2.0 * std::numbers::pi * 54.44e-3), 0.01);
+    for (const auto& [time, slip] : means) EXPECT_TRUE(slip > 0.1 && slip < 0.6) << time << ": " << slip << " %";
+}
+
 TEST_F(PlotCommand, SeveralRecordsStandInOnePicture) {
     std::filesystem::copy_file(folder_ / "run.h5", folder_ / "other.h5");
     ASSERT_EQ(run({"plot", "run.h5", "other.h5", "slip", "-o", "p.svg"}).status, 0);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <cvtflow/export.hpp>
+#include <cvtflow/simulation.hpp>
 
 namespace cvtflow {
 inline namespace v0 {
@@ -49,6 +50,32 @@ public:
     [[nodiscard]] std::vector<double> read(const std::string& channel) const;
     /// Times of the states recorded [s].
     [[nodiscard]] std::vector<double> state_times() const;
+    /// Unknowns of a recorded state [unknowns], in the order of Simulation::unknowns(). @param number 0 … state_times().size() - 1
+    [[nodiscard]] std::vector<double> state(std::size_t number) const;
+    /// Phases of the tips in a recorded state [tips], as those of a Transition.
+    [[nodiscard]] std::vector<std::uint8_t> phases(std::size_t number) const;
+    /// All changes of a tip's phase, in their order.
+    [[nodiscard]] std::vector<Transition> transitions() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Writes the record of a simulation while it is advanced: channels, states, transitions and file of `cvtflow run`, at the scene's
+/// run.output_interval from now on. Settling is not recorded. Must not outlive the simulation; one at a time for each.
+class CVTFLOW_EXPORT Recording {
+public:
+    /// @throws Error (record) for files that cannot be written, (state) if the simulation is being recorded already
+    Recording(Simulation& simulation, const std::string& path);
+    /// Without finish() the rows stay in `path`.part.
+    ~Recording();
+    Recording(Recording&& other) noexcept;
+    Recording& operator=(Recording&& other) noexcept;
+
+    /// Completes the record, which takes its final name. @param complete false: the status becomes "cancelled"
+    /// @throws Error (record)
+    void finish(bool complete = true);
 
 private:
     struct Impl;

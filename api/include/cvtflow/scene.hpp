@@ -5,12 +5,14 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <cvtflow/export.hpp>
 
 namespace cvtflow {
 inline namespace v0 {
 
+class Recording;
 class Simulation;
 struct TuneOptions;
 struct Tuning;
@@ -26,7 +28,7 @@ public:
     /// @throws Error (scene)
     [[nodiscard]] static Scene ready(const std::string& name);
 
-    /// This scene with settings "key=value", as --set on the command line. @throws Error (scene)
+    /// This scene with settings "key=value", as --set on the command line; the problems begin with the setting. @throws Error (scene)
     [[nodiscard]] Scene with(std::span<const std::string> settings) const;
     [[nodiscard]] Scene with(const std::string& setting) const;
     /// with({"a=1", "b=2"}): without this one, two texts in braces would be taken for the begin and the end of one.
@@ -47,11 +49,32 @@ public:
 private:
     struct Data;
     explicit Scene(std::shared_ptr<const Data> data) noexcept;
+    friend class Recording;
     friend class Simulation;
     friend CVTFLOW_EXPORT Tuning tune(const Scene& scene, const TuneOptions& options);
 
     std::shared_ptr<const Data> data_;
 };
+
+/// A key of scenes.
+struct KeyInfo {
+    std::string name;                  ///< "load.torque"
+    std::string unit;                  ///< SI unit, "1" for a plain number; empty where the value is no number
+    std::string description;           ///< one or two sentences
+    std::string usual;                 ///< default as TOML
+    std::string source;                ///< of the default
+    double min = 0.0;                  ///< smallest value allowed [unit]
+    double max = 0.0;                  ///< largest value allowed [unit]
+    std::vector<std::string> choices;  ///< values allowed; empty unless the value is one of some names
+    bool table = false;                ///< whether the value may be a table over time
+};
+
+/// All keys of scenes, section by section.
+[[nodiscard]] CVTFLOW_EXPORT std::vector<KeyInfo> scene_keys();
+
+/// A quantity with its unit, in SI: quantity("0.1 ms", "s") is 1e-4. @param unit SI unit that is expected, "1" for a plain number
+/// @throws Error (argument) for texts that are no number, unknown units and other dimensions
+[[nodiscard]] CVTFLOW_EXPORT double quantity(const std::string& text, const std::string& unit);
 
 }  // namespace v0
 }  // namespace cvtflow

@@ -175,6 +175,7 @@ public:
 
 private:
     class Impl;
+    friend class Recording;
     explicit Simulation(std::unique_ptr<Impl> impl) noexcept;
 
     std::unique_ptr<Impl> impl_;

@@ -2,6 +2,9 @@
 
 from html import escape
 
+from . import _cvtflow
+from ._scene import key_repr
+
 
 def _number(value, unit):
     return f"{value:.5g}" + ("" if unit == "1" else f" {unit}")
@@ -10,10 +13,9 @@ def _number(value, unit):
 def _rows(simulation):
     rows = [("time", _number(simulation.time, "s")), ("unknowns", str(simulation.size())),
             ("steps", str(simulation.counters().steps)), ("balance", "closes" if simulation.energy().reliable else "does not close")]
-    for index in range(simulation.channels()):
-        info = simulation.channel_info(index)
-        if info.width == 1 and "/" not in info.name:
-            rows.append((info.name, _number(simulation.channel(index)[0], info.unit)))
+    for name, info in simulation.channels.info.items():
+        if info.width == 1 and "/" not in name:
+            rows.append((name, _number(simulation.channels[name], info.unit)))
     return rows
 
 
@@ -46,8 +48,25 @@ def _scene_html(self):
     return f"<details><summary>{escape(self.name)}: {escape(self.description)}</summary><pre>{escape(self.text)}</pre></details>"
 
 
-def install(scene, simulation):
+def _scene_repr(self):
+    return (f"<cvtflow.Scene {self.name}: {self['chain.pins']} pins, ratio {self['start.ratio']:g}, "
+            f"until {self['run.until']:g} s>")
+
+
+def _fields(self):
+    """Every property by name: <cvtflow.Energy residual=..., dissipated=...>."""
+    names = [name for name, member in vars(type(self)).items() if isinstance(member, property)]
+    values = ", ".join(f"{name}={getattr(self, name)!r}" for name in names)
+    return f"<cvtflow.{type(self).__name__} {values}>"
+
+
+def install():
     """Gives the classes their faces."""
-    scene._repr_html_ = _scene_html
-    simulation._repr_html_ = _simulation_html
-    simulation.__repr__ = _simulation_repr
+    _cvtflow.Scene._repr_html_ = _scene_html
+    _cvtflow.Scene.__repr__ = _scene_repr
+    _cvtflow.Simulation._repr_html_ = _simulation_html
+    _cvtflow.Simulation.__repr__ = _simulation_repr
+    _cvtflow.KeyInfo.__repr__ = key_repr
+    _cvtflow.State.__repr__ = lambda self: f"<cvtflow.State: {len(self.bytes())} bytes>"
+    for name in ("Column", "Counters", "Energy", "SweepProgress", "Threads", "Transition", "Tuning"):
+        getattr(_cvtflow, name).__repr__ = _fields

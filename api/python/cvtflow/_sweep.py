@@ -1,67 +1,132 @@
 """Many variants of a scene, as `cvtflow batch` and the scripts for Slurm run them."""
 
 import os
+import re
 import threading
 from pathlib import Path
 
-from ._cvtflow import SweepFile, Table
-
-
-def _text(value):
-    """A value of a sweep file: texts carry units, numbers are in the key's own."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-    return repr(float(value)) if not isinstance(value, int) else repr(value)
+from ._cvtflow import Scene, SweepFile, Table
+from ._scene import flat, resolve, suggestion, toml
 
 
 def _list(values):
-    return "[" + ", ".join(_text(value) for value in values) + "]"
+    return "[" + ", ".join(toml(value) for value in values) + "]"
+
+
+class Results(dict):
+    """What a sweep has left: arrays (lists for texts) by column, in the order of cases. info has units and descriptions by column."""
+
+    def __init__(self, table):
+        super().__init__((column.name, table.read(column.name)) for column in table.columns())
+        self.info = {column.name: column for column in table.columns()}
+
+    def frame(self):
+        """A pandas.DataFrame with the case as index; units by column are in frame.attrs["units"]. Raises ImportError without pandas."""
+        import pandas
+
+        frame = pandas.DataFrame(self).astype({"case": int}).set_index("case")
+        frame.attrs["units"] = {name: column.unit for name, column in self.info.items()}
+        return frame
+
+    def column(self, name):
+        """The name of a column: slip_mean also as "slip mean", load_torque as "load.torque"."""
+        plain = re.sub(r"\W+", "_", name).strip("_")
+        if plain in self:
+            return plain
+        raise KeyError(f"there is no column '{name}'" + suggestion(plain, self))
+
+    def plot(self, x, y, by=None, ax=None, **style):
+        """Draws a column over another with Matplotlib; by: one line for each value of a third. Returns the Axes.
+
+        ax     None: a new figure
+        style  goes to Axes.plot
+        """
+        import matplotlib.pyplot as pyplot
+        import numpy as np
+
+        x, y, by = (name and self.column(name) for name in (x, y, by))
+        axes = ax or pyplot.subplots(layout="constrained")[1]
+        groups = np.unique(self[by]) if by else [None]
+        for group in groups:
+            chosen = np.flatnonzero(np.equal(self[by], group)) if by else np.arange(len(self[x]))
+            chosen = chosen[np.argsort(np.asarray(self[x])[chosen], kind="stable")]
+            label = f"{self._label(by)} = {group:.6g}" if by else None
+            axes.plot(self[x][chosen], self[y][chosen], label=label, **{"marker": "o", **style})
+        axes.set(xlabel=self._label(x), ylabel=self._label(y))
+        if by:
+            axes.legend()
+        return axes
+
+    def _label(self, name):
+        unit = self.info[name].unit
+        return name if unit in ("", "1") else f"{name} [{unit}]"
+
+    def __repr__(self):
+        return f"<cvtflow.Results: {len(self['case'])} cases of {', '.join(self)}>"
 
 
 class Sweep:
     """Every combination of values of some keys of a scene, and the scalars wanted of each.
 
-    sweep = cvtflow.Sweep("tiny", {"load.torque": ["6 N*m", "12 N*m"]}, ["slip mean", "efficiency mean"],
-                          settings={"run.until": "0.2 ms"})
-    sweep.run("results/loads")["slip_mean"]   # an array
+    sweep = cvtflow.Sweep(cvtflow.Scene.ready("tiny"), {"load.torque": ["6 N*m", "12 N*m"]}, ["slip mean", "efficiency mean"],
+                          settings={"until": "0.2 ms"})
+    results = sweep.run("results/loads")
+    results["slip_mean"]                                   # an array
+    results.plot(x="load.torque", y="efficiency mean")     # with Matplotlib; results.frame(): a pandas.DataFrame
 
-    Keys whose values vary together are given as one tuple: {("clamping.driving", "clamping.driven"): [("3 kN", "2 kN"), ...]}.
+    scene  a Scene, the name of a ready one, or a file
+    axes   values by key, as Scene.with_() takes keys; keys that vary together are one tuple:
+           {("clamping.driving", "clamping.driven"): [("3 kN", "2 kN"), ...]}
     write() gives the file that `cvtflow batch` and tools/slurm/submit take; results() reads what they left, of one machine or of many.
     """
 
     def __init__(self, scene, axes, scalars, *, settings=None, detail=None, start=None, from_=None, name=None):
-        self.scene, self.axes, self.scalars = str(scene), dict(axes), list(scalars)
+        self.scene, self.axes, self.scalars = scene, dict(axes), list(scalars)
         self.settings, self.detail, self.start, self.from_ = dict(settings or {}), detail, start, from_
         self.name = name
+
+    def _scene(self):
+        """The scene itself, where a short key needs it."""
+        if isinstance(self.scene, Scene):
+            return self.scene
+        return Scene.read(self.scene) if _is_path(self.scene) else Scene.ready(self.scene)
+
+    def _place(self):
+        """What stands for the scene in a sweep file, which may lie anywhere."""
+        return os.path.abspath(self.scene) if _is_path(self.scene) else self.scene
 
     @property
     def text(self):
         """The sweep file."""
-        lines = ["[sweep]", f"scene = {_text(self.scene)}"]
-        lines += [f"name = {_text(self.name)}"] if self.name else []
-        lines += [f"detail = {_text(self.detail)}"] if self.detail else []
+        return self._text("sweep.scene.toml" if isinstance(self.scene, Scene) else self._place())
+
+    def _text(self, scene):
+        lines = ["[sweep]", f"scene = {toml(scene)}"]
+        lines += [f"name = {toml(self.name)}"] if self.name else []
+        lines += [f"detail = {toml(self.detail)}"] if self.detail else []
         if self.settings:
-            lines += ["[set]"] + [f"{key} = {_text(value)}" for key, value in self.settings.items()]
+            lines += ["[set]"] + [f"{key} = {toml(value)}" for key, value in flat(self._scene(), self.settings)]
         for keys, values in self.axes.items():
             lines += ["[[axes]]"] + self._axis(keys, list(values))
         lines += ["[outputs]", f"scalars = {_list(self.scalars)}"]
-        lines += [f"from = {_text(self.from_)}"] if self.from_ else []
-        lines += ["[start]", f"mode = {_text(self.start)}"] if self.start else []
+        lines += [f"from = {toml(self.from_)}"] if self.from_ else []
+        lines += ["[start]", f"mode = {toml(self.start)}"] if self.start else []
         return "\n".join(lines) + "\n"
 
-    @staticmethod
-    def _axis(keys, values):
+    def _axis(self, keys, values):
         if isinstance(keys, str):
-            return [f"key = {_text(keys)}", f"values = {_list(values)}"]
+            return [f"key = {toml(resolve(self._scene(), keys))}", f"values = {_list(values)}"]
         columns = zip(*values)
-        rows = [f"{{key = {_text(key)}, values = {_list(column)}}}" for key, column in zip(keys, columns)]
+        rows = [f"{{key = {toml(resolve(self._scene(), key))}, values = {_list(column)}}}" for key, column in zip(keys, columns)]
         return ["zip = [" + ", ".join(rows) + "]"]
 
     def write(self, path):
-        """Writes the sweep file and checks it. Raises SceneError with every problem in it."""
-        Path(path).write_text(self.text, encoding="utf-8")
+        """Writes the sweep file, with the scene beside it if that is a Scene, and checks it. Raises SceneError with every problem."""
+        path = Path(path)
+        beside = path.with_suffix(".scene.toml")
+        if isinstance(self.scene, Scene):
+            beside.write_text(self.scene.text, encoding="utf-8")
+        path.write_text(self._text(beside.name if isinstance(self.scene, Scene) else self._place()), encoding="utf-8")
         return SweepFile.read(str(path))
 
     def run(self, folder, threads=0, progress=None):
@@ -72,23 +137,14 @@ class Sweep:
         """
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
-        sweep = self.write(folder / "sweep.toml")
-        _interruptible(sweep, lambda: sweep.run(str(folder), threads, progress))
+        self.write(folder / "sweep.toml").run(str(folder), threads, progress)
         return self.results(folder)
 
     @staticmethod
     def results(folder):
-        """A dict of arrays (lists for texts) by column, in the order of cases, from a folder or a table."""
+        """The Results in a folder or a table."""
         path = Path(folder)
-        table = Table(str(path / "cases.h5" if path.is_dir() else path))
-        return {column.name: table.read(column.name) for column in table.columns()}
-
-    @staticmethod
-    def frame(folder):
-        """The results as a pandas.DataFrame, with the case as index. Raises ImportError where pandas is not installed."""
-        import pandas
-
-        return pandas.DataFrame(Sweep.results(folder)).set_index("case")
+        return Results(Table(str(path / "cases.h5" if path.is_dir() else path)))
 
     def submit(self, folder, *arguments):
         """Hands the sweep to Slurm by the installed script. Returns what it printed."""
@@ -110,24 +166,35 @@ def _script():
     raise FileNotFoundError("no share/cvtflow/slurm/submit above this module; set CVTFLOW_SLURM_SUBMIT")
 
 
-def _interruptible(sweep, action):
-    """Runs `action` on a thread of its own, so that this one can be interrupted."""
-    thrown = []
+def _is_path(scene):
+    return isinstance(scene, os.PathLike) or "/" in scene or scene.endswith(".toml")
+
+
+_run_uninterrupted = SweepFile.run
+
+
+def _run(self, folder, threads=0, progress=None):
+    """Runs what is missing in folder/cases.h5. False after cancel(). Ctrl-C ends it; running cases leave checkpoints."""
+    done, thrown = [], []
 
     def work():
         try:
-            action()
+            done.append(_run_uninterrupted(self, folder, threads, progress))
         except BaseException as error:
             thrown.append(error)
 
-    thread = threading.Thread(target=work)
+    thread = threading.Thread(target=work)  # so that this one can be interrupted
     thread.start()
     try:
         while thread.is_alive():
             thread.join(0.1)
     except BaseException:
-        sweep.cancel()
+        self.cancel()
         thread.join()
         raise
     if thrown:
         raise thrown[0]
+    return done[0]
+
+
+SweepFile.run = _run

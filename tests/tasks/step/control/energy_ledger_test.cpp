@@ -145,7 +145,7 @@ TEST(RunMeans, SayWhereSlipIsNoiseAndWhereEfficiencyIsThatOfIdling) {
 }
 
 /// Means of a steady chain, a tenth of a second, of 100 W of losses, whose drive and load have those powers [W].
-RunMeans steady_means(double drive, double load, double pin_period = 7e-4) {
+RunMeans steady_means(double drive, double load, double pin_period = 7e-4, double cylinder = 0.0) {
     RunMeans means;
     for (int k = 0; k <= 5000; ++k) {
         model::Observation now;
@@ -157,6 +157,7 @@ RunMeans steady_means(double drive, double load, double pin_period = 7e-4) {
         sums.time = now.time;
         sums.work[0] = drive * now.time;
         sums.work[1] = -load * now.time;
+        sums.work[2] = -cylinder * now.time;
         sums.loss[0] = 100.0 * now.time;
         means.add(now, sums, pin_period);
     }
@@ -184,6 +185,7 @@ TEST(RunMeans, WithoutLoadThereIsNoEfficiency) {
     const RunMeans means = steady_means(100.0, 0.0);
     EXPECT_TRUE(std::isnan(means.all().efficiency));
     EXPECT_EQ(names_of(means), "no_load");
+    EXPECT_TRUE(std::isnan(steady_means(120.0, 0.0, 7e-4, 20.0).all().efficiency)) << "what a cylinder takes is no load";
 }
 
 }  // namespace

@@ -1,0 +1,82 @@
+"""Channels by name, of a simulation now and of records over time."""
+
+import re
+from collections.abc import Mapping
+
+from ._scene import suggestion
+
+
+def split(name):
+    """"links/tension[3]" as its channel and element; the element is None without one."""
+    found = re.fullmatch(r"(.*)\[(\d+)\]", name)
+    return (found.group(1), int(found.group(2))) if found else (name, None)
+
+
+def unknown(name, names):
+    """The KeyError of a name that does not exist."""
+    return KeyError(f"there is no channel '{name}'" + suggestion(name, names))
+
+
+class Channels(Mapping):
+    """Values by the names of channels: channels["slip"], channels["links/tension[3]"], channels.shaft_1.torque; channels.info has their
+    units."""
+
+    def __init__(self, read, columns, prefix=""):
+        self._read, self._columns, self._prefix = read, columns, prefix
+
+    @property
+    def info(self):
+        """Column (name, unit, description, width) of every channel, by name."""
+        cut = len(self._prefix)
+        return {column.name[cut:]: column for column in self._columns() if column.name.startswith(self._prefix)}
+
+    def __getitem__(self, name):
+        return self._read(self._prefix + name)
+
+    def __iter__(self):
+        return iter(self.info)
+
+    def __len__(self):
+        return len(self.info)
+
+    def __contains__(self, name):
+        return name in self.info
+
+    def __getattr__(self, name):
+        if name.startswith("_"):
+            raise AttributeError(name)
+        if name in self.info:
+            return self[name]
+        if name in self._groups():
+            return Channels(self._read, self._columns, f"{self._prefix}{name}/")
+        raise AttributeError(unknown(name, {*self.info, *self._groups()}).args[0])
+
+    def _groups(self):
+        return {name.split("/")[0] for name in self.info if "/" in name}
+
+    def __dir__(self):
+        return [*super().__dir__(), *self._groups(), *(name for name in self.info if "/" not in name)]
+
+    def _ipython_key_completions_(self):
+        return list(self.info)
+
+    def __repr__(self):
+        lines = [f"{name}  [{column.unit}]{f' x {column.width}' if column.width > 1 else ''}  {column.description}"
+                 for name, column in self.info.items()]
+        return "\n".join(lines)
+
+
+def of_simulation(simulation):
+    """The channels of a simulation: numbers, and arrays of their own."""
+
+    def read(name):
+        channel, element = split(name)
+        try:
+            values = simulation.channel(channel)
+        except ValueError:
+            raise unknown(name, [column.name for column in simulation._channel_infos()]) from None
+        if element is not None and element >= len(values):
+            raise KeyError(f"{name}: {channel} has {len(values)} elements")
+        return float(values[element or 0]) if element is not None or len(values) == 1 else values.copy()
+
+    return Channels(read, simulation._channel_infos)

@@ -1,0 +1,163 @@
+"""Scenes in the words of Python: which key is meant, values as TOML and back, the listing of keys."""
+
+import difflib
+import json
+import os
+from collections.abc import Mapping
+from functools import lru_cache
+from html import escape
+
+import numpy as np
+
+from ._cvtflow import SceneError, scene_keys
+
+
+@lru_cache(maxsize=None)
+def all_keys():
+    """KeyInfo of every key, by name."""
+    return {key.name: key for key in scene_keys()}
+
+
+def toml(value, table=False):
+    """A value as TOML. table: of a key that may be a table over time, for which a pandas.Series or two arrays (time, value) will do."""
+    if table and hasattr(value, "index") and hasattr(value, "to_numpy"):
+        value = np.column_stack([np.asarray(value.index, dtype=float), value.to_numpy()])
+    if table and isinstance(value, tuple) and len(value) == 2 and all(isinstance(each, np.ndarray) for each in value):
+        value = np.column_stack(value)
+    if hasattr(value, "tolist"):  # arrays and numbers of NumPy
+        value = value.tolist()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (str, os.PathLike)):
+        return json.dumps(os.fspath(value), ensure_ascii=False).replace("\x7f", "\\u007f")
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{name} = {toml(each)}" for name, each in value.items()) + "}"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    return "[" + ", ".join(toml(each) for each in value) + "]"
+
+
+def value_of(text):
+    """A value from its TOML as the library writes it, which is JSON as well."""
+    return json.loads(text)
+
+
+def _wrong(message):
+    error = SceneError(message)
+    error.code = "scene"
+    return error
+
+
+def _acts(scene, key):
+    """Whether a key takes part: drive.torque does in drive.mode "torque" alone."""
+    section, name = key.split(".")
+    mode = all_keys().get(section + ".mode")
+    return mode is None or name not in mode.choices or value_of(scene.value(mode.name)) == name
+
+
+def resolve(scene, name):
+    """The key that is meant by its name, by its name with __ for the dot, or by its last part if no other key that acts ends so."""
+    key = name.replace("__", ".")
+    if key in all_keys() or "." in key:
+        return key
+    meant = [each for each in all_keys() if each.endswith("." + key)]
+    acting = [each for each in meant if _acts(scene, each)] or meant
+    if len(acting) == 1:
+        return acting[0]
+    if acting:
+        raise _wrong(f"{name}: {' or '.join(acting)}? (in keywords write __ for the dot)")
+    raise _wrong(f"{name}: unknown key" + suggestion(key, {each.split(".")[1] for each in all_keys()} | set(all_keys())))
+
+
+def suggestion(name, names):
+    """` (did you mean "..."?)`, or nothing."""
+    near = difflib.get_close_matches(name, sorted(names), 1)
+    return f' (did you mean "{near[0]}"?)' if near else ""
+
+
+def flat(scene, values):
+    """Key and value of nested or dotted names."""
+    for name, value in values.items():
+        if isinstance(value, Mapping) and name.replace("__", ".") not in all_keys() and "." not in name:
+            yield from flat(scene, {f"{name}.{inner}": each for inner, each in value.items()})
+        else:
+            yield resolve(scene, name), value
+
+
+def settings_of(scene, given, keywords):
+    """Settings "key=value" from what with_() was given: such texts, dicts, keywords."""
+    settings = []
+    for each in [*given, keywords]:
+        if isinstance(each, str):
+            settings.append(each)
+        elif isinstance(each, Mapping):
+            pairs = list(flat(scene, each))
+            settings += [f"{key}={toml(value, key in all_keys() and all_keys()[key].table)}" for key, value in pairs]
+        else:
+            raise TypeError(f"with_() takes dicts, keywords and texts \"key=value\", not {type(each).__name__}")
+    return settings
+
+
+def item(scene, name):
+    """scene[name]."""
+    try:
+        key = resolve(scene, name)
+        value = value_of(scene.value(key))
+    except ValueError as error:  # also ArgumentError
+        raise KeyError(str(error)) from None
+    return np.array(value) if all_keys()[key].table and isinstance(value, list) else value
+
+
+class Keys(Mapping):
+    """The keys of scenes: a mapping from names to KeyInfo that shows itself as a table."""
+
+    def __init__(self, part=""):
+        self._keys = {name: key for name, key in all_keys().items() if part in name}
+
+    def __getitem__(self, name):
+        if name not in self._keys:
+            raise KeyError(name + suggestion(name, self._keys))
+        return self._keys[name]
+
+    def __iter__(self):
+        return iter(self._keys)
+
+    def __len__(self):
+        return len(self._keys)
+
+    def _ipython_key_completions_(self):
+        return list(self._keys)
+
+    def _rows(self):
+        return [(key.name, _default(key), _range(key), key.help) for key in self._keys.values()]
+
+    def __repr__(self):
+        rows = [("key", "default", "range", "help"), *self._rows()]
+        widths = [max((len(row[k]) for row in rows), default=0) for k in range(3)]
+        return "\n".join("  ".join([*(row[k].ljust(widths[k]) for k in range(3)), row[3]]).rstrip() for row in rows)
+
+    def _repr_html_(self):
+        head = "".join(f"<th>{name}</th>" for name in ("key", "default", "range", "help"))
+        body = "".join("<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in self._rows())
+        return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def _unit(key):
+    return "" if key.unit in ("", "1") else " " + key.unit
+
+
+def _default(key):
+    value = key.default
+    return value if isinstance(value, str) else (f"{value:.6g}" if isinstance(value, float) else toml(value)) + _unit(key)
+
+
+def _range(key):
+    if key.choices:
+        return ", ".join(key.choices)
+    return f"{key.range[0]:g} to {key.range[1]:g}{_unit(key)}" if key.range else ""
+
+
+def key_repr(key):
+    """How a KeyInfo shows itself."""
+    range_text = "one of " + _range(key) if key.choices else _range(key)
+    return f"<cvtflow.KeyInfo {key.name}: default {_default(key)}{range_text and ', ' + range_text}; {key.help}>"

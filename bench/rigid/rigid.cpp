@@ -1,0 +1,297 @@
+/// Rigid whole pins beside the program's levels of detail: operating points, their cost, the step's error, the longest stable step.
+///
+///     bench_rigid SCENE [KEY=VALUE ...] [OPTION=VALUE ...]
+///
+/// SCENE and KEY=VALUE are those of `cvtflow run SCENE --set KEY=VALUE`. The machine starts geometrically (`rigid`) or from the scene's
+/// state (a level of detail), runs to `until` and is averaged over the last `mean`. CSV on the standard output, one row per run.
+///
+///     detail=rigid      rigid, or a level of detail of `cvtflow list detail`, which runs by the scene's method with its automatic step
+///     step=5            of rigid [us]; several separated by commas make several rows
+///     until=100         [ms]
+///     mean=20           [ms]
+///     start=state       of a level of detail: state, the scene's file; geometric
+///     mode=points       points: a row of means.  parts: microseconds per step by part.  stable: the longest stable step
+///
+///     us_per_step       processor time; s_per_s: of a simulated second, with outputs every 20 us
+///     tight, slack      mean tensions of the strands [N]; slip, efficiency [%]
+///     thrust_ratio      S_1/S_2, which under ratio control is what holds the ratio
+///     residual          energy balance: change - work + loss, over the losses
+///     loss_*            mean powers [W] by kind
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "model/observe/observation.hpp"
+#include "model/variator/rigid/rigid_observation.hpp"
+#include "tasks/run/channels/channels.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/scene/ready_scenes.hpp"
+
+namespace {
+
+using namespace cvtflow;
+
+constexpr double output_interval = 20e-6;  // s
+
+struct Options {
+    std::map<std::string, std::string> text{{"detail", "rigid"}, {"step", "5"},      {"until", "100"},
+                                            {"mean", "20"},      {"mode", "points"}, {"start", "state"}};
+    std::string scene;
+    std::vector<std::string> settings;
+
+    [[nodiscard]] double milliseconds(const std::string& name) const { return 1e-3 * std::stod(text.at(name)); }
+    [[nodiscard]] std::vector<double> steps() const {
+        std::vector<double> all;
+        std::stringstream list(text.at("step"));
+        for (std::string one; std::getline(list, one, ',');) all.push_back(1e-6 * std::stod(one));
+        return all;
+    }
+};
+
+[[nodiscard]] Options read_options(int count, char** words) {
+    Options options;
+    if (count < 2) throw std::invalid_argument("bench_rigid SCENE [KEY=VALUE ...]: see the head of bench/rigid/rigid.cpp");
+    options.scene = words[1];
+    for (int k = 2; k < count; ++k) {
+        const std::string word = words[k], name = word.substr(0, word.find('='));
+        if (options.text.contains(name)) {
+            options.text[name] = word.substr(word.find('=') + 1);
+        } else {
+            options.settings.push_back(word);
+        }
+    }
+    return options;
+}
+
+[[nodiscard]] double processor_time() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Means of outputs, and what was lost and worked meanwhile.
+struct Means {
+    double tight = 0.0, slack = 0.0, slip = 0.0, ratio = 0.0, thrust_ratio = 0.0, largest_normal = 0.0;
+    std::array<double, 2> radius{};
+    long outputs = 0;
+    std::array<double, model::loss_kinds> lost{};
+    std::array<double, model::work_kinds> worked{};
+    double span = 0.0, residual = 0.0, processor = 0.0, simulated = 0.0, step = 0.0;
+    long steps = 0;
+
+    void add(double tight_now, double slack_now, double slip_now, double ratio_now, double thrust, std::array<double, 2> radii) {
+        tight += tight_now;
+        slack += slack_now;
+        slip += slip_now;
+        ratio += ratio_now;
+        thrust_ratio += thrust;
+        for (std::size_t k = 0; k < 2; ++k) radius[k] += radii[k];
+        ++outputs;
+    }
+    [[nodiscard]] double losses() const { return std::accumulate(lost.begin(), lost.end(), 0.0); }
+    [[nodiscard]] double efficiency() const {
+        double input = 0.0;
+        for (const double work : worked) input += std::max(work, 0.0);
+        return 1.0 - losses() / input;
+    }
+};
+
+void print_head() {
+    fmt::print(
+        "scene,detail,step_us,us_per_step,s_per_s,tight,slack,slip_percent,ratio,thrust_ratio,radius_1_mm,radius_2_mm,"
+        "efficiency_percent,loss_W,residual");
+    for (int kind = 0; kind < model::loss_kinds; ++kind) fmt::print(",loss_{}", tasks::loss_name(kind));
+    fmt::print("\n");
+}
+
+void print_row(const Options& options, const Means& m) {
+    const double n = static_cast<double>(m.outputs);
+    std::string scene = options.scene;
+    for (const std::string& setting : options.settings) scene += " " + setting;
+    fmt::print("{},{},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.4f},{:.5f},{:.4f},{:.4f},{:.4f},{:.3f},{:.1f},{:.2e}", scene,
+               options.text.at("detail"), 1e6 * m.step, 1e6 * m.processor / static_cast<double>(m.steps), m.processor / m.simulated,
+               m.tight / n, m.slack / n, 100.0 * m.slip / n, m.ratio / n, m.thrust_ratio / n, 1e3 * m.radius[0] / n, 1e3 * m.radius[1] / n,
+               100.0 * m.efficiency(), m.losses() / m.span, m.residual / m.losses());
+    for (const double loss : m.lost) fmt::print(",{:.2f}", loss / m.span);
+    fmt::print("\n");
+    std::fflush(stdout);
+}
+
+/// Runs rigid pins; calls at_output(stepper) about every 20 us. False if the state is not finite.
+template <class AtOutput>
+bool run_rigid(model::RigidStepper& stepper, double until, const AtOutput& at_output) {
+    const long stride = std::max(1L, std::lround(output_interval / stepper.step_length()));
+    for (long step = 1; stepper.time() < until - 0.5 * stepper.step_length(); ++step) {
+        stepper.step();
+        if (step % stride != 0) continue;
+        if (!std::isfinite(stepper.columns()[model::Column::x][0])) return false;
+        at_output(stepper);
+    }
+    return true;
+}
+
+[[nodiscard]] Means means_of_rigid(const Options& options, const tasks::Scene& scene, double step) {
+    const model::RigidModel model(scene.parameters);
+    model::RigidStepper stepper(model, step);
+    const double begin = -scene.parameters.start.settling_time, until = options.milliseconds("until"),
+                 from = until - options.milliseconds("mean");
+    stepper.start(begin, model::rigid_start(scene.parameters).data());
+    Means m;
+    model::RigidBalance before;
+    const double clock = processor_time();
+    const bool sound = run_rigid(stepper, until, [&](const model::RigidStepper& now) {
+        const model::RigidObservation o = model::observe(now);
+        if (o.time < from) return;
+        if (m.outputs == 0) before = now.balance();
+        m.add(o.tight, o.slack, o.slip, o.ratio, o.clamping[0] / o.clamping[1], o.radius);
+    });
+    if (!sound) throw std::runtime_error("the state is not finite");
+    m.processor = processor_time() - clock;
+    m.step = step;
+    m.simulated = until - begin;
+    m.steps = std::lround(m.simulated / step);
+    const model::RigidBalance& after = stepper.balance();
+    m.span = after.time - before.time;
+    m.residual = model::residual(before, after);
+    for (std::size_t k = 0; k < m.lost.size(); ++k) m.lost[k] = after.lost[k] - before.lost[k];
+    for (std::size_t k = 0; k < m.worked.size(); ++k) m.worked[k] = after.worked[k] - before.worked[k];
+    return m;
+}
+
+/// The program's engine at a level of detail.
+[[nodiscard]] Means means_of_level(const Options& options, tasks::Scene scene) {
+    tasks::apply_detail(scene, options.text.at("detail"));
+    tasks::set_values(scene, std::vector<std::string>{"run.step=auto", "run.schedule=serial", "run.output_interval=20 us"});
+    tasks::Simulation simulation(scene, tasks::Schedule{});
+    tasks::SilentObserver silent;
+    const engine::Cancellation never;
+    const auto advance = [&](double until) {
+        if (const tasks::Fault fault = simulation.advance({.until = until}, silent, never)) throw tasks::SimulationError(fault.message());
+    };
+    if (simulation.needs_settling()) advance(0.0);
+    model::Observer observer(simulation.variator());
+    const double until = options.milliseconds("until"), from = until - options.milliseconds("mean");
+    const double clock = processor_time(), begin = simulation.time();
+    advance(from);
+    Means m;
+    m.processor = processor_time() - clock;
+    const tasks::EnergySums before = simulation.energy().sums(simulation.time());
+    while (simulation.time() < until) {
+        advance(simulation.time() + output_interval);
+        const model::Observation& o = observer.observe(simulation.time(), simulation.state(), simulation.phases().data());
+        m.add(o.tight, o.slack, o.slip, o.ratio, o.clamping[0] / o.clamping[1], o.radius);
+    }
+    const tasks::EnergySums after = simulation.energy().sums(simulation.time());
+    m.step = simulation.step();
+    m.simulated = from - begin;
+    m.steps = std::lround(m.simulated / m.step);
+    m.span = after.time - before.time;
+    m.residual = simulation.energy().balance().residual();
+    for (std::size_t k = 0; k < m.lost.size(); ++k) m.lost[k] = after.loss[k] - before.loss[k];
+    for (std::size_t k = 0; k < m.worked.size(); ++k) m.worked[k] = after.work[k] - before.work[k];
+    return m;
+}
+
+/// Prints a part's microseconds of processor time per call, median of rounds.
+template <class Act>
+void time_part(const char* name, const Act& act) {
+    constexpr int calls = 2000, rounds = 9;
+    std::vector<double> all;
+    for (int round = 0; round < rounds; ++round) {
+        const double clock = processor_time();
+        for (int call = 0; call < calls; ++call) act();
+        all.push_back(1e6 * (processor_time() - clock) / calls);
+    }
+    std::nth_element(all.begin(), all.begin() + rounds / 2, all.end());
+    fmt::print("{},{:.3f}\n", name, all[rounds / 2]);
+}
+
+/// Each kernel by itself, on the columns of a running machine.
+void print_parts(const tasks::Scene& scene, double step) {
+    const model::RigidModel model(scene.parameters);
+    model::RigidStepper stepper(model, step);
+    stepper.start(-scene.parameters.start.settling_time, model::rigid_start(scene.parameters).data());
+    (void)run_rigid(stepper, 0.0, [](const model::RigidStepper&) {});
+    model::RigidColumns columns = stepper.columns();
+    const model::RigidKernels& k = model.kernels();
+    const model::RigidCoefficients& c = model.coefficients();
+    const model::RigidKick kick{step};
+    model::SheaveMotion sheaves[4];
+    model.pulleys().motions(stepper.tail(), sheaves);
+    model::RigidForces forces = stepper.forces();
+    std::vector<double> slope(static_cast<std::size_t>(model.layout().tail()));
+    fmt::print("part,us\n");
+    time_part("lines", [&] { k.lines(columns); });
+    time_part("roll", [&] { k.roll(c, columns); });
+    time_part("links", [&] { k.links(c, kick, columns, forces.account); });
+    time_part("lean", [&] { k.lean(c, kick, columns, forces.account); });
+    time_part("gather", [&] { k.gather(columns); });
+    time_part("rub", [&] { k.rub(c, kick, columns, forces.account); });
+    time_part("tips", [&] { k.tips(c, sheaves, kick, columns, forces.reaction, forces.account); });
+    time_part("moments", [&] { k.moments(columns); });
+    time_part("accelerate", [&] { k.accelerate(c, columns); });
+    time_part("inputs", [&] { forces.inputs = model.pulleys().inputs(0.0, stepper.tail()); });
+    time_part("pulleys", [&] { model.tail_slope(stepper.tail(), forces, slope.data()); });
+    time_part("wrap", [&] { columns.wrap(model::Column::x, model::Column::tension); });
+    time_part("step", [&] { stepper.step(); });
+}
+
+/// Whether 20 ms behind the start's ramp end sound, with losses as at half the step.
+[[nodiscard]] bool stable(const tasks::Scene& scene, double step) {
+    const model::RigidModel model(scene.parameters);
+    double losses[2] = {};
+    for (int k = 0; k < 2; ++k) {
+        model::RigidStepper stepper(model, k == 0 ? 0.5 * step : step);
+        const double begin = -scene.parameters.start.settling_time;
+        stepper.start(begin, model::rigid_start(scene.parameters).data());
+        if (!run_rigid(stepper, begin + 20e-3, [](const model::RigidStepper&) {})) return false;
+        const double before = stepper.balance().losses();
+        if (!run_rigid(stepper, begin + 30e-3, [](const model::RigidStepper&) {})) return false;
+        losses[k] = stepper.balance().losses() - before;
+    }
+    return std::abs(losses[1] / losses[0] - 1.0) < 0.1;
+}
+
+void print_stable(const tasks::Scene& scene) {
+    double low = 1e-6, high = 20e-6;
+    while (high - low > 0.05e-6) {
+        const double middle = 0.5 * (low + high);
+        (stable(scene, middle) ? low : high) = middle;
+    }
+    fmt::print("longest stable step,{:.2f} us\n", 1e6 * low);
+}
+
+void run(const Options& options) {
+    const bool geometric = options.text.at("start") == "geometric";
+    tasks::Scene scene =
+        tasks::read_scene(tasks::find_scene(options.scene), geometric ? tasks::StartState::ignored : tasks::StartState::required);
+    tasks::set_values(scene, options.settings);
+    const std::string& mode = options.text.at("mode");
+    if (mode == "parts") return print_parts(scene, options.steps().front());
+    if (mode == "stable") return print_stable(scene);
+    print_head();
+    if (options.text.at("detail") != "rigid") return print_row(options, means_of_level(options, scene));
+    for (const double step : options.steps()) print_row(options, means_of_rigid(options, scene, step));
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+    try {
+        run(read_options(count, words));
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "bench_rigid: {}\n", error.what());
+        return 1;
+    }
+}

@@ -1,0 +1,15 @@
+#include "model/variator/rigid/rigid_kernels.hpp"
+
+#include "model/variator/rigid/rigid_links.hpp"
+#include "model/variator/rigid/rigid_motion.hpp"
+#include "model/variator/rigid/rigid_tips.hpp"
+
+namespace cvtflow::model {
+
+template <>
+RigidKernels rigid_kernels<compiled_isa>() noexcept {
+    return {pitch_lines, roll_halves, link_forces, lean_halves,     gather_links,
+            rub_plates,  press_tips,  tip_moments, accelerate_pins, advance_pins};
+}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,77 @@
+#include "model/variator/rigid/rigid_coefficients.hpp"
+
+#include <cmath>
+
+namespace cvtflow::model {
+
+namespace {
+
+/// The detail from which coefficients are taken that both models share: whole pins that tilt but do not bend, plates as a pack.
+[[nodiscard]] Parameters as_tilting_pins(Parameters p) {
+    p.detail.pins = PinDetail::whole;
+    p.detail.order = 1;
+    p.detail.plates = PlateDetail::lumped;
+    return p;
+}
+
+[[nodiscard]] double mean_square_position(const Parameters& p) {
+    double sum = 0.0;
+    const std::vector<double> positions = plate_positions(p);
+    for (const double xi : positions) sum += xi * xi;
+    return sum / static_cast<double>(positions.size());
+}
+
+[[nodiscard]] double in_series(double a, double b) noexcept { return a > 0.0 && b > 0.0 ? a * b / (a + b) : 0.0; }
+
+}  // namespace
+
+RigidCoefficients::RigidCoefficients(const Parameters& parameters) {
+    const Parameters p = as_tilting_pins(parameters);
+    const Coefficients c(p);
+    const double plates = p.plate.count * p.plate.mass;
+    const double zeta = p.chain.damping_ratio;
+    pins = p.chain.pins;
+    mass = 2.0 * p.half.mass + plates;
+    plate_square = mean_square_position(p);
+    tilt_mass = p.detail.mass_scaling * (2.0 * p.half.mass / 3.0 + plates * plate_square);
+    half_length = c.half_length;
+    pull = damped_spring(in_series(p.plate.count * p.plate.stiffness, p.joint.stiffness), 0.25 * mass, zeta);
+    arm = c.joint.arm;
+    diameter = c.joint.diameter;
+    rolling_arm = c.joint.rolling_arm;
+    plate_friction = c.plate_friction;
+    joint_friction = c.joint.friction;
+    sine = c.tip.sine;
+    cosine = c.tip.cosine;
+    radius = c.tip.radius;
+    outward = radius * sine;
+    inverse_reach = 1.0 / c.tip.reach;
+    touching_radius = c.tip.touching_radius;
+    lever = 1.0 - c.slope_scale * radius * cosine;
+    hertz = p.tip.hertz;
+    damping = c.tip.damping;
+    softness = hertz * cosine * cosine * half_length / (p.chain.young_modulus * p.half.area);
+    tip_friction = c.tip.friction;
+    middle = c.middle;
+}
+
+void RigidCoefficients::fill(const Parameters& parameters, RigidColumns& columns) const {
+    const Parameters p = as_tilting_pins(parameters);
+    const Coefficients c(p);
+    const double square = c.slope_scale * c.slope_scale;
+    const double pack = in_series(p.plate.count * p.plate.stiffness * plate_square, p.joint.stiffness / 3.0);
+    for (int link = 0; link < pins; ++link) {
+        const LinkKind& kind = c.kind(link);
+        columns[Column::free_length][link] = kind.free_length;
+        columns[Column::inverse_length][link] = kind.inverse_length;
+        columns[Column::yaw][link] = pack + square * kind.bending.stiffness;
+        columns[Column::yaw_damping][link] = pull.damping * plate_square + square * kind.bending.damping;
+        columns[Column::shear][link] = kind.shear.stiffness;
+        columns[Column::shear_damping][link] = kind.shear.damping;
+        columns[Column::torsion][link] = square * kind.torsion.stiffness;
+        columns[Column::torsion_damping][link] = square * kind.torsion.damping;
+    }
+    columns.wrap(Column::free_length, Column::torsion_damping);
+}
+
+}  // namespace cvtflow::model

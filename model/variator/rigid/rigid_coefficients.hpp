@@ -1,0 +1,40 @@
+#pragma once
+/// Numbers of rigid whole pins, derived once from the parameters. (model/EQUATIONS.md section 11)
+
+#include "model/machine/coefficients.hpp"
+#include "model/variator/rigid/rigid_columns.hpp"
+
+namespace cvtflow::model {
+
+struct RigidCoefficients {
+    explicit RigidCoefficients(const Parameters& parameters);
+
+    int pins;
+    double mass;         ///< of a pin with its share of plates [kg]
+    double tilt_mass;    ///< inertia of the end displacements p and q [kg]
+    double half_length;  ///< ℓ_p/2 [m]
+
+    // Links.
+    Spring pull;           ///< plates and joint in series
+    double plate_square;   ///< mean ξ² of the plates
+    double arm, diameter;  ///< c_a = ρ - w/2, 2ρ [m]
+    double rolling_arm;    ///< a_r over sqrt(N) [m/√N]
+    FrictionCurve plate_friction, joint_friction;
+
+    // Tips.
+    double sine, cosine;     ///< of β
+    double radius;           ///< R_p [m]
+    double outward;          ///< R_p sin β [m]
+    double inverse_reach;    ///< 1/(R_c + R_p) [1/m]
+    double touching_radius;  ///< r_m + R_p sin β [m]
+    double lever;            ///< 1 - (2/ℓ_p) R_p cos β: displacement of a sphere's centre per end displacement
+    double hertz, damping;   ///< K of one tip [N/m^1.5], χ_T [s/m]
+    double softness;         ///< b = K cos²β/k_e: axial compliance of half a pin beside Hertz's [1/√m]
+    FrictionCurve tip_friction;
+    double middle;  ///< a/2 [m]
+
+    /// Writes the constants of the links into their columns.
+    void fill(const Parameters& parameters, RigidColumns& columns) const;
+};
+
+}  // namespace cvtflow::model

@@ -1,0 +1,137 @@
+#pragma once
+/// The numbers of a chain of rigid whole pins, column by column: one array per quantity, pins side by side. (model/EQUATIONS.md section 11)
+
+#include <algorithm>
+#include <cstddef>
+
+#include "model/basis/aligned.hpp"
+
+namespace cvtflow::model {
+
+/// Pins that a kernel computes side by side; the same for every instruction set, so that sums have the same order.
+inline constexpr int rigid_lanes = 8;
+inline constexpr int rigid_coordinates = 5;  ///< of a pin: x, y, z, p, q
+inline constexpr int rigid_tips = 4;         ///< of a pin: front half at -z and +z, rear half at -z and +z
+
+/// Columns, in groups whose members follow each other. Pin i lies before link i; pitch line i belongs to link i.
+enum class Column {
+    // Coordinates of the pins and their velocities: middle (x, y, z), displacement (p, q) of the end at +z against the middle [m], [m/s].
+    x,
+    y,
+    z,
+    p,
+    q,
+    vx,
+    vy,
+    vz,
+    vp,
+    vq,
+    // Constants of the links: ℓ_0 and its inverse, spring and damper of yaw, shear and torsion, in end displacements.
+    free_length,
+    inverse_length,
+    yaw,
+    yaw_damping,
+    shear,
+    shear_damping,
+    torsion,
+    torsion_damping,
+    // Pitch lines: direction t, 1/ℓ, turning rate θ'.
+    line_x,
+    line_y,
+    line_inverse,
+    line_turn,
+    // Rolling of the halves of a pin: bisector b, factors of A, offset u of the halves and its rate u'.
+    bisector_x,
+    bisector_y,
+    along,
+    across,
+    part_x,
+    part_y,
+    part_vx,
+    part_vy,
+    // Forces of link i on its front half; the rear half has the opposite, but for shear.
+    pull_x,
+    pull_y,
+    pull_z,
+    twist_x,
+    twist_y,
+    shear_x,
+    shear_y,
+    tension,
+    // Forces of the links' dampers: of stretch, yaw, torsion and shear.
+    stretch_drag,
+    yaw_drag,
+    torsion_drag,
+    shear_drag,
+    // A g of the links' forces, resistance to rolling, generalised forces of the links on the pin (without friction of plates).
+    lean_x,
+    lean_y,
+    rolling,
+    force_x,
+    force_y,
+    force_z,
+    force_p,
+    force_q,
+    // Friction between neighbouring links' plates along the pins: of this step, of the last.
+    rub,
+    rub_before,
+    // Tips: A g, moments on the pitch lines in front and behind, and moment on pitch line i of this and of the last step.
+    tip_lean_x,
+    tip_lean_y,
+    tip_front,
+    tip_rear,
+    tip_moment,
+    tip_moment_before,
+    // Generalised forces of the tips on the pin.
+    tip_x,
+    tip_y,
+    tip_z,
+    tip_p,
+    tip_q,
+    // Of each tip: normal force, its damping part, friction along the circumference and along the flank.
+    normal,
+    tip_drag = normal + rigid_tips,
+    round = tip_drag + rigid_tips,
+    flank = round + rigid_tips,
+    count = flank + rigid_tips
+};
+
+/// Column number `offset` of the group that begins with `first`.
+[[nodiscard]] constexpr Column operator+(Column first, int offset) noexcept {
+    return static_cast<Column>(static_cast<int>(first) + offset);
+}
+
+/// All columns; each has copies of its cyclic neighbours in front (one vector) and behind (up to a full vector, and one more).
+class RigidColumns {
+public:
+    explicit RigidColumns(int pins)
+        : pins_(pins),
+          padded_((pins + rigid_lanes - 1) / rigid_lanes * rigid_lanes),
+          stride_(padded_ + 2 * rigid_lanes),
+          memory_(static_cast<std::size_t>(static_cast<int>(Column::count) * stride_), 0.0) {}
+
+    [[nodiscard]] int pins() const noexcept { return pins_; }
+    /// Pins including those that fill the last vector, which are copies of the first.
+    [[nodiscard]] int padded() const noexcept { return padded_; }
+    /// Entry of pin 0; entries -1 … padded() + lanes - 1 exist.
+    [[nodiscard]] double* operator[](Column c) noexcept { return memory_.data() + static_cast<int>(c) * stride_ + rigid_lanes; }
+    [[nodiscard]] const double* operator[](Column c) const noexcept { return memory_.data() + static_cast<int>(c) * stride_ + rigid_lanes; }
+
+    /// Renews the copies of neighbours of columns first … last.
+    void wrap(Column first, Column last) noexcept {
+        for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c) {
+            double* values = (*this)[static_cast<Column>(c)];
+            values[-1] = values[pins_ - 1];
+            for (int k = pins_, from = 0; k <= padded_; ++k, from = from + 1 == pins_ ? 0 : from + 1) values[k] = values[from];
+        }
+    }
+
+    /// All entries of one column to another.
+    void copy(Column from, Column to) noexcept { std::copy_n((*this)[from] - rigid_lanes, stride_, (*this)[to] - rigid_lanes); }
+
+private:
+    int pins_, padded_, stride_;
+    LineVector<double> memory_;
+};
+
+}  // namespace cvtflow::model

@@ -1,0 +1,67 @@
+#pragma once
+/// The loops over rigid pins: one set of functions per instruction set, with the same bits for all. (model/EQUATIONS.md section 11)
+
+#include <array>
+#include <vector>
+
+#include "model/basis/isa.hpp"
+#include "model/force/account.hpp"
+#include "model/force/pulley.hpp"
+#include "model/variator/rigid/rigid_coefficients.hpp"
+
+namespace cvtflow::model {
+
+/// Step of the implicit friction [s]; zero: friction of the velocities as they are.
+struct RigidKick {
+    double step = 0.0;
+    [[nodiscard]] constexpr bool implicit() const noexcept { return step > 0.0; }
+};
+
+/// What tips do to the sheaves.
+struct RigidReaction {
+    SheaveForces sheaves{};
+};
+
+/// Each function reads and writes columns of all pins; the caller renews the copies of neighbours in between.
+struct RigidKernels {
+    /// Pitch lines from coordinates and velocities.
+    void (*lines)(RigidColumns& columns) noexcept;
+    /// Rolling of the halves from the pitch lines.
+    void (*roll)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
+    /// Forces of links; adds energies and losses.
+    void (*links)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    /// A g of the links' forces and resistance to rolling.
+    void (*lean)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    /// Generalised forces of the links on the pins.
+    void (*gather)(RigidColumns& columns) noexcept;
+    /// Friction of plates along the pins.
+    void (*rub)(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept;
+    /// Normal forces and friction of the tips. @param sheaves [4]
+    void (*tips)(const RigidCoefficients& c, const SheaveMotion* sheaves, const RigidKick& kick, RigidColumns& columns,
+                 RigidReaction& reaction, Account& account) noexcept;
+    /// Moments of the tips on the pitch lines.
+    void (*moments)(RigidColumns& columns) noexcept;
+    /// All forces added up: accelerations into the columns `force_x` …
+    void (*accelerate)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
+    /// Velocities over a step, and with them coordinates. @return kinetic energy of the pins after the kick [J]
+    double (*advance)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
+};
+
+/// Defined in rigid_kernels.cpp, which is compiled once per instruction set.
+template <Isa isa>
+RigidKernels rigid_kernels() noexcept;
+template <>
+RigidKernels rigid_kernels<Isa::baseline>() noexcept;
+template <>
+RigidKernels rigid_kernels<Isa::avx2>() noexcept;
+template <>
+RigidKernels rigid_kernels<Isa::avx512>() noexcept;
+
+struct CompiledRigidKernels {
+    Isa isa;
+    RigidKernels (*kernels)() noexcept;
+};
+/// Whatever this program contains, ascending. The build writes this list (compiled_kernels.cpp.in).
+[[nodiscard]] std::vector<CompiledRigidKernels> compiled_rigid_kernels();
+
+}  // namespace cvtflow::model

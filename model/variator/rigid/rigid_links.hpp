@@ -1,0 +1,189 @@
+#pragma once
+/// Links between rigid pins: pitch lines, rolling of the halves, forces of the pack of plates. (model/EQUATIONS.md section 11)
+
+#include "model/variator/rigid/rigid_friction.hpp"
+#include "model/variator/rigid/rigid_kernels.hpp"
+#include "model/variator/rigid/rigid_vectors.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+inline void pitch_lines(RigidColumns& columns) noexcept {
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const Plane chord = read_plane(columns, Column::x, i + 1) - read_plane(columns, Column::x, i);
+        const Plane rate = read_plane(columns, Column::vx, i + 1) - read_plane(columns, Column::vx, i);
+        const PinLanes inverse = 1.0 / sqrt(dot(chord, chord));
+        const Plane line = inverse * chord;
+        write_plane(columns, Column::line_x, i, line);
+        write(columns, Column::line_inverse, i, inverse);
+        write(columns, Column::line_turn, i, cross(line, rate) * inverse);
+    }
+}
+
+/// A f = along f - across b (b·f): what the offset of the halves changes by where the sum of the directions changes by f.
+struct Rolling {
+    Plane bisector;
+    PinLanes along, across;
+    [[nodiscard]] Plane operator*(const Plane& f) const noexcept { return along * f - (across * dot(bisector, f)) * bisector; }
+};
+
+[[nodiscard]] inline Rolling read_rolling(const RigidColumns& columns, int i) noexcept {
+    return {read_plane(columns, Column::bisector_x, i), read(columns, Column::along, i), read(columns, Column::across, i)};
+}
+
+inline void roll_halves(const RigidCoefficients& c, RigidColumns& columns) noexcept {
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const Plane behind = read_plane(columns, Column::line_x, i - 1), ahead = read_plane(columns, Column::line_x, i);
+        const Plane both = behind + ahead;
+        const PinLanes inverse = 1.0 / sqrt(dot(both, both));
+        const PinLanes across = c.diameter * inverse, along = across - c.arm;
+        const Rolling rolling{inverse * both, along, across};
+        const Plane rate = read(columns, Column::line_turn, i - 1) * turned(behind) + read(columns, Column::line_turn, i) * turned(ahead);
+        write_plane(columns, Column::bisector_x, i, rolling.bisector);
+        write(columns, Column::along, i, along);
+        write(columns, Column::across, i, across);
+        write_plane(columns, Column::part_x, i, along * both);
+        write_plane(columns, Column::part_vx, i, rolling * rate);
+    }
+}
+
+/// Where the halves of a link are to each other, and how that changes.
+struct LinkMotion {
+    Plane t, n;                      ///< along the link, and k×t
+    PinLanes inverse, turn;          ///< 1/|d| [1/m], turning rate [rad/s]
+    PinLanes stretch, stretch_rate;  ///< ε [m]
+    PinLanes yaw, yaw_rate;          ///< ψ: difference of the end displacements along the link [m]
+    PinLanes roll, roll_rate;        ///< κ: across it [m]
+    PinLanes lean, lean_across;      ///< sum of the end displacements, along and across [m]
+    PinLanes rise, rise_rate;        ///< Δz [m]
+    PinLanes shear, shear_rate;      ///< [rad]
+};
+
+[[nodiscard, gnu::always_inline]] inline LinkMotion link_motion(const RigidCoefficients& c, const RigidColumns& columns, int i) noexcept {
+    const auto difference = [&](Column of) { return read_plane(columns, of, i + 1) - read_plane(columns, of, i); };
+    const auto total = [&](Column of) { return read_plane(columns, of, i + 1) + read_plane(columns, of, i); };
+    const PinLanes per_length = read(columns, Column::inverse_length, i), per_half(1.0 / c.half_length), two_per = 2.0 * per_length;
+    LinkMotion m;
+    const Plane d = difference(Column::x) + PinLanes(0.5) * total(Column::part_x);
+    const Plane rate = difference(Column::vx) + PinLanes(0.5) * total(Column::part_vx);
+    const PinLanes length = sqrt(dot(d, d));
+    m.inverse = 1.0 / length;
+    m.t = m.inverse * d;
+    m.n = turned(m.t);
+    m.turn = dot(rate, m.n) * m.inverse;
+    const Plane ends = difference(Column::p), end_rate = difference(Column::vp);
+    m.yaw = dot(ends, m.t);
+    m.roll = dot(ends, m.n);
+    m.yaw_rate = dot(end_rate, m.t) + m.turn * m.roll;
+    m.roll_rate = dot(end_rate, m.n) - m.turn * m.yaw;
+    m.rise = read(columns, Column::z, i + 1) - read(columns, Column::z, i);
+    m.rise_rate = read(columns, Column::vz, i + 1) - read(columns, Column::vz, i);
+    const PinLanes square(c.plate_square);
+    m.stretch = (length - read(columns, Column::free_length, i)) + 0.5 * per_length * (square * m.roll * m.roll + m.rise * m.rise);
+    m.stretch_rate = dot(rate, m.t) + per_length * (square * m.roll * m.roll_rate + m.rise * m.rise_rate);
+    const Plane sums = total(Column::p);
+    m.lean = dot(sums, m.t);
+    m.lean_across = dot(sums, m.n);
+    m.shear = -(per_half * m.lean) - two_per * m.rise;
+    m.shear_rate = -(per_half * (dot(total(Column::vp), m.t) + m.turn * m.lean_across)) - two_per * m.rise_rate;
+    return m;
+}
+
+/// Energies and losses of links.
+struct LinkSums {
+    explicit LinkSums(const RigidColumns& columns) noexcept : plates(columns), pack(columns), damping(columns), inner(columns) {}
+    PinSum plates, pack, damping, inner;
+};
+
+inline void link_force(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, int i, LinkSums& sums) noexcept {
+    const LinkMotion m = link_motion(c, columns, i);
+    const PinLanes yaw_stiffness = read(columns, Column::yaw, i), yaw_damping = read(columns, Column::yaw_damping, i);
+    const PinLanes shear_stiffness = read(columns, Column::shear, i), shear_damping = read(columns, Column::shear_damping, i);
+    const PinLanes torsion = read(columns, Column::torsion, i), torsion_damping = read(columns, Column::torsion_damping, i);
+    const PinLanes stretch_drag = c.pull.damping * m.stretch_rate, yaw_drag = yaw_damping * m.yaw_rate;
+    const PinLanes torsion_drag = torsion_damping * m.roll_rate, shear_drag = shear_damping * m.shear_rate;
+    const PinLanes tension = c.pull.stiffness * m.stretch + stretch_drag;
+    const PinLanes yaw = yaw_stiffness * m.yaw + yaw_drag;
+    const PinLanes share = tension * read(columns, Column::inverse_length, i);  // T/ℓ_0
+    const PinLanes roll = c.plate_square * share * m.roll + torsion * m.roll + torsion_drag;
+    const PinLanes shear = shear_stiffness * m.shear + shear_drag;
+    const PinLanes bend = shear * (1.0 / c.half_length);
+    const PinLanes turning = roll * m.yaw - yaw * m.roll + bend * m.lean_across;
+    write_plane(columns, Column::pull_x, i, (turning * m.inverse) * m.n - tension * m.t);
+    write(columns, Column::pull_z, i, 2.0 * read(columns, Column::inverse_length, i) * shear - share * m.rise);
+    write_plane(columns, Column::twist_x, i, PinLanes(-1.0) * (yaw * m.t + roll * m.n));
+    write_plane(columns, Column::shear_x, i, bend * m.t);
+    write(columns, Column::tension, i, tension);
+    sums.plates.add(i, 0.5 * c.pull.stiffness * m.stretch * m.stretch);
+    sums.pack.add(i, 0.5 * (yaw_stiffness * m.yaw * m.yaw + torsion * m.roll * m.roll + shear_stiffness * m.shear * m.shear));
+    sums.damping.add(i, drag_power(kick, columns, Column::stretch_drag, i, stretch_drag, m.stretch_rate));
+    sums.inner.add(i, drag_power(kick, columns, Column::yaw_drag, i, yaw_drag, m.yaw_rate) +
+                          drag_power(kick, columns, Column::torsion_drag, i, torsion_drag, m.roll_rate) +
+                          drag_power(kick, columns, Column::shear_drag, i, shear_drag, m.shear_rate));
+}
+
+inline void link_forces(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+    LinkSums sums(columns);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) link_force(c, kick, columns, i, sums);
+    account.store(Energy::plates, sums.plates.value());
+    account.store(Energy::pack, sums.pack.value());
+    account.lose(Loss::plate_damping, sums.damping.value());
+    account.lose(Loss::inner, sums.inner.value());
+}
+
+/// Halves that are pressed together by N resist rolling, as if a share of the strip of contact slid.
+inline void lean_halves(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+    PinSum lost(columns);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const Plane half = PinLanes(0.5) * (read_plane(columns, Column::pull_x, i - 1) + read_plane(columns, Column::pull_x, i));
+        const Rolling rolling = read_rolling(columns, i);
+        const PinLanes pressing = positive_part<rigid_lanes>(-dot(half, rolling.bisector));
+        const PinLanes bending = read(columns, Column::line_turn, i) - read(columns, Column::line_turn, i - 1);
+        const PinLanes strip = c.rolling_arm * sqrt(pressing), slip = strip * bending;
+        const PinLanes friction =
+            c.joint_friction.coefficient * pressing * slip_factor_of_square<rigid_lanes>(c.joint_friction, slip * slip) * slip;
+        write_plane(columns, Column::lean_x, i, rolling * half);
+        lost.add(i, drag_power(kick, columns, Column::rolling, i, strip * friction, bending));
+    }
+    account.lose(Loss::joint_friction, lost.value());
+}
+
+/// What link i does to the pins at its ends in the plane: forces of its halves and the moment on its pitch line.
+[[nodiscard, gnu::always_inline]] inline Plane link_thrust(const RigidColumns& columns, int i) noexcept {
+    const Plane normal = turned(read_plane(columns, Column::line_x, i));
+    const Plane lean = read_plane(columns, Column::lean_x, i) + read_plane(columns, Column::lean_x, i + 1);
+    const PinLanes moment = dot(normal, lean) + read(columns, Column::rolling, i + 1) - read(columns, Column::rolling, i) +
+                            read(columns, Column::tip_moment, i);
+    return read_plane(columns, Column::pull_x, i) + (moment * read(columns, Column::line_inverse, i)) * normal;
+}
+
+inline void gather_links(RigidColumns& columns) noexcept {
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        write_plane(columns, Column::force_x, i, link_thrust(columns, i - 1) - link_thrust(columns, i));
+        write(columns, Column::force_z, i, read(columns, Column::pull_z, i - 1) - read(columns, Column::pull_z, i));
+        const Plane twist = read_plane(columns, Column::twist_x, i - 1) - read_plane(columns, Column::twist_x, i);
+        const Plane shear = read_plane(columns, Column::shear_x, i - 1) + read_plane(columns, Column::shear_x, i);
+        write_plane(columns, Column::force_p, i, twist + shear);
+    }
+}
+
+/// Plates of neighbouring links rub along the pin that they share.
+inline void rub_plates(const RigidCoefficients& c, const RigidKick& kick, RigidColumns& columns, Account& account) noexcept {
+    PinSum lost(columns);
+    const PinLanes per_mass(kick.step / c.mass), response(4.0 * kick.step / c.mass);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const auto old = [&](int at) { return read(columns, Column::rub_before, at); };
+        const auto axial = [&](int at) { return read(columns, Column::force_z, at) + read(columns, Column::tip_z, at); };
+        const PinLanes speed = read(columns, Column::vz, i + 1) - read(columns, Column::vz, i);
+        PinLanes slip = speed;
+        if (kick.implicit()) slip += per_mass * (axial(i + 1) - axial(i) + old(i + 1) - 2.0 * old(i) + old(i - 1)) + response * old(i);
+        const PinLanes capacity = c.plate_friction.coefficient * positive_part<rigid_lanes>(read(columns, Column::tension, i));
+        const PinLanes friction = friction_factor(c.plate_friction, capacity, response, abs(slip)) * slip;
+        write(columns, Column::rub, i, friction);
+        lost.add(i, (kick.implicit() ? 0.5 * (friction + old(i)) : friction) * speed);
+    }
+    account.lose(Loss::plate_friction, lost.value());
+}
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,47 @@
+#pragma once
+/// From forces to motion: what all forces on a pin add up to, and the step in velocities and coordinates.
+
+#include "model/variator/rigid/rigid_links.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// What this step's tips change in the moment on pitch line i, as a force on pin i+1.
+[[nodiscard, gnu::always_inline]] inline Plane moment_thrust(const RigidColumns& columns, int i) noexcept {
+    const PinLanes change = read(columns, Column::tip_moment, i) - read(columns, Column::tip_moment_before, i);
+    return (change * read(columns, Column::line_inverse, i)) * turned(read_plane(columns, Column::line_x, i));
+}
+
+inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& columns) noexcept {
+    const PinLanes per_mass(1.0 / c.mass), per_tilt(1.0 / c.tilt_mass);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const Plane force = read_plane(columns, Column::force_x, i) + read_plane(columns, Column::tip_x, i) +
+                            moment_thrust(columns, i - 1) - moment_thrust(columns, i);
+        const PinLanes rubbing = read(columns, Column::rub, i) - read(columns, Column::rub, i - 1);
+        write_plane(columns, Column::force_x, i, per_mass * force);
+        write(columns, Column::force_z, i, per_mass * (read(columns, Column::force_z, i) + read(columns, Column::tip_z, i) + rubbing));
+        write_plane(columns, Column::force_p, i,
+                    per_tilt * (read_plane(columns, Column::force_p, i) + read_plane(columns, Column::tip_p, i)));
+    }
+}
+
+/// v += h a, x += h v of one coordinate; returns the sum of v² over the pins.
+inline double advance_coordinate(RigidColumns& columns, int k, double step) noexcept {
+    PinSum square(columns);
+    for (int i = 0; i < columns.padded(); i += rigid_lanes) {
+        const PinLanes v = read(columns, Column::vx + k, i) + step * read(columns, Column::force_x + k, i);
+        square.add(i, v * v);
+        write(columns, Column::vx + k, i, v);
+        write(columns, Column::x + k, i, read(columns, Column::x + k, i) + step * v);
+    }
+    return square.value();
+}
+
+inline double advance_pins(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept {
+    double energy = 0.0;
+    for (int k = 0; k < rigid_coordinates; ++k) energy += 0.5 * (k < 3 ? c.mass : c.tilt_mass) * advance_coordinate(columns, k, step);
+    return energy;
+}
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,218 @@
+"""Records, recordings and sweeps as scientists use them: frames, states, transitions, elements, plots."""
+
+import importlib.util
+import os
+import signal
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+from python_fixture import BRIEF, SOURCE, main, program, tiny
+
+import numpy as np
+
+import cvtflow
+
+HAS = {name: importlib.util.find_spec(name) is not None for name in ("pandas", "matplotlib")}
+if HAS["matplotlib"]:
+    import matplotlib
+
+    matplotlib.use("Agg")
+
+pandas_only = unittest.skipUnless(HAS["pandas"], "pandas is not installed")
+matplotlib_only = unittest.skipUnless(HAS["matplotlib"], "Matplotlib is not installed")
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.file = os.path.join(self.folder, "r.h5")
+
+    def recorded(self, *settings, until="50 us"):
+        """A record of tiny, made by a simulation."""
+        simulation = cvtflow.Simulation(tiny('start.state=""', "run.state_interval=20 us", *settings))
+        with cvtflow.Recording(simulation, self.file) as recording:
+            simulation.advance_to(0.0)
+            simulation.advance_to("20 us")  # where calls end does not matter
+            simulation.advance_to(until)
+        self.assertIsInstance(recording, cvtflow.Recording)
+        return cvtflow.Record(self.file), simulation
+
+
+class Recordings(Folder):
+    def test_a_recording_equals_the_record_of_the_program(self):
+        record, simulation = self.recorded()
+        settings = [word for setting in [*BRIEF, "run.state_interval=20 us"] for word in ("--set", setting)]
+        other = self.folder + "/program.h5"
+        program("run", SOURCE + "/scenes/tiny.toml", *settings, "--settle", "--until", "50 us", "-q", "-o", other)
+        there = cvtflow.Record(other)
+        self.assertEqual((record.status, list(record)), ("finished", list(there)))
+        for name in record:
+            np.testing.assert_array_equal(record[name], there[name], err_msg=name)
+        np.testing.assert_array_equal(record.states.unknowns, there.states.unknowns)
+        np.testing.assert_array_equal(record.transitions, there.transitions)
+        for name in ("energy_suspicion", "state_hash", "method"):
+            self.assertEqual(record.attributes[name], there.attributes[name])
+
+    def test_calls_that_end_between_outputs_add_no_rows(self):
+        simulation = cvtflow.Simulation(tiny('start.state=""'))
+        with cvtflow.Recording(simulation, self.file):
+            for time_wanted in ["3 us", "17 us", "30 us"]:
+                simulation.advance_to(time_wanted)
+        np.testing.assert_allclose(cvtflow.Record(self.file)["time"], [0.0, 1e-5, 2e-5, 3e-5], atol=1e-12)
+
+    def test_channels_do_not_depend_on_how_fast_a_simulation_goes(self):
+        """Between two outputs advance_to checks for signals nowhere: means over an output interval are whole."""
+        scene = tiny("run.output_interval=0.1 ms", "run.step=20 ns")
+        whole, torque = cvtflow.Simulation(scene), []
+        whole.advance_to(0.0)
+        whole.advance_to("0.2 ms")
+        for _ in range(3):
+            again = cvtflow.Simulation(scene)
+            again.advance_to("0.1 ms")  # knows its pace from here on
+            again.advance_to("0.2 ms")
+            torque.append(again.channels["shaft_1/chain_torque"])
+        self.assertEqual(torque, [whole.channels["shaft_1/chain_torque"]] * 3)
+
+    def test_a_recording_that_is_interrupted_keeps_its_rows(self):
+        simulation = cvtflow.Simulation(tiny())
+        simulation.advance_to(0.0)
+        with self.assertRaises(ZeroDivisionError):
+            with cvtflow.Recording(simulation, self.file):
+                simulation.advance_to("30 us")
+                1 / 0
+        record = cvtflow.Record(self.file)
+        self.assertIn("cancelled", record.status)
+        self.assertEqual(record.rows, 4)
+
+    def test_one_recording_at_a_time_and_none_after_its_end(self):
+        simulation = cvtflow.Simulation(tiny())
+        recording = cvtflow.Recording(simulation, Path(self.file))
+        self.assertRaises(cvtflow.StateError, cvtflow.Recording, simulation, self.folder + "/other.h5")
+        simulation.advance_to("10 us")
+        self.assertEqual(recording.finish().rows, 2)
+        self.assertRaises(cvtflow.StateError, recording.finish)
+        cvtflow.Recording(simulation, self.folder + "/other.h5").finish()
+        self.assertRaises(cvtflow.RecordError, cvtflow.Recording, simulation, self.folder + "/none/r.h5")
+
+
+class Records(Folder):
+    def test_elements_states_and_transitions_are_read(self):
+        record, simulation = self.recorded()
+        np.testing.assert_array_equal(record["links/tension[3]"], record["links/tension"][:, 3])
+        np.testing.assert_array_equal(record.read("links/tension[3]", 2, 2), record["links/tension"][2:4, 3])
+        states = record.states
+        self.assertEqual(len(states), 3)
+        np.testing.assert_allclose(states.time, [0.0, 2e-5, 4e-5], atol=1e-7)
+        self.assertEqual(states.unknowns.shape, (3, simulation.size()))
+        np.testing.assert_array_equal(states[-1], states.unknowns[2])
+        self.assertEqual(states.phases.shape, (3, 4 * 24))
+        self.assertLessEqual(set(np.unique(states.phases)), {0, 1})
+        self.assertEqual(len(record.transitions), simulation.counters().transitions)
+        self.assertEqual(record.transitions.dtype.names, ("time", "pin", "tip", "phase_from", "phase_to"))
+        self.assertTrue((record.transitions["phase_from"] != record.transitions["phase_to"]).all())
+        self.assertRaises(IndexError, lambda: states[3])
+        self.assertIn("3 from 0 to", repr(states))
+        for name, words in [("rato", 'did you mean "ratio"'), ("links/tension[24]", "has 24 elements"), ("ratio[0]", "has 1 elements")]:
+            with self.assertRaisesRegex(KeyError, words):
+                record[name]
+
+    @pandas_only
+    def test_a_record_becomes_a_frame(self):
+        record, _ = self.recorded()
+        frame = record.frame()
+        self.assertEqual((frame.index.name, len(frame)), ("time", record.rows))
+        np.testing.assert_array_equal(frame["ratio"], record["ratio"])
+        self.assertNotIn("links/tension", frame)
+        wide = record.frame(["slip", "links/tension", "sheaves/axial_force[2]"])
+        self.assertEqual(list(wide), ["slip", *(f"links/tension[{k}]" for k in range(24)), "sheaves/axial_force[2]"])
+        np.testing.assert_array_equal(wide["links/tension[5]"], record["links/tension"][:, 5])
+        self.assertEqual(wide.attrs["units"]["links/tension[5]"], "N")
+
+    @pandas_only
+    def test_a_run_becomes_a_frame(self):
+        rows = cvtflow.run(tiny(), "20 us", channels=["ratio", "links/tension[3]"])
+        self.assertEqual(list(rows.frame(["links/tension[3]"])), ["links/tension[3]"])
+        self.assertEqual(rows.info["links/tension"].unit, "N")
+        self.assertIn("3 rows of time, ratio", repr(rows))
+        self.assertRaisesRegex(KeyError, "did you mean", cvtflow.run, tiny(), "20 us", channels=["rato"])
+
+    @matplotlib_only
+    def test_channels_are_drawn_in_one_call(self):
+        record, _ = self.recorded()
+        axes = record.plot("slip")
+        self.assertEqual((axes.get_ylabel(), axes.get_xlabel()), ("slip", "time [ms]"))
+        np.testing.assert_array_equal(axes.lines[0].get_ydata(), record["slip"])
+        np.testing.assert_array_equal(axes.lines[0].get_xdata(), 1e3 * record["time"])
+        both = record.plot("tight_tension", "slack_tension", "shaft_1/torque", color="black")
+        self.assertEqual([axes.get_ylabel() for axes in both], ["[N]", "shaft_1/torque [N*m]"])
+        self.assertEqual([len(axes.lines) for axes in both], [2, 1])
+        self.assertIs(record.plot("links/tension[3]", ax=axes), axes)
+        self.assertEqual(len(axes.lines), 2)
+        self.assertRaises(TypeError, record.plot)
+        rows = cvtflow.run(tiny(), "20 us", channels=["ratio"])
+        self.assertEqual(rows.plot("ratio").get_ylabel(), "ratio")
+
+
+class Sweeps(Folder):
+    def results(self, **more):
+        scene = tiny("run.until=0.05 ms", "start.settling_time=0.1 ms", "start.ramp_time=0.1 ms")
+        axes = {"load.torque": np.array([12.0, 6.0]), ("driving", "clamping__driven"): [("7 kN", "5 kN"), ("8 kN", "6 kN")]}
+        return cvtflow.Sweep(scene, axes, ["slip mean", "links/tension[0] max"], **more).run(self.folder)
+
+    def test_a_scene_of_ones_own_is_swept(self):
+        results = self.results(settings={"run": {"until": "0.02 ms"}, "description": "mine"})
+        np.testing.assert_array_equal(results["load_torque"], [12, 12, 6, 6])
+        np.testing.assert_array_equal(results["clamping_driving"], [7000, 8000] * 2)
+        self.assertEqual(results.info["load_torque"].unit, "N*m")
+        self.assertEqual(results.column("links/tension[0] max"), "links_tension_0_max")
+        with self.assertRaisesRegex(KeyError, "did you mean"):
+            results.column("slip men")
+        self.assertEqual(set(os.listdir(self.folder)) >= {"sweep.toml", "sweep.scene.toml", "cases.h5"}, True)
+        alone = cvtflow.Sweep.results(self.folder)
+        np.testing.assert_array_equal(alone["slip_mean"], results["slip_mean"])
+
+    def test_a_scene_file_counts_from_the_working_directory(self):
+        here = os.getcwd()
+        try:
+            os.chdir(SOURCE)
+            sweep = cvtflow.Sweep("scenes/tiny.toml", {"torque": [6.0]}, ["slip mean"])
+            self.assertEqual(sweep.write(self.folder + "/s.toml").cases, 1)
+            sweep = cvtflow.Sweep(Path("scenes/tiny.toml"), {"torque": [6.0, 7.0]}, ["slip mean"])
+            self.assertEqual(sweep.write(self.folder + "/s.toml").cases, 2)
+        finally:
+            os.chdir(here)
+
+    @pandas_only
+    @matplotlib_only
+    def test_results_become_a_frame_and_a_picture(self):
+        results = self.results()
+        frame = results.frame()
+        self.assertEqual(frame.index.dtype, int)
+        self.assertEqual((list(frame.index), frame.attrs["units"]["load_torque"]), ([0, 1, 2, 3], "N*m"))
+        axes = results.plot(x="load.torque", y="slip mean", by="clamping.driving")
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("load_torque [N*m]", "slip_mean"))
+        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[6, 12], [6, 12]])
+        np.testing.assert_array_equal(axes.lines[0].get_ydata(), results["slip_mean"][[2, 0]])
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()],
+                         ["clamping_driving [N] = 7000", "clamping_driving [N] = 8000"])
+
+    def test_ctrl_c_ends_a_sweep_file_and_it_goes_on(self):
+        file = Path(self.folder, "long.toml")
+        sweep = cvtflow.Sweep("tiny", {"load.torque": list(np.linspace(6, 12, 2000))}, ["slip mean"], settings={"run.until": "0.2 ms"})
+        pressed = []
+
+        def press():
+            pressed.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+
+        threading.Timer(1.0, press).start()
+        with self.assertRaises(KeyboardInterrupt):
+            sweep.write(file).run(self.folder, 1)
+        self.assertLess(time.monotonic() - pressed[0], 2.0)
+        self.assertLess(len(cvtflow.Sweep.results(self.folder)["case"]), 2000)
+
+
+main() if __name__ == "__main__" else None

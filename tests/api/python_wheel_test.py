@@ -1,0 +1,64 @@
+"""The wheel: what the build back-end packs from a build that exists, and that it asks for nothing from elsewhere."""
+
+import hashlib
+import base64
+import subprocess
+import sys
+import tempfile
+import unittest
+import zipfile
+from pathlib import Path
+
+from python_fixture import SOURCE, main
+
+import cvtflow
+
+sys.path.insert(0, SOURCE + "/api/python")
+import build_backend  # noqa: E402
+
+BUILD = Path(cvtflow.__file__).resolve().parents[2]
+
+
+class Wheel(unittest.TestCase):
+    def setUp(self):
+        self.folder = self.enterContext(tempfile.TemporaryDirectory())
+        self.addCleanup(setattr, build_backend, "build", build_backend.build)
+        build_backend.build = lambda settings: BUILD  # it is there already
+
+    def test_it_needs_nothing_that_would_have_to_be_fetched(self):
+        self.assertEqual(build_backend.get_requires_for_build_wheel(), [])
+        self.assertIn("requires = []", Path(SOURCE, "pyproject.toml").read_text())
+
+    def test_the_extension_loads_where_there_is_no_numpy(self):
+        """pip builds in an environment of its own, in which the stub is asked of the module."""
+        package = Path(self.folder, "cvtflow")
+        package.mkdir()
+        module = Path(cvtflow._cvtflow.__file__)
+        (package / module.name).symlink_to(module)
+        done = subprocess.run([sys.executable, "-S", SOURCE + "/api/python/stubs.py", self.folder], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((package / "_cvtflow.pyi").read_text(), module.with_name("_cvtflow.pyi").read_text())
+
+    def test_it_holds_the_whole_package_and_works_alone(self):
+        name = build_backend.build_wheel(self.folder)
+        site = Path(self.folder, "site")
+        with zipfile.ZipFile(Path(self.folder, name)) as wheel:
+            names = wheel.namelist()
+            wheel.extractall(site)
+            record = next(each for each in names if each.endswith("/RECORD"))
+            for row in wheel.read(record).decode().splitlines():
+                file, digest, _ = row.rsplit(",", 2)
+                if digest:
+                    made = base64.urlsafe_b64encode(hashlib.sha256(wheel.read(file)).digest()).rstrip(b"=").decode()
+                    self.assertEqual(digest, "sha256=" + made, file)
+        for source in [*Path(SOURCE, "api/python/cvtflow").iterdir(), Path("_cvtflow.pyi")]:
+            if source.suffix in (".py", ".pyi", ".typed") or source.name == "py.typed":
+                self.assertIn(f"cvtflow/{source.name}", names)
+        program = "import cvtflow; print(cvtflow.__file__, cvtflow.Simulation(cvtflow.Scene.ready('tiny')).size())"
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, cwd=self.folder,
+                              env={"PYTHONPATH": str(site), "LD_LIBRARY_PATH": str(site / "cvtflow/lib")})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(done.stdout.startswith(str(site)), done.stdout)
+
+
+main() if __name__ == "__main__" else None
