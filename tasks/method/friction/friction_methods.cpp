@@ -4,9 +4,9 @@
 #include <string>
 
 #include "tasks/method/friction/additive/additive_method.hpp"
-#include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/friction/friction_stability.hpp"
 #include "tasks/method/friction/implicit_leapfrog.hpp"
+#include "tasks/method/friction/staged/friction_leapfrog.hpp"
 #include "tasks/method/stability/step_map.hpp"
 
 namespace cvtflow::tasks {
