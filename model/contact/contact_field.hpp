@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "model/basis/aligned.hpp"
+#include "model/contact/columns.hpp"
 #include "model/variator/chain_model.hpp"
 
 namespace cvtflow::model {
@@ -44,35 +44,6 @@ struct ContactComponents {
     [[nodiscard]] constexpr int plate_gap() const noexcept { return joint_gap() + 2; }
     [[nodiscard]] constexpr int count() const noexcept { return relative ? plate_gap() + 2 : tip(tips_per_link); }
 };
-
-/// Columns of numbers, one row per component, rows on cache lines of their own. Column 1, where links begin, begins a cache line. A whole
-/// line may be read from any column on. Rows are an odd number of lines apart, so that one column's numbers do not meet in few sets of a
-/// cache.
-template <class Number>
-class ColumnsOf {
-public:
-    static constexpr int line = static_cast<int>(cache_line / sizeof(Number));
-    /// Numbers that may be read and written before column 0.
-    static constexpr int before_first = line - 1;
-
-    ColumnsOf() = default;
-    ColumnsOf(int components, int columns) : stride_(((columns + before_first + 2 * line - 1) / line | 1) * line) {
-        memory_.assign(static_cast<std::size_t>(components * stride_ + 2 * line), Number(0));
-    }
-
-    [[nodiscard]] Number* at(std::ptrdiff_t component, std::ptrdiff_t column) noexcept { return data() + component * stride_ + column; }
-    [[nodiscard]] const Number* at(std::ptrdiff_t component, std::ptrdiff_t column) const noexcept {
-        return data() + component * stride_ + column;
-    }
-    [[nodiscard]] int stride() const noexcept { return static_cast<int>(stride_); }
-    [[nodiscard]] const Number* data() const noexcept { return memory_.data() + before_first; }
-    [[nodiscard]] Number* data() noexcept { return memory_.data() + before_first; }
-
-private:
-    LineVector<Number> memory_;
-    std::ptrdiff_t stride_ = 0;
-};
-using Columns = ColumnsOf<double>;
 
 /// Arms from a sheave's origin to the contact points of a link's tips, for reactions on the sheaves [m].
 struct TipArms {
@@ -188,12 +159,27 @@ struct KickStart {
     ColumnsOf<float>& velocity;      ///< at the step's beginning, counted from those at which contacts are recorded [m/s, rad/s]
 };
 
+template <class Number>
+struct FrictionSweepOf;  // model/contact/sweep_step.hpp
+struct FrictionPowers;   // likewise
+
+/// Functions of implicit sweeps of one order and one instruction set, in the precision of the velocities.
+template <class Number>
+struct SweepKernels {
+    void (*sweep)(const FrictionOperator&, const ContactFieldOf<Number>&, const FrictionRangeOf<Number>&,
+                  const FrictionSweepOf<Number>&) noexcept = nullptr;
+    /// Of the kept forces at the range's velocities. powers [links of the range]
+    void (*powers)(const FrictionOperator&, const ContactFieldOf<Number>&, const FrictionRangeOf<Number>&, const ColumnsOf<Number>& kept,
+                   FrictionPowers* powers) noexcept = nullptr;
+};
+
 /// Functions of one order and one instruction set.
 struct FrictionKernels {
     using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, ContactField&, Columns&, LinkLoad*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
     Record record;
     Evaluate slopes, steepest;
+    SweepKernels<double> sweeps;  ///< absent with whole pins
 };
 
 /// The same in single precision.
@@ -203,6 +189,7 @@ struct SingleFrictionKernels {
                               const FrictionStageOf<float>&) noexcept;
     Record record = nullptr;
     Evaluate slopes = nullptr, steepest = nullptr;
+    SweepKernels<float> sweeps;
 };
 
 /// Friction as a function of velocities, for fields that record() has written. Velocities, forces and slopes of links are
@@ -251,6 +238,15 @@ public:
     }
     void steepest(const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range, ColumnsOf<float>& slope) const noexcept {
         single_.steepest(*this, field, range, {nullptr, &slope});
+    }
+
+    template <class Number>
+    [[nodiscard]] const SweepKernels<Number>& sweeps() const noexcept {
+        if constexpr (std::is_same_v<Number, float>) {
+            return single_.sweeps;
+        } else {
+            return kernels_.sweeps;
+        }
     }
 
     [[nodiscard]] const ChainModel& chain() const noexcept { return chain_; }

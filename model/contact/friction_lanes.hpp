@@ -12,8 +12,10 @@ namespace {
 /// W links side by side, in single precision if W says so: velocities then count from those at which contacts were recorded. Column numbers
 /// count from the first link of the range.
 template <int P, int W, bool Steepest>
-class FrictionLanes : private FrictionTips<P, W, Steepest> {
+class FrictionLanes : protected FrictionTips<P, W, Steepest> {
     using Base = FrictionTips<P, W, Steepest>;
+
+protected:
     using Base::velocity, Base::contact, Base::kept, Base::keep, Base::links_at, Base::counts_from_recorded, Base::field_, Base::range_,
         Base::numbers_;
 
@@ -29,19 +31,7 @@ public:
 
     /// Joint of the rear pins of links first + own … + W - 1, to scratch.
     void joints(int own) const noexcept {
-        JointRates rates;
-        for (int m = 0; m < n; ++m) {
-            rates.x[m] = velocity(at<P>.x(End::front, m), own - 1) - velocity(at<P>.x(End::rear, m), own);
-            rates.y[m] = velocity(at<P>.y(End::front, m), own - 1) - velocity(at<P>.y(End::rear, m), own);
-        }
-        rates.z = velocity(at<P>.z(End::front), own - 1) - velocity(at<P>.z(End::rear), own);
-        rates.e = velocity(at<P>.e(End::front), own - 1) - velocity(at<P>.e(End::rear), own);
-        if constexpr (counts_from_recorded) {
-            rates.z += contact(field_.components.joint_gap(), own);
-            rates.e += contact(field_.components.joint_gap() + 1, own);
-        }
-        rates.before = turning(own - 1);
-        rates.after = turning(own);
+        const JointRates rates = joint_rates(own);
         V force[joint_rows];
         for (V& row : force) row = V(0.0);
         const int points = field_.components.joint_points;
@@ -57,20 +47,43 @@ public:
         V moment = kept(2 * n + 3, own) + kept(2 * n + 2, own + 1);
         plates(own, f);
         if (touching(own)) tips(own, f, moment, stage);
-        const V couple = moment * contact(ContactComponents::inverse_length, own);
-        const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
-        f[at<P>.x(End::front, 0)] = f[at<P>.x(End::front, 0)] - couple * ty;
-        f[at<P>.y(End::front, 0)] += couple * tx;
-        f[at<P>.x(End::rear, 0)] += couple * ty;
-        f[at<P>.y(End::rear, 0)] = f[at<P>.y(End::rear, 0)] - couple * tx;
+        add_couple(own, moment, f);
         Base::with_sink(own, stage, [&](const auto& sink) { accelerate(f, sink); });
     }
 
-private:
+protected:
     /// Relative velocities in a joint: of the axes, and how fast the links before and after it turn.
     struct JointRates {
         V x[n], y[n], z, e, before, after;
     };
+
+    [[nodiscard]] JointRates joint_rates(int own) const noexcept {
+        JointRates rates;
+        for (int m = 0; m < n; ++m) {
+            rates.x[m] = velocity(at<P>.x(End::front, m), own - 1) - velocity(at<P>.x(End::rear, m), own);
+            rates.y[m] = velocity(at<P>.y(End::front, m), own - 1) - velocity(at<P>.y(End::rear, m), own);
+        }
+        rates.z = velocity(at<P>.z(End::front), own - 1) - velocity(at<P>.z(End::rear), own);
+        rates.e = velocity(at<P>.e(End::front), own - 1) - velocity(at<P>.e(End::rear), own);
+        if constexpr (counts_from_recorded) {
+            rates.z += contact(field_.components.joint_gap(), own);
+            rates.e += contact(field_.components.joint_gap() + 1, own);
+        }
+        rates.before = turning(own - 1);
+        rates.after = turning(own);
+        return rates;
+    }
+
+    /// How fast the gap between a link's pins opens: z, e.
+    [[nodiscard]] std::pair<V, V> plate_rates(int own) const noexcept {
+        V z = velocity(at<P>.z(End::front), own) - velocity(at<P>.z(End::rear), own);
+        V e = velocity(at<P>.e(End::front), own) - velocity(at<P>.e(End::rear), own);
+        if constexpr (counts_from_recorded) {
+            z += contact(field_.components.plate_gap(), own);
+            e += contact(field_.components.plate_gap() + 1, own);
+        }
+        return {z, e};
+    }
     /// Legendre modes of even and of odd order summed apart, so that they serve the points at ξ and at -ξ.
     struct Halves {
         V even, odd;
@@ -160,13 +173,18 @@ private:
         f[at<P>.e(End::front)] = kept(2 * n + 1, own + 1);
     }
 
+    /// Adds the couple of the links' ends that a moment about z is.
+    void add_couple(int own, const V& moment, V* f) const noexcept {
+        const V couple = moment * contact(ContactComponents::inverse_length, own);
+        const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
+        f[at<P>.x(End::front, 0)] = f[at<P>.x(End::front, 0)] - couple * ty;
+        f[at<P>.y(End::front, 0)] += couple * tx;
+        f[at<P>.x(End::rear, 0)] += couple * ty;
+        f[at<P>.y(End::rear, 0)] = f[at<P>.y(End::rear, 0)] - couple * tx;
+    }
+
     void plates(int own, V* f) const noexcept {
-        V gap_z = velocity(at<P>.z(End::front), own) - velocity(at<P>.z(End::rear), own);
-        V gap_e = velocity(at<P>.e(End::front), own) - velocity(at<P>.e(End::rear), own);
-        if constexpr (counts_from_recorded) {
-            gap_z += contact(field_.components.plate_gap(), own);
-            gap_e += contact(field_.components.plate_gap() + 1, own);
-        }
+        const auto [gap_z, gap_e] = plate_rates(own);
         V fz(0.0), fe(0.0);
         for (int j = 0; j < field_.components.plates; ++j) {
             const Number xi = numbers_.plate_position[static_cast<std::size_t>(j)];

@@ -49,8 +49,8 @@ protected:
     /// Friction about rest has no velocities to count from.
     static constexpr bool counts_from_recorded = is_single<W> && !Steepest;
 
-    /// Forces at tips `low` and low + 1 of the axis in some rows; their moments about z are added. @param turn how fast the axis turns
-    [[nodiscard]] AtTips<V> tip_friction(int own, int low, const AxisRows& rows, const V& turn, V& moment) const noexcept {
+    /// Velocities of the axis in some rows at its tips.
+    [[nodiscard]] AtTips<V> tip_velocities(int own, const AxisRows& rows) const noexcept {
         V even[2], odd[2];  // modes of x and of y
         for (int axis = 0; axis < 2; ++axis) {
             const int row = axis == 0 ? rows.x : rows.y;
@@ -59,11 +59,38 @@ protected:
             for (int m = 1; m < n; ++m) (m % 2 == 0 ? even : odd)[axis] += velocity(row + m, own);
         }
         const V z = velocity(rows.z, own), e = velocity(rows.z + 1, own);
-        const AtTip<V> a = slip(own, low, {even[0] - odd[0], even[1] - odd[1], z - e}, turn),
-                       b = slip(own, low + 1, {even[0] + odd[0], even[1] + odd[1], z + e}, turn);
+        return {{even[0] - odd[0], even[1] - odd[1], z - e}, {even[0] + odd[0], even[1] + odd[1], z + e}};
+    }
+
+    /// Forces at tips `low` and low + 1 of the axis in some rows; their moments about z are added. @param turn how fast the axis turns
+    [[nodiscard]] AtTips<V> tip_friction(int own, int low, const AxisRows& rows, const V& turn, V& moment) const noexcept {
+        const AtTips<V> velocities = tip_velocities(own, rows);
+        const AtTip<V> a = slip(own, low, velocities.low, turn), b = slip(own, low + 1, velocities.high, turn);
         const auto [factor_a, factor_b] = factors(own, low, a.square(), b.square());
         const AtTip<V> below = force(own, low, a, factor_a, moment), above = force(own, low + 1, b, factor_b, moment);
         return {below, above};
+    }
+
+    /// Velocity along the sheave's surface. @param v of the axis' end
+    [[nodiscard]] AtTip<V> slip(int own, int corner, AtTip<V> v, const V& turn) const noexcept {
+        const int row = field_.components.tip(corner);
+        const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
+        v.x = v.x - turn * contact(row + Tip::lever_y, own);
+        v.y = v.y + turn * contact(row + Tip::lever_x, own);
+        if constexpr (!Steepest) {
+            const auto time = static_cast<Number>(range_.time);
+            v.x = v.x - contact(row + Tip::sheave, own) - time * contact(row + Tip::drift, own);
+            v.y = v.y - contact(row + Tip::sheave + 1, own) - time * contact(row + Tip::drift + 1, own);
+            v.z = v.z - contact(row + Tip::sheave + 2, own) - time * contact(row + Tip::drift + 2, own);
+        }
+        const V along = v.x * gx + v.y * gy + v.z * gz;
+        return {v.x - along * gx, v.y - along * gy, v.z - along * gz};
+    }
+
+    /// A sliding speed within the branch of the law that the tip's phase stands for.
+    [[nodiscard]] V within_branch(int own, int corner, const V& speed) const noexcept {
+        const int row = field_.components.tip(corner);
+        return larger<W>(smaller<W>(speed, contact(row + Tip::most, own)), contact(row + Tip::least, own));
     }
 
     /// Adds them to the axis' coordinates.
@@ -102,22 +129,6 @@ protected:
     const FrictionNumbers<Number>& numbers_;
 
 private:
-    /// Velocity along the sheave's surface. @param v of the axis' end
-    [[nodiscard]] AtTip<V> slip(int own, int corner, AtTip<V> v, const V& turn) const noexcept {
-        const int row = field_.components.tip(corner);
-        const V gx = contact(row + Tip::normal, own), gy = contact(row + Tip::normal + 1, own), gz = contact(row + Tip::normal + 2, own);
-        v.x = v.x - turn * contact(row + Tip::lever_y, own);
-        v.y = v.y + turn * contact(row + Tip::lever_x, own);
-        if constexpr (!Steepest) {
-            const auto time = static_cast<Number>(range_.time);
-            v.x = v.x - contact(row + Tip::sheave, own) - time * contact(row + Tip::drift, own);
-            v.y = v.y - contact(row + Tip::sheave + 1, own) - time * contact(row + Tip::drift + 1, own);
-            v.z = v.z - contact(row + Tip::sheave + 2, own) - time * contact(row + Tip::drift + 2, own);
-        }
-        const V along = v.x * gx + v.y * gy + v.z * gz;
-        return {v.x - along * gx, v.y - along * gy, v.z - along * gz};
-    }
-
     [[nodiscard]] AtTip<V> force(int own, int corner, const AtTip<V>& slip, const V& factor, V& moment) const noexcept {
         const int row = field_.components.tip(corner);
         const V grip = -contact(row + Tip::grip, own) * factor;
@@ -129,13 +140,7 @@ private:
     /// Of tips `low` and low + 1, whose slips have these squares.
     [[nodiscard]] std::pair<V, V> factors(int own, int low, const V& first, const V& second) const noexcept {
         if (Steepest || !friction_.by_phase()) return sliding_factors<W, Steepest>(numbers_.tip, first, second);
-        return {1.0 / bounded_speed(own, low, first), 1.0 / bounded_speed(own, low + 1, second)};
-    }
-
-    /// Within the branch of the law that the tip's phase stands for.
-    [[nodiscard]] V bounded_speed(int own, int corner, const V& square) const noexcept {
-        const int row = field_.components.tip(corner);
-        return larger<W>(smaller<W>(sqrt(square), contact(row + Tip::most, own)), contact(row + Tip::least, own));
+        return {1.0 / within_branch(own, low, sqrt(first)), 1.0 / within_branch(own, low + 1, sqrt(second))};
     }
 };
 

@@ -1,5 +1,5 @@
 #include "model/basis/order.hpp"
-#include "model/contact/friction_lanes.hpp"
+#include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/kernels.hpp"
 #include "model/kernels/lanes/lane_pass.hpp"
@@ -23,7 +23,10 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
 template <>
 FrictionKernels friction_kernels<compiled_isa>(int order) noexcept {
     return of_order(order, []<int P>() -> FrictionKernels {
-        return {record<P>, evaluate_links<double, P, false>, evaluate_links<double, P, true>};
+        return {record<P>,
+                evaluate_links<double, P, false>,
+                evaluate_links<double, P, true>,
+                {sweep_links<double, P>, sweep_powers<double, P>}};
     });
 }
 

@@ -2,6 +2,7 @@
 
 #include "model/basis/order.hpp"
 #include "model/contact/friction_lanes.hpp"
+#include "model/contact/sweep_lanes.hpp"
 #include "model/kernels/kernels.hpp"
 #include "model/kernels/lanes/lane_pass.hpp"
 
@@ -24,7 +25,10 @@ void record_single(const FrictionOperator& friction, const ChainRange& range, co
 template <>
 SingleFrictionKernels single_kernels<compiled_isa>(int order) noexcept {
     return of_order(order, []<int P>() -> SingleFrictionKernels {
-        return {record_single<P>, evaluate_links<float, P, false>, evaluate_links<float, P, true>};
+        return {record_single<P>,
+                evaluate_links<float, P, false>,
+                evaluate_links<float, P, true>,
+                {sweep_links<float, P>, sweep_powers<float, P>}};
     });
 }
 

@@ -13,6 +13,7 @@
 #include "engine/record/run/state_file.hpp"
 #include "model/kernels/contraction.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
+#include "tasks/method/stability/step_search.hpp"
 #include "tasks/run/run_recorder.hpp"
 #include "tasks/step/control/longest_step.hpp"
 
@@ -90,7 +91,7 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
 }
 
 /// What the method is stable for where the run begins; said if the step is beyond. The quick bound is a fifth too careful at most: where it
-/// is not enough, the step is looked at as a whole.
+/// is not enough, the growth of this one step decides, and its limit is searched for only where it is beyond: ten times the work.
 void foretell(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
     if (scene.run.step.automatic()) return;  // what chooses it knows the limit
     AutoStep advice(simulation.variator(), scene.parameters, scene.run.method);
@@ -99,7 +100,10 @@ void foretell(const Scene& scene, const RunOptions& options, const Simulation& s
     report.stable_step = advice.stable_step();
     report.step = scene.run.step;
     if (!report.beyond_stability()) return;
-    report.stable_step = predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, frozen_start(simulation)).step;
+    const LinearChain chain(simulation.variator(), scene.parameters, frozen_start(simulation));
+    report.stable_step = predicted_growth(chain, scene.run.method, report.step) <= 1.0 + tolerated_growth
+                             ? report.step
+                             : predicted_step_limit(chain, scene.run.method).step;
     if (!report.beyond_stability() || !options.notice) return;
     options.notice(fmt::format("run.step = {:.3g} s is beyond what {} is stable for here ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
                                report.step, scene.run.method, report.stable_step, automatic));

@@ -77,6 +77,12 @@ TEST(NoAllocation, InTheStepLoopAtEveryLevelOfDetail) {
     }
 }
 
+/// Its first step takes thirty sweeps, others two; observations book what its forces have done.
+TEST(NoAllocation, InTheStepLoopWithFrictionBySweeps) {
+    if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+    expect_no_allocation(claims::scene_at_level("tiny", "fine", {"run.method=leapfrog-sweep"}));
+}
+
 TEST(NoAllocation, InTheStepLoopOfParallelExecutorsWithEitherAssembly) {
     if (engine::test::allocation_count() < 0) GTEST_SKIP() << "a sanitizer owns malloc";
     Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/shift.toml");

@@ -130,8 +130,8 @@ template <>
 PinKernels pin_kernels<compiled_isa>(int order) noexcept {
     return of_order(order, []<int P>() -> PinKernels {
         return {{slopes<P>, observed_slopes<P>, probe_pin<P>, probe_pins<P>},
-                {record<P>, evaluate<double, P, false>, evaluate<double, P, true>},
-                {record_single<P>, evaluate<float, P, false>, evaluate<float, P, true>}};
+                {record<P>, evaluate<double, P, false>, evaluate<double, P, true>, {}},
+                {record_single<P>, evaluate<float, P, false>, evaluate<float, P, true>, {}}};
     });
 }
 

@@ -4,9 +4,10 @@
 #include <string>
 
 #include "tasks/method/friction/additive/additive_method.hpp"
-#include "tasks/method/friction/friction_leapfrog.hpp"
 #include "tasks/method/friction/friction_stability.hpp"
 #include "tasks/method/friction/implicit_leapfrog.hpp"
+#include "tasks/method/friction/staged/friction_leapfrog.hpp"
+#include "tasks/method/friction/sweep/sweep_leapfrog.hpp"
 #include "tasks/method/stability/step_map.hpp"
 
 namespace cvtflow::tasks {
@@ -36,6 +37,23 @@ enum class Precision { with_single_stages, double_throughout };
             },
             .stability = [kick] { return leapfrog_stability(kick); },
             .linear = [kick](const LinearChain& chain) { return leapfrog_step(chain, kick); }};
+}
+
+/// Friction by sweeps over its contacts, which come close to backward Euler. @tparam Number of velocities inside the step
+template <class Number>
+[[nodiscard]] MethodProgram swept_friction(const std::string& name, const char* description) {
+    return {.name = name,
+            .description = description,
+            .source = ours,
+            .order = 1,
+            .evaluations = 1,
+            .state_slots = SweepLeapfrog<Number>::state_slots,
+            .slope_slots = SweepLeapfrog<Number>::slope_slots,
+            .make = [](Workspace& workspace) { return std::make_unique<SweepLeapfrog<Number>>(workspace); },
+            .solves = "one per contact and sweep, for friction",
+            .stability = [] { return leapfrog_stability(backward_euler()); },
+            .linear = [](const LinearChain& chain) { return leapfrog_step(chain, backward_euler()); },
+            .whole_pins = false};
 }
 
 /// Friction solved for inside the step of a leapfrog.
@@ -83,6 +101,9 @@ std::vector<MethodProgram> friction_methods() {
                           Precision::double_throughout),
         explicit_friction(std::string("leapfrog-chebyshev") + in_double, "leapfrog-chebyshev with stages in double precision, too", 1,
                           Kick::chebyshev, Precision::double_throughout),
+        swept_friction<float>("leapfrog-sweep",
+                              "leapfrog, friction solved for where it acts, by sweeps that begin with the last step's forces"),
+        swept_friction<double>(std::string("leapfrog-sweep") + in_double, "leapfrog-sweep with velocities in double precision, too"),
         implicit_friction("leapfrog-be", "leapfrog, friction solved for inside the step: backward Euler on velocities alone", ours, 1,
                           "1 a step, for friction", backward_euler),
         implicit_friction("leapfrog-sdirk2", "the same with two stages of order 2 (SDIRK2)",

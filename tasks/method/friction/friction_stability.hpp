@@ -6,7 +6,7 @@
 
 #include "tasks/method/friction/additive/additive_table.hpp"
 #include "tasks/method/friction/implicit_leapfrog.hpp"
-#include "tasks/method/friction/kick_tables.hpp"
+#include "tasks/method/friction/staged/kick_tables.hpp"
 #include "tasks/method/program_stability.hpp"
 
 namespace cvtflow::tasks {

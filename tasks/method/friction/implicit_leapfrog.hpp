@@ -1,6 +1,6 @@
 #pragma once
 /// Leapfrog with friction solved for inside the step, by a diagonally implicit method on velocities alone. What is held constant over the
-/// step and what is let go on within it are as in tasks/method/friction/friction_leapfrog.hpp; the table of stages is another:
+/// step and what is let go on within it are as in tasks/method/friction/staged/friction_leapfrog.hpp; the table of stages is another:
 ///
 ///     v_s = v + h Σ a_sj (G_j + F_j) + γ h (G_s + F(v_s))         a nonlinear solve per stage (tasks/method/friction/friction_solve.hpp)
 

@@ -24,6 +24,8 @@ public:
     void restart() noexcept;
     /// Whether the step that begins follows another or none; else it is the same step once more, only shorter.
     [[nodiscard]] bool is_new() const noexcept { return w_.step.time != begun_ || !continues_; }
+    /// Whether there is a step before the one that begins.
+    [[nodiscard]] bool continues() const noexcept { return continues_; }
     /// Of a new step, before begin(): what the step before has left becomes history.
     void turn_over();
     /// workspace.step.row for the middle of the step, and the sheaves there.

@@ -7,7 +7,7 @@
 #include "engine/method/compiled_plan.hpp"
 #include "tasks/method/friction/additive/additive_table.hpp"
 #include "tasks/method/friction/implicit_leapfrog.hpp"
-#include "tasks/method/friction/kick_tables.hpp"
+#include "tasks/method/friction/staged/kick_tables.hpp"
 #include "tasks/method/implicit/linear_plan.hpp"
 #include "tasks/method/stability/linear_chain.hpp"
 

@@ -67,7 +67,7 @@ void expect_agreement(const Place& place, const std::string& method) {
 TEST(LargestStep, IsMeasuredAsPredictedOnTheSmallestScene) {
     const Place tiny(settled_tiny());
     for (const char* method : {"rk4", "euler", "dumka3-p3", "rkc-s10", "dumka3", "leapfrog-rkc", "leapfrog-chebyshev", "leapfrog-be",
-                               "leapfrog-sdirk2", "ark436"})
+                               "leapfrog-sdirk2", "leapfrog-sweep", "ark436"})
         expect_agreement(tiny, method);
 }
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/graph/race_check.hpp"
-#include "tasks/method/friction/kick_tables.hpp"
+#include "tasks/method/friction/staged/kick_tables.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tests/claims/operating_point_fixture.hpp"

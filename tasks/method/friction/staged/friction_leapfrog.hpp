@@ -12,9 +12,9 @@
 
 #include <array>
 
-#include "tasks/method/friction/friction_system.hpp"
-#include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/friction/leapfrog_frame.hpp"
+#include "tasks/method/friction/staged/friction_system.hpp"
+#include "tasks/method/friction/staged/kick_tables.hpp"
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {

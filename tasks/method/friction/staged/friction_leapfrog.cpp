@@ -1,4 +1,4 @@
-#include "tasks/method/friction/friction_leapfrog.hpp"
+#include "tasks/method/friction/staged/friction_leapfrog.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "tasks/method/friction/kick_record.hpp"
 #include "tasks/step/assembly/link_accesses.hpp"
 #include "tasks/step/method_memory.hpp"
 #include "tasks/step/step_graph.hpp"
@@ -37,21 +38,6 @@ constexpr int first_iterations = 50, next_iterations = 4;
         if (!std::all_of(begin, begin + 2 * at.link_size(), [](double x) { return std::isfinite(x); })) return link;
     }
     return {};
-}
-
-/// A segment and all that hold links in its halo.
-[[nodiscard]] std::vector<int> near_segments(const Workspace& w, int segment) {
-    const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
-    std::vector<int> near{segment};
-    for (int s = 0; s < w.partition.size(); ++s) {
-        const Segment& other = w.partition[s];
-        const auto holds = [&](int link) { return layout.wrapped(link) >= other.first && layout.wrapped(link) < other.last; };
-        bool reaches = false;
-        for (int k = 1; k <= layout.halo(); ++k) reaches = reaches || holds(own.first - k) || holds(own.last - 1 + k);
-        if (reaches && s != segment) near.push_back(s);
-    }
-    return near;
 }
 
 }  // namespace
@@ -213,17 +199,7 @@ void FrictionLeapfrog<Number>::stage(int item) noexcept {
 
 template <class Number>
 void FrictionLeapfrog<Number>::finish(int segment) noexcept {
-    system_.react(w_, segment);
-    double* end = w_.step.links_ended ? w_.end_state : w_.states[1];
-    system_.give(w_, end, segment);
-    const model::ChainLayout& at = w_.layout();
-    const int size = at.link_size();
-    const double half = 0.5 * w_.step.h;
-    for (int link = w_.partition[segment].first; link < w_.partition[segment].last; ++link) {
-        const double* __restrict from = w_.states[0] + at.link_begin(link);
-        double* __restrict to = end + at.link_begin(link);
-        for (int k = 0; k < size; ++k) to[k] = from[k] + half * (from[size + k] + to[size + k]);
-    }
+    system_.finish(w_, segment);
 }
 
 template class FrictionLeapfrog<double>;

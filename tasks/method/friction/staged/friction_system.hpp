@@ -7,12 +7,11 @@
 
 #include <array>
 #include <span>
-#include <type_traits>
 #include <vector>
 
 #include "model/contact/contact_field.hpp"
-#include "tasks/method/friction/kick_tables.hpp"
 #include "tasks/method/friction/segment_columns.hpp"
+#include "tasks/method/friction/staged/kick_tables.hpp"
 #include "tasks/step/workspace.hpp"
 
 namespace cvtflow::tasks {
@@ -39,10 +38,8 @@ public:
     /// One row of a chained table: evaluates at the velocities of its slot, with extrapolation times the difference between base and that
     /// of the step before added to base; adds weight times the tips' forces to impulses; combines the velocities of the row that follows.
     void stage(const Workspace& workspace, const KickRow& row, double h, double extrapolation, int segment) noexcept;
-    /// Loads of a segment's links: of the normal forces, and the mean reaction of the tips' friction since record().
-    void react(Workspace& workspace, int segment) const noexcept;
-    /// Velocities of a segment's links after the last row, into a state. state [unknowns]
-    void give(const Workspace& workspace, double* state, int segment) const noexcept;
+    /// Loads of a segment's links since record(); their state at the step's end by the velocities after the last row.
+    void finish(Workspace& workspace, int segment) const noexcept;
 
     /// Largest eigenvalue of friction about rest, from a few power iterations on; everything must be at rest [1/s].
     [[nodiscard]] double spectral_radius(const Workspace& workspace, int iterations) noexcept;
@@ -53,7 +50,6 @@ public:
 
 private:
     using Columns = model::ColumnsOf<Number>;
-    static constexpr bool relative = std::is_same_v<Number, float>;
 
     /// What a segment's tasks write and read. Column = link + shift of the segment.
     struct Fields {
@@ -70,8 +66,6 @@ private:
     /// time [s]
     [[nodiscard]] model::FrictionRangeOf<Number> range_of(const Workspace& workspace, double time, const Columns& velocity,
                                                           int segment) noexcept;
-    /// state [unknowns]
-    void take(const Workspace& workspace, const double* state, int segment) noexcept;
     void make_room();
     /// The columns that outlast a step; checkpoints hold the first two.
     template <class Some>

@@ -1,11 +1,11 @@
-#include "tasks/method/friction/friction_system.hpp"
+#include "tasks/method/friction/staged/friction_system.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "model/basis/portable_math.hpp"
 #include "tasks/method/friction/index.hpp"
-#include "tasks/step/assembly/segment_tasks.hpp"
+#include "tasks/method/friction/kick_record.hpp"
 #include "tasks/step/method_memory.hpp"
 
 namespace cvtflow::tasks {
@@ -100,34 +100,10 @@ model::FrictionRangeOf<Number> FrictionSystem<Number>::range_of(const Workspace&
 
 template <class Number>
 void FrictionSystem<Number>::record(Workspace& w, const model::ContactDrift& drift, int segment) noexcept {
-    const Segment& own = w.partition[segment];
-    double* window = w.windows[at(segment)].data();
-    fill_window(w, own, window);
-    const model::ChainRange range{own.first, own.last, window, w.pulleys.sheaves, w.tips.phases.data(), columns_.shift(segment), false};
-    model::LinkLoad* loads = normal_loads_.data() + own.first;
     Fields& f = fields(segment);
-    if constexpr (relative) {
-        const double* start = w.states[0] + w.layout().link_begin(own.first);
-        friction_.record(range, drift, {start, f.contacts, f.base[now_], f.states[0]}, loads);
-    } else {
-        friction_.record(range, drift, f.contacts, f.base[now_], loads);
-        take(w, w.states[0], segment);
-    }
+    record_kick<Number>(w, friction_, drift, columns_, segment, {f.contacts, f.base[now_], f.states[0], f.impulses}, normal_loads_);
     edges_[0].give(columns_, f.states[0], segment);
     contact_edges_.give(columns_, f.contacts.columns, segment);
-    for (int row = 0; row < 3 * model::tips_per_link; ++row) std::fill_n(f.impulses.at(row, SegmentColumns::first), own.size(), Number(0));
-}
-
-/// Velocities of a state into slot 0.
-template <class Number>
-void FrictionSystem<Number>::take(const Workspace& w, const double* state, int segment) noexcept {
-    const model::ChainLayout& layout = w.layout();
-    const int size = layout.link_size(), shift = columns_.shift(segment);
-    Columns& start = fields(segment).states[0];
-    for (int link = w.partition[segment].first; link < w.partition[segment].last; ++link) {
-        const double* v = state + layout.link_begin(link) + size;
-        for (int row = 0; row < size; ++row) *start.at(row, link + shift) = static_cast<Number>(v[row]);
-    }
 }
 
 template <class Number>
@@ -154,38 +130,10 @@ void FrictionSystem<Number>::stage(const Workspace& w, const KickRow& row, doubl
 }
 
 template <class Number>
-void FrictionSystem<Number>::react(Workspace& w, int segment) const noexcept {
-    const Segment& own = w.partition[segment];
+void FrictionSystem<Number>::finish(Workspace& w, int segment) const noexcept {
     const Fields& f = fields(segment);
-    for (int link = own.first; link < own.last; ++link) {
-        const int column = link + columns_.shift(segment);
-        w.links.loads[at(link)] = normal_loads_[at(link)];
-        model::SheaveLoad& load = w.links.loads[at(link)].load;
-        const model::TipArms& p = f.contacts.arms[at(link)];
-        for (int corner = 0; corner < model::tips_per_link; ++corner) {
-            if (w.tips.phases[at(model::tips_per_link * link + corner)] == model::Phase::free) continue;
-            const double fx = *f.impulses.at(3 * corner, column), fy = *f.impulses.at(3 * corner + 1, column),
-                         fz = *f.impulses.at(3 * corner + 2, column);
-            load.add(corner % 2, -fx, -fy, -fz, p.x[corner], p.y[corner], p.z[corner]);
-        }
-    }
-}
-
-template <class Number>
-void FrictionSystem<Number>::give(const Workspace& w, double* state, int segment) const noexcept {
-    const model::ChainLayout& layout = w.layout();
-    const Segment& own = w.partition[segment];
-    const int size = layout.link_size();
-    const Columns& result = fields(segment).result;
-    // Velocities that those of stages count from: still in the window that record() has filled.
-    const double* counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block() + size;
-    for (int link = own.first; link < own.last; ++link, counted_from += layout.link_block()) {
-        double* v = state + layout.link_begin(link) + size;
-        for (int row = 0; row < size; ++row) {
-            v[row] = *result.at(row, link + columns_.shift(segment));
-            if constexpr (relative) v[row] += counted_from[row];
-        }
-    }
+    react_to_kick(w, columns_, segment, f.contacts, f.impulses, normal_loads_);
+    end_kick(w, columns_, segment, f.result);
 }
 
 template <class Number>

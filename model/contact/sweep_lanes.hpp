@@ -1,0 +1,279 @@
+#pragma once
+/// One pass of an implicit sweep, lanes over links (model/contact/sweep_step.hpp). Every lane does the same operations in the same order
+/// whatever its neighbours are, so results do not depend on how links are grouped.
+
+#include "model/contact/sweep_forces.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// W links side by side; column numbers count from the first link of the range.
+template <int P, int W>
+class SweepLanes : private SweepForces<P, W> {
+    using Base = SweepForces<P, W>;
+    using Base::add_couple, Base::basis, Base::column, Base::contact, Base::keep, Base::kept, Base::numbers_, Base::slip, Base::field_,
+        Base::velocity, Base::share, Base::tip_force, Base::slip_across, Base::rows_, Base::n, Base::joint_rows;
+    using typename Base::JointRates, typename Base::Joint, typename Base::Tip;
+
+public:
+    using typename Base::Number, typename Base::V;
+
+    SweepLanes(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
+               const FrictionSweepOf<Number>& sweep) noexcept
+        : Base(friction, field, range, *sweep.kept), sweep_(sweep), responses_(*sweep.responses) {}
+
+    /// Joint of the rear pins of links first + own … + W - 1, its force to scratch.
+    void joints(int own) const noexcept {
+        V force[joint_rows];
+        for (V& row : force) row = V(0.0);
+        if (sweep_.part == SweepPart::opening) {
+            for (int g = 0; g < rows_.joint_points; ++g) open_point(own, g, force);
+        } else {
+            JointRates rates = Base::joint_rates(own);
+            for (int k = 0; k < rows_.joint_points; ++k)  // from both ends to the middle
+                solve_point(own, k % 2 == 0 ? k / 2 : rows_.joint_points - 1 - k / 2, rates, force);
+        }
+        for (int row = 0; row < joint_rows; ++row) keep(row, own, force[row]);
+    }
+
+    /// Velocities of links first + own … + W - 1; their joints must be in scratch.
+    void links(int own) const noexcept {
+        const bool opening = sweep_.part == SweepPart::opening, closing = sweep_.part == SweepPart::closing;
+        const bool touch = !closing && Base::touching(own);
+        V f[at<P>.link_size()];
+        Base::add_joints(own, f);
+        V moment = kept(2 * n + 3, own) + kept(2 * n + 2, own + 1);
+        if (opening) open_link(own, touch, f, moment);
+        add_couple(own, moment, f);
+        accelerate(own, f, closing ? *sweep_.result : *sweep_.velocity);
+        if (closing) return keep_opening(own);
+        solve_plates(own);
+        if (touch) solve_tips(own);
+    }
+
+private:
+    [[nodiscard]] V before(int row, int own) const noexcept { return load<W>(sweep_.before->at(row, column(own))); }
+    void put(int row, int own, const V& lanes) const noexcept { lanes.copy_to(sweep_.kept->at(row, column(own))); }
+    void add_velocity(int row, int own, const V& change) const noexcept {
+        (velocity(row, own) + change).copy_to(sweep_.velocity->at(row, column(own)));
+    }
+
+    /// Adds a force across the axis and along it at point g.
+    void add_point(int own, int g, const V& across, const V& along, V* force) const noexcept {
+        const int row = field_.components.joint(g);
+        const V x = -(contact(row + Joint::normal_y, own) * across), y = contact(row + Joint::normal_x, own) * across;
+        force[0] += x;
+        force[n] += y;
+        for (int m = 1; m < n; ++m) {
+            force[m] += basis(m, g) * x;
+            force[n + m] += basis(m, g) * y;
+        }
+        force[2 * n] += along;
+        force[2 * n + 1] += numbers_.joint_position[static_cast<std::size_t>(g)] * along;
+        force[2 * n + 2] += across * contact(row + Joint::lever_before, own);
+        force[2 * n + 3] += across * contact(row + Joint::lever_after, own);
+    }
+
+    void open_point(int own, int g, V* force) const noexcept {
+        const V grip = contact(field_.components.joint(g) + Joint::grip, own);
+        const V across = before(rows_.opening(rows_.joint(g)), own), along = before(rows_.opening(rows_.joint(g) + 1), own);
+        put(rows_.joint(g), own, across);
+        put(rows_.joint(g) + 1, own, along);
+        put(rows_.joint_speed(g), own, before(rows_.joint_speed(g), own));
+        add_point(own, g, grip * across, grip * along, force);
+    }
+
+    /// Force at point g for the sliding that all others leave it; adds its change to `force` and the response to it to the rates.
+    void solve_point(int own, int g, JointRates& rates, V* force) const noexcept {
+        const auto at_g = static_cast<std::size_t>(g);
+        const int row = rows_.joint(g), contacts = field_.components.joint(g);
+        const V grip = contact(contacts + Joint::grip, own);
+        const V across = share(row, own), along = share(row + 1, own);
+        const V stiff_across = responses_.joint_across[at_g] * grip, stiff_along = responses_.joint_along[at_g] * grip;
+        const V free_across = slip_across(own, g, rates) - stiff_across * across;
+        const V free_along = rates.z + numbers_.joint_position[at_g] * rates.e - stiff_along * along;
+        const V speed = sliding_speed(own, g, {free_across, free_along}, {stiff_across, stiff_along});
+        const Reciprocals<W> inverse(speed + stiff_across, speed + stiff_along);
+        const V new_across = -(free_across * inverse.first), new_along = -(free_along * inverse.second);
+        put(row, own, new_across);
+        put(row + 1, own, new_along);
+        const V change = grip * (new_across - across), push = grip * (new_along - along);
+        add_point(own, g, change, push, force);
+        const V x = -(contact(contacts + Joint::normal_y, own) * change), y = contact(contacts + Joint::normal_x, own) * change;
+        for (int m = 0; m < n; ++m) {
+            rates.x[m] += responses_.joint_lateral[at_g][static_cast<std::size_t>(m)] * x;
+            rates.y[m] += responses_.joint_lateral[at_g][static_cast<std::size_t>(m)] * y;
+        }
+        rates.z += responses_.joint_shift * push;
+        rates.e += responses_.joint_tilt[at_g] * push;
+    }
+
+    /// The speed D ≥ v0 that a point slides with, or v0: Σ (free/(D + stiff))² = 1, one step of Newton's method from the last one on.
+    [[nodiscard]] V sliding_speed(int own, int g, const V (&free)[2], const V (&stiff)[2]) const noexcept {
+        const V slowest(numbers_.joint.saturation_speed);
+        const V from = larger<W>(share(rows_.joint_speed(g), own), slowest);
+        const Reciprocals<W> inverse(from + stiff[0], from + stiff[1]);
+        const V across = free[0] * inverse.first, along = free[1] * inverse.second;
+        const V a = across * across, b = along * along, sum = a + b;
+        const V slope = a * inverse.first + b * inverse.second + V(1e-20);
+        const V speed = larger<W>(from + sum * (sqrt(sum) - V(1.0)) / slope, slowest);
+        put(rows_.joint_speed(g), own, speed);
+        return speed;
+    }
+
+    /// Forces of plates and tips of the step before.
+    void open_link(int own, bool touch, V* f, V& moment) const noexcept {
+        for (int k = 0; k < 2; ++k) {
+            const V force = before(rows_.opening(rows_.plates() + k), own);
+            put(rows_.plates() + k, own, force);
+            put(rows_.plate_rate() + k, own, before(rows_.plate_rate() + k, own));
+            f[at<P>.z(End::front) + k] += force;
+            f[at<P>.z(End::rear) + k] = f[at<P>.z(End::rear) + k] - force;
+        }
+        for (int row = rows_.tip(0); row < rows_.forces(); ++row) put(row, own, touch ? before(rows_.opening(row), own) : V(0.0));
+        if (!touch) return;
+        for (const End end : {End::rear, End::front}) {
+            const int low = 2 * static_cast<int>(end);
+            const AtTips<V> forces{tip_force(own, low), tip_force(own, low + 1)};
+            add_tips(own, end, forces, f, moment);
+        }
+    }
+
+    void add_tips(int own, End end, const AtTips<V>& forces, V* f, V& moment) const noexcept {
+        const int low = 2 * static_cast<int>(end);
+        FrictionTips<P, W, false>::spread(forces, {at<P>.x(end, 0), at<P>.y(end, 0), at<P>.z(end)}, f);
+        for (const auto& [force, corner] : {std::pair{&forces.low, low}, std::pair{&forces.high, low + 1}}) {
+            const int row = field_.components.tip(corner);
+            moment += contact(row + Tip::lever_x, own) * force->y - contact(row + Tip::lever_y, own) * force->x;
+        }
+    }
+
+    /// A⁻¹ f.
+    void respond(const V* f, V* accelerations) const noexcept {
+        for (int axis = 0; axis < 2; ++axis) multiply_ends<n>(numbers_.lateral, f + 2 * n * axis, accelerations + 2 * n * axis);
+        multiply_ends<2>(numbers_.axial, f + 4 * n, accelerations + 4 * n);
+    }
+
+    /// Velocities after forces have acted over the step. @param to velocities so far, or the result
+    void accelerate(int own, const V* f, ColumnsOf<Number>& to) const noexcept {
+        V change[at<P>.link_size()];
+        respond(f, change);
+        for (int row = 0; row < at<P>.link_size(); ++row) {
+            V v = velocity(row, own);
+            if (sweep_.part == SweepPart::opening)
+                v = load<W>(sweep_.start->at(row, column(own))) + responses_.step * load<W>(sweep_.base->at(row, column(own)));
+            (v + responses_.step * change[row]).copy_to(to.at(row, column(own)));
+        }
+    }
+
+    /// Plates with the secants of the last rates: two equations for the sliding of both directions.
+    void solve_plates(int own) const noexcept {
+        const V force_z = share(rows_.plates(), own), force_e = share(rows_.plates() + 1, own);
+        V a(0.0), b(0.0), e(0.0);
+        add_secants(own, a, b, e);
+        const auto [rate_z, rate_e] = Base::plate_rates(own);
+        const V free_z = rate_z - responses_.plate_shift * force_z, free_e = rate_e - responses_.plate_tilt * force_e;
+        const V zz = V(1.0) + responses_.plate_shift * a, ze = responses_.plate_shift * b, ez = responses_.plate_tilt * b,
+                ee = V(1.0) + responses_.plate_tilt * e;
+        const V inverse = V(1.0) / (zz * ee - ze * ez);
+        const V z = (free_z * ee - ze * free_e) * inverse, tilt = (zz * free_e - ez * free_z) * inverse;
+        const V new_z = -(a * z + b * tilt), new_e = -(b * z + e * tilt);
+        put(rows_.plate_rate(), own, z);
+        put(rows_.plate_rate() + 1, own, tilt);
+        put(rows_.plates(), own, new_z);
+        put(rows_.plates() + 1, own, new_e);
+        const V shift = responses_.link_shift * (new_z - force_z), turn = responses_.link_tilt * (new_e - force_e);
+        add_velocity(at<P>.z(End::front), own, shift);
+        add_velocity(at<P>.z(End::rear), own, -shift);
+        add_velocity(at<P>.e(End::front), own, turn);
+        add_velocity(at<P>.e(End::rear), own, -turn);
+    }
+
+    /// Σ secant, Σ ξ secant, Σ ξ² secant.
+    void add_secants(int own, V& a, V& b, V& e) const noexcept {
+        const V z = share(rows_.plate_rate(), own), tilt = share(rows_.plate_rate() + 1, own), slowest(numbers_.plate.saturation_speed);
+        const auto add = [&](int plate, const V& inverse_speed) {
+            const Number xi = numbers_.plate_position[static_cast<std::size_t>(plate)];
+            const V secant = contact(field_.components.plate(plate), own) * inverse_speed, lever = xi * secant;
+            a += secant;
+            b += lever;
+            e += xi * lever;
+        };
+        const auto speed = [&](int plate) {
+            return larger<W>(abs(z + numbers_.plate_position[static_cast<std::size_t>(plate)] * tilt), slowest);
+        };
+        int plate = 0;
+        for (; plate + 1 < field_.components.plates; plate += 2) {
+            const Reciprocals<W> inverse(speed(plate), speed(plate + 1));
+            add(plate, inverse.first);
+            add(plate + 1, inverse.second);
+        }
+        if (plate < field_.components.plates) add(plate, V(1.0) / speed(plate));
+    }
+
+    /// All tips at the velocities that they have left each other so far.
+    void solve_tips(int own) const noexcept {
+        V f[at<P>.link_size()];
+        for (V& row : f) row = V(0.0);
+        V moment(0.0);
+        const V turn = Base::turning(own);
+        for (const End end : {End::rear, End::front}) {
+            const int low = 2 * static_cast<int>(end);
+            const AtTips<V> velocities = Base::tip_velocities(own, {at<P>.x(end, 0), at<P>.y(end, 0), at<P>.z(end)});
+            const AtTips<V> changes{solve_tip(own, low, velocities.low, turn), solve_tip(own, low + 1, velocities.high, turn)};
+            add_tips(own, end, changes, f, moment);
+        }
+        add_couple(own, moment, f);
+        V change[at<P>.link_size()];
+        respond(f, change);
+        for (int row = 0; row < at<P>.link_size(); ++row) add_velocity(row, own, responses_.step * change[row]);
+    }
+
+    /// @return change of its force
+    [[nodiscard]] AtTip<V> solve_tip(int own, int corner, const AtTip<V>& v, const V& turn) const noexcept {
+        const V grip = contact(field_.components.tip(corner) + Tip::grip, own), stiff = responses_.tip * grip;
+        const AtTip<V> old = tip_force(own, corner);
+        const AtTip<V> free =
+            slip(own, corner, {v.x - responses_.tip * old.x, v.y - responses_.tip * old.y, v.z - responses_.tip * old.z}, turn);
+        const V factor = V(-1.0) / (stiff + tip_speed(own, corner, sqrt(free.square()) - stiff));
+        const V none(0.0);
+        const auto held = [&](const V& slip) { return select_greater<W>(grip, none, factor * slip, none); };
+        const AtTip<V> share{held(free.x), held(free.y), held(free.z)};
+        const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
+        put(rows_.tip(corner), own, share.x * tx + share.y * ty);
+        put(rows_.tip(corner) + 1, own, share.y * tx - share.x * ty);
+        put(rows_.tip(corner) + 2, own, share.z);
+        const V forces[3] = {grip * share.x, grip * share.y, grip * share.z};
+        for (int axis = 0; axis < 3; ++axis) forces[axis].copy_to(sweep_.impulses->at(3 * corner + axis, column(own)));
+        return {forces[0] - old.x, forces[1] - old.y, forces[2] - old.z};
+    }
+
+    /// Sliding speed within the branch of the law that holds.
+    [[nodiscard]] V tip_speed(int own, int corner, const V& sliding) const noexcept {
+        if (!Base::friction_.by_phase()) return larger<W>(sliding, V(numbers_.tip.saturation_speed));
+        return Base::within_branch(own, corner, sliding);
+    }
+
+    /// What the next step begins with.
+    void keep_opening(int own) const noexcept {
+        for (int row = 0; row < rows_.forces(); ++row) {
+            const V now = share(row, own);
+            put(rows_.opening(row), own, now + sweep_.ahead * (now - before(row, own)));
+        }
+    }
+
+    const FrictionSweepOf<Number>& sweep_;
+    const SweepResponses<Number>& responses_;
+};
+
+/// A pass over the links of a range: their joints, then the links.
+template <class Number, int P>
+void sweep_links(const FrictionOperator& friction, const ContactFieldOf<Number>& field, const FrictionRangeOf<Number>& range,
+                 const FrictionSweepOf<Number>& sweep) noexcept {
+    const int links = range.last - range.first;
+    over_groups<Number>(0, links + 1, [&]<int W>(int own) { SweepLanes<P, W>(friction, field, range, sweep).joints(own); });
+    over_groups<Number>(0, links, [&]<int W>(int own) { SweepLanes<P, W>(friction, field, range, sweep).links(own); });
+}
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,78 @@
+#include "model/contact/sweep_step.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cvtflow::model {
+
+namespace {
+
+/// By which contacts respond more than to their own force alone: others of the pass push the same way. Without it sweeps diverge.
+constexpr double own_margin = 1.1;
+
+/// A half's modes at a place, as rows of the inverse of the mass matrix act on them.
+struct Response {
+    const MirroredInverse& inverse;
+    int size;
+
+    /// Of mode m to a force with these shares in the modes, on the same end or on the other one.
+    template <class Shares>
+    [[nodiscard]] double mode(int m, bool same_end, const Shares& shares) const {
+        double sum = 0.0;
+        for (int k = m % 2; k < size; k += 2) {
+            const auto at = static_cast<std::size_t>(m * most_lateral + k);
+            sum += (inverse.sum[at] + (same_end ? inverse.difference[at] : -inverse.difference[at])) * shares(k);
+        }
+        return sum;
+    }
+    /// Of the place with these shares to a force at that with those.
+    template <class At, class From>
+    [[nodiscard]] double place(bool same_end, const At& at, const From& from) const {
+        double sum = 0.0;
+        for (int m = 0; m < size; ++m) sum += at(m) * mode(m, same_end, from);
+        return sum;
+    }
+};
+
+[[nodiscard]] double low_end(int mode) { return mode % 2 == 0 ? 1.0 : -1.0; }
+[[nodiscard]] double high_end(int /*mode*/) { return 1.0; }
+
+/// Of one tip to forces, each as large as its own, at all four of its link in one direction.
+[[nodiscard]] double all_tips(const Response& response) {
+    double sum = 0.0;
+    for (const bool same_end : {true, false})
+        sum += std::abs(response.place(same_end, high_end, high_end)) + std::abs(response.place(same_end, high_end, low_end));
+    return sum;
+}
+
+}  // namespace
+
+template <class Number>
+SweepResponses<Number>::SweepResponses(const FrictionOperator& friction, double h, double nominal) noexcept : step(static_cast<Number>(h)) {
+    const FrictionNumbers<double>& numbers = friction.numbers<double>();
+    const Response lateral{numbers.lateral, friction.chain().layout().lateral()}, axial{numbers.axial, 2};
+    const auto one = [](int k) { return [k](int m) { return m == k ? 1.0 : 0.0; }; };
+    const auto rounded = [](double x) { return static_cast<Number>(x); };
+    const double z = 2.0 * nominal * axial.mode(0, true, one(0)), e = 2.0 * nominal * axial.mode(1, true, one(1));  // of both pins' halves
+    for (std::size_t g = 0; g < static_cast<std::size_t>(friction.chain().coefficients().joint_points.count); ++g) {
+        const auto shares = [&](int m) { return numbers.joint_basis[static_cast<std::size_t>(m)][g]; };
+        const double xi = numbers.joint_position[g];
+        joint_across[g] = rounded(own_margin * 2.0 * nominal * lateral.place(true, shares, shares));
+        joint_along[g] = rounded(own_margin * (z + xi * xi * e));
+        for (int m = 0; m < lateral.size; ++m)
+            joint_lateral[g][static_cast<std::size_t>(m)] = rounded(2.0 * nominal * lateral.mode(m, true, shares));
+        joint_tilt[g] = rounded(xi * e);
+    }
+    joint_shift = rounded(z);
+    tip = rounded(own_margin * nominal * std::max(all_tips(lateral), all_tips(axial)));
+    const double apart_z = 2.0 * numbers.axial.difference[0], apart_e = 2.0 * numbers.axial.difference[most_lateral + 1];
+    plate_shift = rounded(own_margin * nominal * 2.0 * apart_z);
+    plate_tilt = rounded(own_margin * nominal * 2.0 * apart_e);
+    link_shift = rounded(h * apart_z);
+    link_tilt = rounded(h * apart_e);
+}
+
+template struct SweepResponses<double>;
+template struct SweepResponses<float>;
+
+}  // namespace cvtflow::model

@@ -1,0 +1,79 @@
+#pragma once
+/// Friction solved for by implicit sweeps over its contacts: velocities at the end of a step are those of backward Euler,
+///
+///     v = v_0 + h (G + A⁻¹ Σ Jᵀ P),   P = -c s(|u|) u/|u|,   u = J v,   c = μN,
+///
+/// with each contact's force P found from the velocities that all others leave it: u = u* + r (P - P before), r its response. Joint points
+/// are solved one after the other, joints of different pins at once, and so are links with their plates and tips. Forces are kept from step
+/// to step as shares of c, and the next step begins with them and half of their last change.
+
+#include <array>
+
+#include "model/contact/contact_field.hpp"
+
+namespace cvtflow::model {
+
+/// Rows of what sweeps keep of a link from step to step; its joint is that of its rear pin.
+struct SweepRows {
+    int joint_points;  ///< integration points of a joint
+
+    /// Share of a point's force across the axis, and along it in the next row [1].
+    [[nodiscard]] static constexpr int joint(int point) noexcept { return 2 * point; }
+    /// Friction of all plates: along z, and its moment in the next row [N].
+    [[nodiscard]] constexpr int plates() const noexcept { return joint(joint_points); }
+    /// Share of a tip's force: along the link, across it, along z [1].
+    [[nodiscard]] constexpr int tip(int corner) const noexcept { return plates() + 2 + 3 * corner; }
+    /// Rows so far.
+    [[nodiscard]] constexpr int forces() const noexcept { return tip(tips_per_link); }
+    /// What the next step begins with instead of a row of the forces.
+    [[nodiscard]] constexpr int opening(int row) const noexcept { return forces() + row; }
+    /// Speed at which the tangent of a joint point's equation was taken last [m/s].
+    [[nodiscard]] constexpr int joint_speed(int point) const noexcept { return 2 * forces() + point; }
+    /// Sliding of the plates by which their secants were taken last: z, and e in the next row [m/s].
+    [[nodiscard]] constexpr int plate_rate() const noexcept { return joint_speed(joint_points); }
+    [[nodiscard]] constexpr int count() const noexcept { return plate_rate() + 2; }
+};
+
+/// Responses of a contact's sliding to forces over a step.
+template <class Number>
+struct SweepResponses {
+    /// @param step h [s]   @param nominal what a step takes that nothing cuts short: contacts respond as if this were its length [s]
+    SweepResponses(const FrictionOperator& friction, double step, double nominal) noexcept;
+
+    Number step;                                                                     ///< h [s]
+    std::array<Number, most_joint_lanes> joint_across{}, joint_along{};              ///< of a point to its own force [m/s per N]
+    std::array<std::array<Number, most_lateral>, most_joint_lanes> joint_lateral{};  ///< of a joint's modes to the force at a point
+    Number joint_shift;                                                              ///< of its z to an axial force
+    std::array<Number, most_joint_lanes> joint_tilt{};                               ///< of its e to the axial force at a point
+    Number tip;                      ///< of a tip to forces at all tips of its link, each as large as its own
+    Number plate_shift, plate_tilt;  ///< of the plates' z and e to their force and moment
+    Number link_shift, link_tilt;    ///< of either end's z and e to the plates' force and moment, over the step at hand
+};
+
+/// Which part of a step.
+enum class SweepPart {
+    opening,  ///< with the forces of the step before; then the links
+    middle,   ///< joints, then links
+    closing,  ///< joints; then the velocities
+};
+
+/// One pass over joints and links. Columns over links (column = link + range.shift), all of the same shape.
+template <class Number>
+struct FrictionSweepOf {
+    SweepPart part;
+    Number ahead;  ///< share of the forces' last change with which the next step begins [1]
+    const SweepResponses<Number>* responses;
+    const ColumnsOf<Number>*base, *start;  ///< accelerations by everything but friction; velocities at the step's start
+    const ColumnsOf<Number>* before;       ///< [SweepRows::count()] rows, as the step before has left them
+    ColumnsOf<Number>* kept;               ///< the same of this step
+    ColumnsOf<Number>* velocity;           ///< so far; those of the range
+    ColumnsOf<Number>* result;             ///< at the end
+    ColumnsOf<Number>* impulses;           ///< [3 tips_per_link] rows: mean force on each tip, x, y, z [N]
+};
+
+/// What friction takes from a link, with the joint of its rear pin, by kind [W].
+struct FrictionPowers {
+    double joint, plates, tips;
+};
+
+}  // namespace cvtflow::model

@@ -1,0 +1,83 @@
+/// Leapfrog with friction by sweeps: the same bits for every schedule, its graph free of races, its forces part of the state.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "engine/graph/race_check.hpp"
+#include "tasks/method/method_choice.hpp"
+#include "tasks/run/simulation.hpp"
+#include "tasks/step/step_graph.hpp"
+#include "tests/claims/operating_point_fixture.hpp"
+#include "tests/engine/executor/executor_fixture.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+const engine::Cancellation unstopped;
+
+std::uint64_t hash_after(std::vector<std::string> settings, const std::vector<std::string>& more) {
+    settings.insert(settings.end(), more.begin(), more.end());
+    Simulation simulation(claims::ready_scene("baseline", settings));
+    SilentObserver nobody;
+    EXPECT_FALSE(simulation.advance({.until = 60e-6}, nobody, unstopped)) << settings.back();
+    EXPECT_GT(simulation.counters().steps, 29);
+    return simulation.hash();
+}
+
+class SweepLeapfrogBits : public testing::TestWithParam<const char*> {};
+
+TEST_P(SweepLeapfrogBits, AreTheSameForEverySchedule) {
+    const std::vector<std::string> common{std::string("run.method=") + GetParam(), "run.step=1.8us"};
+    const std::uint64_t serial = hash_after(common, {"run.schedule=serial"});
+    EXPECT_EQ(hash_after(common, {"run.schedule=barrier", "run.threads=2", "run.segments=3"}), serial);
+    EXPECT_EQ(hash_after(common, {"run.schedule=barrier", "run.assembly=staged", "run.threads=2", "run.segments=5"}), serial);
+    if (engine::test::thread_sanitizer) return;  // it sees into neither oneTBB nor OpenMP
+    EXPECT_EQ(hash_after(common, {"run.schedule=flow", "run.threads=2", "run.segments=7"}), serial);
+    EXPECT_EQ(hash_after(common, {"run.schedule=flow_messages", "run.threads=2", "run.segments=2"}), serial);
+    EXPECT_EQ(hash_after(common, {"run.schedule=serial", "run.segments=84"}), serial);
+}
+
+/// Tips that have never touched lie in every lane beside those that stick or slip.
+TEST_P(SweepLeapfrogBits, AreTheSameWithTipsThatStickOrSlip) {
+    const std::vector<std::string> common{std::string("run.method=") + GetParam(), "run.step=1.5us", "detail.stick_slip=true"};
+    const std::uint64_t serial = hash_after(common, {"run.schedule=serial"});
+    EXPECT_EQ(hash_after(common, {"run.schedule=serial", "run.segments=5"}), serial);
+    EXPECT_EQ(hash_after(common, {"run.schedule=barrier", "run.threads=2", "run.segments=84"}), serial);
+}
+
+INSTANTIATE_TEST_SUITE_P(SweepLeapfrog, SweepLeapfrogBits, testing::Values("leapfrog-sweep", "leapfrog-sweep-double"),
+                         [](const auto& instance) { return std::string(instance.index == 0 ? "InSingle" : "InDouble"); });
+
+TEST(SweepLeapfrog, ItsGraphHasNoRaces) {
+    const Scene scene = claims::ready_scene("baseline", {"run.method=leapfrog-sweep"});
+    for (const int segments : {1, 2, 5, 84}) {
+        Workspace workspace(scene.parameters, *plan_for("leapfrog-sweep"), Partition::equal(84, segments));
+        const auto method = make_step_method("leapfrog-sweep", workspace);
+        for (const Assembly assembly : {Assembly::fused, Assembly::staged})
+            EXPECT_TRUE(engine::race_check(step_graph(workspace, {.kind = assembly}, method.get())).empty()) << segments;
+    }
+}
+
+/// Where friction saturates at a tenth of the usual speeds forces lag behind the law at their velocities most.
+TEST(SweepLeapfrog, BooksTheLossesOfItsForcesAndNotOfTheLaw) {
+    Simulation simulation(claims::ready_scene("baseline", {"run.method=leapfrog-sweep", "run.step=2us", "tip.saturation_speed=1e-3",
+                                                           "joint.saturation_speed=5e-4", "plate.saturation_speed=1e-3"}));
+    SilentObserver nobody;
+    ASSERT_FALSE(simulation.advance({.until = 2e-3}, nobody, unstopped));
+    EXPECT_LT(std::abs(simulation.energy().balance().relative()), 3e-3);
+}
+
+TEST(SweepLeapfrog, RefusesARoundedCornerOfTheLaw) {
+    const Scene scene = claims::ready_scene("tiny", {"run.method=leapfrog-sweep", "detail.friction=smoothed"});
+    try {
+        const Simulation simulation(scene);
+        FAIL() << "not refused";
+    } catch (const std::exception& refused) {
+        EXPECT_THAT(refused.what(), testing::HasSubstr("leapfrog-sweep' needs detail.friction = \"piecewise\""));
+    }
+}
+
+}  // namespace
+}  // namespace cvtflow::tasks
