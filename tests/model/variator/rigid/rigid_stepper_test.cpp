@@ -75,19 +75,42 @@ TEST(RigidStepper, ConvergesToTheSolutionOfItsForces) {
     }
 }
 
-/// Whatever the step, what is stored changes by works minus losses: within 1e-3 of the losses of 20 ms after the jolt of the start.
+/// Machines that differ in what the step has to do.
+std::vector<oracle::Case> stepped_machines() {
+    const Parameters base;
+    std::vector<oracle::Case> cases{{"baseline", base},
+                                    {"smoothed law", base},
+                                    {"rigid pulleys", base},
+                                    {"mixed pitches, driven by torque", base},
+                                    {"underdrive under ratio control", base}};
+    cases[1].parameters.detail.friction = FrictionLaw::smoothed;
+    cases[2].parameters.detail.pulleys = PulleyDetail::rigid;
+    cases[3].parameters.chain.pitch = {8.12e-3, 8.0e-3};
+    cases[3].parameters.drive.mode = DriveMode::torque;
+    cases[3].parameters.drive.torque = TimeTable(150.0);
+    cases[4].parameters.start.ratio = 2.4;
+    cases[4].parameters.clamping.driving = TimeTable(23.6e3);
+    cases[4].parameters.control.enabled = true;
+    cases[4].parameters.control.ratio = TimeTable(2.4);
+    return cases;
+}
+
+/// What is stored changes by works minus losses: within 1e-3 of the losses of 20 ms after the jolt of the start.
 TEST(RigidStepper, EnergyBalanceCloses) {
-    const Parameters p;
-    const RigidModel model(p);
-    RigidStepper stepper(model, 5e-6);
-    stepper.start(-p.start.settling_time, rigid_start(p).data());
-    while (stepper.time() < -40e-3) stepper.step();
-    const RigidBalance from = stepper.balance();
-    while (stepper.time() < -20e-3) stepper.step();
-    const RigidBalance to = stepper.balance();
-    const double lost = to.losses() - from.losses();
-    EXPECT_GT(lost, 5.0);
-    EXPECT_LT(std::abs(residual(from, to)), 1e-3 * lost);
+    for (const oracle::Case& one : stepped_machines()) {
+        SCOPED_TRACE(one.name);
+        const Parameters& p = one.parameters;
+        const RigidModel model(p);
+        RigidStepper stepper(model, 5e-6);
+        stepper.start(-p.start.settling_time, rigid_start(p).data());
+        while (stepper.time() < -40e-3) stepper.step();
+        const RigidBalance from = stepper.balance();
+        while (stepper.time() < -20e-3) stepper.step();
+        const RigidBalance to = stepper.balance();
+        const double lost = to.losses() - from.losses();
+        EXPECT_GT(lost, 2.0);
+        EXPECT_LT(std::abs(residual(from, to)), 1e-3 * lost);
+    }
 }
 
 /// The torque of the strands' tensions is the load's, and the chain stays between the sheaves' flanks.
