@@ -17,8 +17,8 @@ struct Sweep::Impl {
     explicit Impl(tasks::Sweep read) : sweep(std::move(read)) {}
 
     [[nodiscard]] tasks::BatchReport run(const std::string& folder, int threads, std::function<void(const SweepProgress&)> progress) {
-        constexpr int most_threads = 1024;
-        if (threads < 0 || threads > most_threads)
+        constexpr int max_threads = 1024;
+        if (threads < 0 || threads > max_threads)
             throw Error(ErrorCode::argument, "threads: " + std::to_string(threads) + " is outside [0, 1024]");
         tasks::BatchOptions options;
         options.folder = folder;

@@ -170,7 +170,7 @@ void write_csv(const std::vector<Row>& rows, const Arguments& arguments) {
     auto file = fmt::output_file(arguments.csv);
     const cvtflow::engine::Provenance here = cvtflow::engine::current_provenance();
     file.print(
-        "quantity,scene,busy,way,rounds,least_ms,median_ms,p90_ms,p99_ms,most_ms,others,hash,commit,compiler,flags,tbb,cpu,cores,date\n");
+        "quantity,scene,busy,way,rounds,min_ms,median_ms,p90_ms,p99_ms,max_ms,others,hash,commit,compiler,flags,tbb,cpu,cores,date\n");
     for (const Row& row : rows) {
         file.print("{},{},{},{},{},{:.4f},{:.4f},{:.4f},{:.4f},{:.4f},{:.3f},{:016x},\"{}\",\"{} {}\",\"{}\",\"{}\",\"{}\",{},\"{}\"\n",
                    row.quantity, arguments.scene, row.busy, row.way, row.times.size(), 1e3 * row.times.front(), 1e3 * row.at(0.5),

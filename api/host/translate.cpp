@@ -22,7 +22,7 @@ ErrorCode code_of(tasks::FaultKind kind) noexcept {
 
 void require_stack() {
     const std::size_t left = engine::stack_left();
-    if (left >= least_stack) return;
+    if (left >= min_stack) return;
     throw Error(ErrorCode::argument, "the calling thread has " + std::to_string(left >> 10U) + " KiB of stack left; 256 KiB are needed");
 }
 

@@ -18,7 +18,7 @@ namespace cvtflow::api {
 [[noreturn]] void rethrow(ErrorCode otherwise);
 
 /// Stack that a calling thread must have left: the kernels keep a link's numbers there. [byte]
-inline constexpr std::size_t least_stack = std::size_t{224} << 10U;
+inline constexpr std::size_t min_stack = std::size_t{224} << 10U;
 
 /// @throws Error (argument) on a thread with less; not on a process's first thread, whose stack grows, nor on stacks that a host has made
 void require_stack();

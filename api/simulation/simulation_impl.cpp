@@ -20,13 +20,13 @@ inline namespace v0 {
 
 namespace {
 
-constexpr int most_threads = 1024;
+constexpr int max_threads = 1024;
 
 /// Who runs a simulation: one thread needs no executor but the plain loop.
 [[nodiscard]] tasks::Schedule schedule_of(const tasks::Scene& scene, Threads threads, int segments) {
     const int links = scene.parameters.chain.pins;
     const bool own = threads.way() == Threads::Way::own;
-    if (threads.count() < (own ? 0 : 1) || threads.count() > most_threads) {
+    if (threads.count() < (own ? 0 : 1) || threads.count() > max_threads) {
         throw Error(ErrorCode::argument,
                     "threads: " + std::to_string(threads.count()) + " is outside " + (own ? "[0, 1024]" : "[1, 1024]"));
     }

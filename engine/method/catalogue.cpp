@@ -37,13 +37,13 @@ int stages_in(std::string_view name, std::string_view family, int fewest, int mo
 }
 
 std::optional<StagePlan> rock2_by_name(std::string_view name) {
-    const int stages = stages_in(name, "rock2", fewest_near_optimal, most_near_optimal, 1);
+    const int stages = stages_in(name, "rock2", min_near_optimal, max_near_optimal, 1);
     if (stages == 0) return {};
     return rock2(stages);
 }
 
 std::optional<StagePlan> rock4_by_name(std::string_view name) {
-    const int stages = stages_in(name, "rock4", fewest_rock4_stages, most_rock4_stages, 1);
+    const int stages = stages_in(name, "rock4", min_rock4_stages, max_rock4_stages, 1);
     if (stages == 0) return {};
     return rock4(stages);
 }

@@ -26,7 +26,7 @@ nanoseconds pauses(const ExecutorOptions& options) {
 }  // namespace
 
 Backoff::Backoff(const ExecutorOptions& options)
-    : most_pauses_(pauses(options)),
+    : max_pauses_(pauses(options)),
       yields_(options.wait == Wait::passive ? nanoseconds(std::chrono::microseconds(100)) : nanoseconds::max()) {}
 
 void Backoff::rest(nanoseconds waited) const noexcept {
@@ -40,8 +40,8 @@ void Backoff::rest(nanoseconds waited) const noexcept {
 }
 
 void Backoff::learn(nanoseconds waited) noexcept {
-    const nanoseconds least_growth = std::chrono::microseconds(1);
-    pauses_ = waited > pauses_ ? pauses_ / 2 : std::min(most_pauses_, 2 * pauses_ + least_growth);
+    const nanoseconds min_growth = std::chrono::microseconds(1);
+    pauses_ = waited > pauses_ ? pauses_ / 2 : std::min(max_pauses_, 2 * pauses_ + min_growth);
 }
 
 }  // namespace cvtflow::engine

@@ -57,8 +57,8 @@ private:
     void rest(std::chrono::nanoseconds waited) const noexcept;
     void learn(std::chrono::nanoseconds waited) noexcept;
 
-    std::chrono::nanoseconds most_pauses_;
-    std::chrono::nanoseconds pauses_ = most_pauses_;
+    std::chrono::nanoseconds max_pauses_;
+    std::chrono::nanoseconds pauses_ = max_pauses_;
     std::chrono::nanoseconds yields_;  ///< after the pauses, before the first sleep
 };
 

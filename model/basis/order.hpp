@@ -3,13 +3,13 @@
 
 namespace cvtflow::model {
 
-inline constexpr int most_order = 3;
+inline constexpr int max_order = 3;
 
 /// What make.operator()<P>() gives for P = order.
-/// @param order 0 … most_order [1]
+/// @param order 0 … max_order [1]
 template <class Make>
 constexpr auto of_order(int order, Make make) noexcept {
-    static_assert(most_order == 3);
+    static_assert(max_order == 3);
     switch (order) {
         case 0: return make.template operator()<0>();
         case 1: return make.template operator()<1>();

@@ -56,7 +56,7 @@ MirroredInverse inverse_of(const double* rows, int size) {
     MirroredInverse mirrored;
     for (int m = 0; m < size; ++m) {
         for (int k = m % 2; k < size; k += 2) {
-            const auto at = static_cast<std::size_t>(m * most_lateral + k);
+            const auto at = static_cast<std::size_t>(m * max_lateral + k);
             mirrored.sum[at] = static_cast<double>(0.5L * (inverse(m, k) + inverse(m, size + k)));
             mirrored.difference[at] = static_cast<double>(0.5L * (inverse(m, k) - inverse(m, size + k)));
         }
@@ -84,7 +84,7 @@ template <class Number>
 FrictionCurve curve_in(FrictionCurve curve) {
     if constexpr (std::is_same_v<Number, float>) {
         curve.proportional_speed = std::max(curve.proportional_speed, slowest_single);
-        curve.surely_proportional = (1.0 - 1e-6) * curve.proportional_speed * curve.proportional_speed;
+        curve.linear_speed_squared = (1.0 - 1e-6) * curve.proportional_speed * curve.proportional_speed;
     }
     return curve;
 }

@@ -26,12 +26,13 @@ struct ContactComponents {
     static constexpr int frame_x = 0, frame_y = 1, inverse_length = 2;
     /// Of one joint point; the joint is that of the link's rear pin.
     struct Joint {
-        static constexpr int normal_x = 0, normal_y = 1, lever_before = 2, lever_after = 3, grip = 4, count = 5;
+        static constexpr int normal_x = 0, normal_y = 1, lever_before = 2, lever_after = 3, friction_limit = 4, count = 5;
     };
     /// Of one tip; sheave: velocity of the sheave where the tip touches (if relative: of the sheave against the tip); drift: its change
     /// over the step, along with the tip.
     struct Tip {
-        static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, grip = 11, least = 12, most = 13, count = 14;
+        static constexpr int normal = 0, lever_x = 3, lever_y = 4, sheave = 5, drift = 8, friction_limit = 11, least = 12, most = 13,
+                             count = 14;
     };
     [[nodiscard]] constexpr int joint(int point) const noexcept { return 3 + Joint::count * point; }
     /// μN of a plate [N].
@@ -66,14 +67,14 @@ using ContactField = ContactFieldOf<double>;
 /// [[a, b], [b, a]] acts on the sum of both ends as a + b and on their difference as a - b; modes of even and of odd order do not couple.
 template <class Number>
 struct MirroredInverseOf {
-    std::array<Number, most_lateral * most_lateral> sum{}, difference{};  ///< (a ± b)/2, rows most_lateral apart; where m + k is odd: 0
+    std::array<Number, max_lateral * max_lateral> sum{}, difference{};  ///< (a ± b)/2, rows max_lateral apart; where m + k is odd: 0
 };
 using MirroredInverse = MirroredInverseOf<double>;
 
 /// Inverse of a mass matrix of a whole pin, as SmallInverse has it.
 template <class Number>
 struct PinInverseOf {
-    std::array<Number, most_lateral * 2 * most_lateral> column{};
+    std::array<Number, max_lateral * 2 * max_lateral> column{};
 };
 
 /// Slower sliding counts as this in single precision: its square is still a float, and so is one over it [m/s].
@@ -85,11 +86,11 @@ struct FrictionNumbers {
     explicit FrictionNumbers(const ChainModel& chain);
 
     FrictionCurve joint, plate, tip;
-    std::array<Number, most_joint_lanes> joint_position{};                         ///< ξ [1]
-    std::array<std::array<Number, most_joint_lanes>, most_lateral> joint_basis{};  ///< P_m(ξ)
-    std::array<Number, most_plate_lanes> plate_position{};                         ///< ξ [1]
-    MirroredInverseOf<Number> lateral, axial;                                      ///< of x, and of y; of z and e; not with whole pins
-    PinInverseOf<Number> pin_lateral, pin_axial;                                   ///< the same of whole pins
+    std::array<Number, max_joint_lanes> joint_position{};                        ///< ξ [1]
+    std::array<std::array<Number, max_joint_lanes>, max_lateral> joint_basis{};  ///< P_m(ξ)
+    std::array<Number, max_plate_lanes> plate_position{};                        ///< ξ [1]
+    MirroredInverseOf<Number> lateral, axial;                                    ///< of x, and of y; of z and e; not with whole pins
+    PinInverseOf<Number> pin_lateral, pin_axial;                                 ///< the same of whole pins
 };
 
 class FrictionOperator;
@@ -118,9 +119,9 @@ using FrictionBase = FrictionBaseOf<double>;
 /// Velocities that a table combines from others and from the slope just evaluated: Σ weight from + slope_weight slope, in this order.
 template <class Number>
 struct VelocityRowOf {
-    static constexpr std::size_t most_terms = 4;
-    std::array<const ColumnsOf<Number>*, most_terms> from{};
-    std::array<double, most_terms> weight{};  ///< [1]
+    static constexpr std::size_t max_terms = 4;
+    std::array<const ColumnsOf<Number>*, max_terms> from{};
+    std::array<double, max_terms> weight{};  ///< [1]
     std::size_t terms = 0;
     double slope_weight = 0.0;        ///< [s]
     ColumnsOf<Number>* to = nullptr;  ///< none of `from`, nor the columns evaluated
@@ -152,7 +153,7 @@ struct ContactDrift {
 };
 
 /// What a pass over the links leaves of them for friction in single precision.
-struct KickStart {
+struct SinglePrecisionRecord {
     const double* states;  ///< [unknowns] at the step's beginning, of the range's first link on
     ContactFieldOf<float>& field;
     ColumnsOf<float>& frictionless;  ///< accelerations by everything but friction [m/s², rad/s²]
@@ -178,17 +179,18 @@ struct FrictionKernels {
     using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, ContactField&, Columns&, LinkLoad*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactField&, const FrictionRange&, const FrictionStage&) noexcept;
     Record record;
-    Evaluate slopes, steepest;
+    Evaluate slopes, all_sticking;
     SweepKernels<double> sweeps;  ///< absent with whole pins
 };
 
 /// The same in single precision.
 struct SingleFrictionKernels {
-    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const KickStart&, LinkLoad*) noexcept;
+    using Record = void (*)(const FrictionOperator&, const ChainRange&, const ContactDrift&, const SinglePrecisionRecord&,
+                            LinkLoad*) noexcept;
     using Evaluate = void (*)(const FrictionOperator&, const ContactFieldOf<float>&, const FrictionRangeOf<float>&,
                               const FrictionStageOf<float>&) noexcept;
     Record record = nullptr;
-    Evaluate slopes = nullptr, steepest = nullptr;
+    Evaluate slopes = nullptr, all_sticking = nullptr;
     SweepKernels<float> sweeps;
 };
 
@@ -221,7 +223,7 @@ public:
         kernels_.record(*this, range, drift, field, frictionless, loads);
     }
     /// The same for friction in single precision.
-    void record(const ChainRange& range, const ContactDrift& drift, const KickStart& start, LinkLoad* loads) const noexcept {
+    void record(const ChainRange& range, const ContactDrift& drift, const SinglePrecisionRecord& start, LinkLoad* loads) const noexcept {
         single_.record(*this, range, drift, start, loads);
     }
     /// slope = base + A⁻¹ friction(velocity) of links first … last - 1, and what the stage makes of it.
@@ -233,11 +235,11 @@ public:
         single_.slopes(*this, field, range, stage);
     }
     /// slopes() for friction linearised where every contact sticks, about rest, and without base: the steepest the law can be.
-    void steepest(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept {
-        kernels_.steepest(*this, field, range, {nullptr, &slope});
+    void all_sticking(const ContactField& field, const FrictionRange& range, Columns& slope) const noexcept {
+        kernels_.all_sticking(*this, field, range, {nullptr, &slope});
     }
-    void steepest(const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range, ColumnsOf<float>& slope) const noexcept {
-        single_.steepest(*this, field, range, {nullptr, &slope});
+    void all_sticking(const ContactFieldOf<float>& field, const FrictionRangeOf<float>& range, ColumnsOf<float>& slope) const noexcept {
+        single_.all_sticking(*this, field, range, {nullptr, &slope});
     }
 
     template <class Number>

@@ -112,11 +112,12 @@ protected:
     /// Force at point g that slides with slip and axial; moments to force.
     [[nodiscard]] PointForce point_force(int own, int g, const V& slip, const V& axial, const V& factor, V* force) const noexcept {
         const int row = field_.components.joint(g);
-        const V grip = contact(row + Joint::grip, own) * factor;
-        const V across = grip * slip;  // against the motion: signs below
+        const V friction_per_speed = contact(row + Joint::friction_limit, own) * factor;
+        const V across = friction_per_speed * slip;  // against the motion: signs below
         force[2 * n + 2] = force[2 * n + 2] - across * contact(row + Joint::lever_before, own);
         force[2 * n + 3] = force[2 * n + 3] - across * contact(row + Joint::lever_after, own);
-        return {across * contact(row + Joint::normal_y, own), -(across * contact(row + Joint::normal_x, own)), -(grip * axial)};
+        return {across * contact(row + Joint::normal_y, own), -(across * contact(row + Joint::normal_x, own)),
+                -(friction_per_speed * axial)};
     }
 
     /// Points g and count - 1 - g, at ξ and -ξ.

@@ -122,7 +122,7 @@ protected:
     void with_sink(int own, const FrictionStageOf<Number>& stage, const Give& give) const noexcept {
         if (stage.next == nullptr) return give(SlopeSink<W>{stage.slope->at(0, column(own)), stage.slope->stride(), links_at(own)});
         if (stage.next->terms <= 2) return give(RowSink<W, 2>(stage, *stage.next, column(own), links_at(own)));
-        give(RowSink<W, VelocityRow::most_terms>(stage, *stage.next, column(own), links_at(own)));
+        give(RowSink<W, VelocityRow::max_terms>(stage, *stage.next, column(own), links_at(own)));
     }
 
     const FrictionOperator& friction_;
@@ -131,8 +131,8 @@ protected:
 private:
     [[nodiscard]] AtTip<V> force(int own, int corner, const AtTip<V>& slip, const V& factor, V& moment) const noexcept {
         const int row = field_.components.tip(corner);
-        const V grip = -contact(row + Tip::grip, own) * factor;
-        const AtTip<V> force{grip * slip.x, grip * slip.y, grip * slip.z};
+        const V friction_per_speed = -contact(row + Tip::friction_limit, own) * factor;
+        const AtTip<V> force{friction_per_speed * slip.x, friction_per_speed * slip.y, friction_per_speed * slip.z};
         moment += contact(row + Tip::lever_x, own) * force.y - contact(row + Tip::lever_y, own) * force.x;
         return force;
     }

@@ -16,8 +16,8 @@ inline void multiply_ends(const MirroredInverseOf<Number>& inverse, const V* for
         apart[m] = force[m] - force[size + m];
     }
     for (int m = 0; m < size; ++m) {
-        const Number* sum = inverse.sum.data() + m * most_lateral;
-        const Number* difference = inverse.difference.data() + m * most_lateral;
+        const Number* sum = inverse.sum.data() + m * max_lateral;
+        const Number* difference = inverse.difference.data() + m * max_lateral;
         V together = sum[m % 2] * both[m % 2], opposed = difference[m % 2] * apart[m % 2];
         for (int k = m % 2 + 2; k < size; k += 2) {
             together += sum[k] * both[k];

@@ -50,10 +50,11 @@ protected:
     /// Of a kept share; shares turn with the link.
     [[nodiscard]] AtTip<V> tip_force(int own, int corner) const noexcept {
         const int row = rows_.tip(corner);
-        const V grip = contact(field_.components.tip(corner) + Tip::grip, own);
+        const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, own);
         const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
         const V along = share(row, own), across = share(row + 1, own);
-        return {grip * (along * tx - across * ty), grip * (along * ty + across * tx), grip * share(row + 2, own)};
+        return {friction_limit * (along * tx - across * ty), friction_limit * (along * ty + across * tx),
+                friction_limit * share(row + 2, own)};
     }
 
     const SweepRows rows_;
@@ -64,7 +65,7 @@ private:
         V sum(0.0);
         for (int g = 0; g < rows_.joint_points; ++g) {
             const V along = rates.z + numbers_.joint_position[static_cast<std::size_t>(g)] * rates.e;
-            sum += contact(field_.components.joint(g) + Joint::grip, own) *
+            sum += contact(field_.components.joint(g) + Joint::friction_limit, own) *
                    (share(rows_.joint(g), own) * slip_across(own, g, rates) + share(rows_.joint(g) + 1, own) * along);
         }
         return -sum;

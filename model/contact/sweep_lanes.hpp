@@ -75,21 +75,21 @@ private:
     }
 
     void open_point(int own, int g, V* force) const noexcept {
-        const V grip = contact(field_.components.joint(g) + Joint::grip, own);
+        const V friction_limit = contact(field_.components.joint(g) + Joint::friction_limit, own);
         const V across = before(rows_.opening(rows_.joint(g)), own), along = before(rows_.opening(rows_.joint(g) + 1), own);
         put(rows_.joint(g), own, across);
         put(rows_.joint(g) + 1, own, along);
         put(rows_.joint_speed(g), own, before(rows_.joint_speed(g), own));
-        add_point(own, g, grip * across, grip * along, force);
+        add_point(own, g, friction_limit * across, friction_limit * along, force);
     }
 
     /// Force at point g for the sliding that all others leave it; adds its change to `force` and the response to it to the rates.
     void solve_point(int own, int g, JointRates& rates, V* force) const noexcept {
         const auto at_g = static_cast<std::size_t>(g);
         const int row = rows_.joint(g), contacts = field_.components.joint(g);
-        const V grip = contact(contacts + Joint::grip, own);
+        const V friction_limit = contact(contacts + Joint::friction_limit, own);
         const V across = share(row, own), along = share(row + 1, own);
-        const V stiff_across = responses_.joint_across[at_g] * grip, stiff_along = responses_.joint_along[at_g] * grip;
+        const V stiff_across = responses_.joint_across[at_g] * friction_limit, stiff_along = responses_.joint_along[at_g] * friction_limit;
         const V free_across = slip_across(own, g, rates) - stiff_across * across;
         const V free_along = rates.z + numbers_.joint_position[at_g] * rates.e - stiff_along * along;
         const V speed = sliding_speed(own, g, {free_across, free_along}, {stiff_across, stiff_along});
@@ -97,7 +97,7 @@ private:
         const V new_across = -(free_across * inverse.first), new_along = -(free_along * inverse.second);
         put(row, own, new_across);
         put(row + 1, own, new_along);
-        const V change = grip * (new_across - across), push = grip * (new_along - along);
+        const V change = friction_limit * (new_across - across), push = friction_limit * (new_along - along);
         add_point(own, g, change, push, force);
         const V x = -(contact(contacts + Joint::normal_y, own) * change), y = contact(contacts + Joint::normal_x, own) * change;
         for (int m = 0; m < n; ++m) {
@@ -231,19 +231,19 @@ private:
 
     /// @return change of its force
     [[nodiscard]] AtTip<V> solve_tip(int own, int corner, const AtTip<V>& v, const V& turn) const noexcept {
-        const V grip = contact(field_.components.tip(corner) + Tip::grip, own), stiff = responses_.tip * grip;
+        const V friction_limit = contact(field_.components.tip(corner) + Tip::friction_limit, own), stiff = responses_.tip * friction_limit;
         const AtTip<V> old = tip_force(own, corner);
         const AtTip<V> free =
             slip(own, corner, {v.x - responses_.tip * old.x, v.y - responses_.tip * old.y, v.z - responses_.tip * old.z}, turn);
         const V factor = V(-1.0) / (stiff + tip_speed(own, corner, sqrt(free.square()) - stiff));
         const V none(0.0);
-        const auto held = [&](const V& slip) { return select_greater<W>(grip, none, factor * slip, none); };
+        const auto held = [&](const V& slip) { return select_greater<W>(friction_limit, none, factor * slip, none); };
         const AtTip<V> share{held(free.x), held(free.y), held(free.z)};
         const V tx = contact(ContactComponents::frame_x, own), ty = contact(ContactComponents::frame_y, own);
         put(rows_.tip(corner), own, share.x * tx + share.y * ty);
         put(rows_.tip(corner) + 1, own, share.y * tx - share.x * ty);
         put(rows_.tip(corner) + 2, own, share.z);
-        const V forces[3] = {grip * share.x, grip * share.y, grip * share.z};
+        const V forces[3] = {friction_limit * share.x, friction_limit * share.y, friction_limit * share.z};
         for (int axis = 0; axis < 3; ++axis) forces[axis].copy_to(sweep_.impulses->at(3 * corner + axis, column(own)));
         return {forces[0] - old.x, forces[1] - old.y, forces[2] - old.z};
     }

@@ -136,8 +136,8 @@ template <int W>
 template <int W>
 struct RollingForces {
     NormalForce<W> pressing;
-    Lanes<W> square;  ///< |v_t|² [m²/s²]
-    Lanes<W> grip;    ///< friction per speed of sliding [N·s/m]
+    Lanes<W> square;              ///< |v_t|² [m²/s²]
+    Lanes<W> friction_per_speed;  ///< friction per speed of sliding [N·s/m]
 };
 
 template <int W>
@@ -150,21 +150,22 @@ template <int W>
 
 /// Rolling contact: normal force and friction.
 template <int P, int W, bool Observe, class Real, class Points>
-[[nodiscard]] inline JointTerms<P, W> press(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                            const Lanes<W>& weight, const JointMotion<W>& m, Account* account) noexcept {
+[[nodiscard]] inline JointTerms<P, W> rolling_contact_force(const JointCoefficients& j, const JointFrames<Real>& frames,
+                                                            const Points& points, const Lanes<W>& weight, const JointMotion<W>& m,
+                                                            Account* account) noexcept {
     using V = Lanes<W>;
-    const auto [pressing, square, grip] = rolling_forces<W>(j, weight, m);
+    const auto [pressing, square, friction_per_speed] = rolling_forces<W>(j, weight, m);
     const auto& [contact, closing, normal] = pressing;
-    const V tangential = -grip * m.slip;
+    const V tangential = -friction_per_speed * m.slip;
     JointTerms<P, W> terms;
-    points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, -grip * m.axial, terms.data());
+    points.spread(normal * m.nx - tangential * m.ny, normal * m.ny + tangential * m.nx, -friction_per_speed * m.axial, terms.data());
     const V leaning = j.arm * normal;
     terms[2 * P + 4] = leaning * (frames.before.tx * m.ny - frames.before.ty * m.nx) + tangential * m.lever_before;
     terms[2 * P + 5] = leaning * (frames.after.tx * m.ny - frames.after.ty * m.nx) + tangential * m.lever_after;
     if constexpr (Observe) {
         account->store(Energy::joints, sum<W>(contact.energy));
         account->lose(Loss::joint_damping, sum<W>((normal - contact.elastic) * closing));
-        account->lose(Loss::joint_friction, sum<W>(grip * square));
+        account->lose(Loss::joint_friction, sum<W>(friction_per_speed * square));
     }
     return terms;
 }
@@ -180,8 +181,8 @@ template <int W, class Real>
 
 /// Clearance of the plate opening: holds the transverse offset of the arc centres against the bisector.
 template <int P, int W, bool Observe, class Real, class Points>
-[[nodiscard]] inline JointTerms<P, W> confine(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
-                                              const Lanes<W>& weight, const JointMotion<W>& m, Account* account) noexcept {
+[[nodiscard]] inline JointTerms<P, W> clearance_force(const JointCoefficients& j, const JointFrames<Real>& frames, const Points& points,
+                                                      const Lanes<W>& weight, const JointMotion<W>& m, Account* account) noexcept {
     using V = Lanes<W>;
     using std::sqrt;
     const Real inverse = 1.0 / sqrt(frames.sx * frames.sx + frames.sy * frames.sy), bx = frames.sx * inverse, by = frames.sy * inverse;
@@ -213,9 +214,9 @@ inline void joint(const Coefficients& c, const LinkFrame& before, const LinkFram
     const Lanes<W> weight = load<W>(c.joint_points.weight.data());
     const auto motion = joint_motion<P, W>(c.joint, frames, points, Difference<P>(q_before, End::front, q_after, End::rear),
                                            Difference<P>(v_before, End::front, v_after, End::rear));
-    out.template add_sums<W>(press<P, W, Observe>(c.joint, frames, points, weight, motion, account));
+    out.template add_sums<W>(rolling_contact_force<P, W, Observe>(c.joint, frames, points, weight, motion, account));
     if (all_at_most<W>(beyond_clearance<W>(c.joint, frames, motion), 0.0)) return;  // the rule: rolling keeps the centres on the bisector
-    out.template add_sums<W>(confine<P, W, Observe>(c.joint, frames, points, weight, motion, account));
+    out.template add_sums<W>(clearance_force<P, W, Observe>(c.joint, frames, points, weight, motion, account));
 }
 
 }  // namespace

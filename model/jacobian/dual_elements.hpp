@@ -36,9 +36,9 @@ using PointOfJoint = JointTerms<0, eleven>;
     const AxisPoint<0, eleven> place(c.joint_points, point);
     const Lanes<eleven> weight(c.joint_points.weight[static_cast<std::size_t>(point)]);
     const auto motion = joint_motion<0, eleven>(c.joint, frames, place, gap, rate);
-    PointOfJoint terms = press<0, eleven, false>(c.joint, frames, place, weight, motion, nullptr);
+    PointOfJoint terms = rolling_contact_force<0, eleven, false>(c.joint, frames, place, weight, motion, nullptr);
     if (all_at_most<eleven>(beyond_clearance<eleven>(c.joint, frames, motion), 0.0)) return terms;
-    const PointOfJoint held = confine<0, eleven, false>(c.joint, frames, place, weight, motion, nullptr);
+    const PointOfJoint held = clearance_force<0, eleven, false>(c.joint, frames, place, weight, motion, nullptr);
     for (std::size_t k = 0; k < terms.size(); ++k) terms[k] += held[k];
     return terms;
 }
@@ -58,7 +58,7 @@ template <int side>
     const auto geometry = tip_geometry<1>(c, tip, frame, q, sheave);
     if (!(geometry.depth.value > 0.0)) return {};
     const auto motion = tip_motion<1>(c, tip, frame, v, sheave, geometry);
-    const TipPhases phases{&phase, 0, phase == Phase::stick || phase == Phase::slip, 1};
+    const PhaseLanes phases{&phase, 0, phase == Phase::stick || phase == Phase::slip, 1};
     const auto forces = tip_forces<false, two_dozen>(c.tip, geometry, motion, Lanes<two_dozen>(1.0), phases, nullptr);
     return {tip_action(c, frame, geometry, motion, forces), tip_reaction(geometry, motion, forces)};
 }

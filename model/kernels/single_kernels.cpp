@@ -11,7 +11,7 @@ namespace cvtflow::model {
 namespace {
 
 template <int P>
-void record_single(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const KickStart& start,
+void record_single(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const SinglePrecisionRecord& start,
                    LinkLoad* loads) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = KickWriter<P, native_lanes>;

@@ -31,7 +31,7 @@ template <int W, class Laws = FrictionLaws>
 /// the bit.
 template <int W, class Laws = FrictionLaws>
 [[nodiscard]] inline Lanes<W> slip_factor_of_square(const FrictionCurve& curve, const Lanes<W>& square) noexcept {
-    if (all_at_most<W>(square, curve.surely_proportional)) return Lanes<W>(curve.inverse_saturation_speed);
+    if (all_at_most<W>(square, curve.linear_speed_squared)) return Lanes<W>(curve.inverse_saturation_speed);
     return slip_factor<W, Laws>(curve, sqrt(square));
 }
 

@@ -16,7 +16,7 @@ FrictionCurve::FrictionCurve(const Friction& friction, const Detail& detail) noe
         full_speed = of.full(detail.smoothing) * saturation_speed;
         shape = of.shape(detail.smoothing, saturation_speed);
     });
-    surely_proportional = (1.0 - 1e-12) * proportional_speed * proportional_speed;
+    linear_speed_squared = (1.0 - 1e-12) * proportional_speed * proportional_speed;
 }
 
 FrictionCurve FrictionCurve::piecewise() const noexcept {

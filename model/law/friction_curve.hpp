@@ -16,7 +16,7 @@ struct FrictionCurve {
     double proportional_speed = 1.0;        ///< ≥ 0, up to which s = v/v0; a hair above 0 where that is nowhere [m/s]
     double full_speed = 1.0;                ///< from which s = 1; may be infinite [m/s]
     double shape = 0.0;                     ///< one more number, whatever the law needs [s²/m²]
-    double surely_proportional = 0.0;       ///< a v² whose root is below the proportional speed however it is rounded [m²/s²]
+    double linear_speed_squared = 0.0;      ///< a v² whose root is below the proportional speed however it is rounded [m²/s²]
 
     FrictionCurve() = default;
     FrictionCurve(const Friction& friction, const Detail& detail) noexcept;

@@ -21,11 +21,11 @@ template <int W, bool Steepest>
                                                                    const Lanes<W>& second) noexcept {
     if constexpr (Steepest) return {Lanes<W>(curve.inverse_saturation_speed), Lanes<W>(curve.inverse_saturation_speed)};
     const Lanes<W> at_rest(curve.inverse_saturation_speed);
-    if (all_at_most<W>(larger<W>(first, second), curve.surely_proportional)) return {at_rest, at_rest};
+    if (all_at_most<W>(larger<W>(first, second), curve.linear_speed_squared)) return {at_rest, at_rest};
     const Lanes<W> a = regular_speed<W>(curve, sqrt(first)), b = regular_speed<W>(curve, sqrt(second));
     const Reciprocals<W> inverse(a, b);
     const auto chosen = [&](const Lanes<W>& square, const Lanes<W>& sliding) {
-        return select_greater<W>(square, Lanes<W>(curve.surely_proportional), sliding, at_rest);
+        return select_greater<W>(square, Lanes<W>(curve.linear_speed_squared), sliding, at_rest);
     };
     return {chosen(first, slip_factor<W>(curve, a, inverse.first)), chosen(second, slip_factor<W>(curve, b, inverse.second))};
 }

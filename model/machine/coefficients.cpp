@@ -44,14 +44,14 @@ PointLanes<Most> lanes_at(const std::vector<double>& positions) {
     for (std::size_t j = 0; j < lanes.position.size(); ++j) {
         const double xi = j < positions.size() ? positions[j] : 0.0;
         lanes.position[j] = xi;
-        for (int m = 0; m < most_lateral; ++m) lanes.basis[static_cast<std::size_t>(m)][j] = legendre(m, xi);
+        for (int m = 0; m < max_lateral; ++m) lanes.basis[static_cast<std::size_t>(m)][j] = legendre(m, xi);
     }
     return lanes;
 }
 
-PointLanes<most_plate_lanes> plate_lanes(const Parameters& p) {
+PointLanes<max_plate_lanes> plate_lanes(const Parameters& p) {
     const std::vector<double> positions = plate_positions(p);
-    auto lanes = lanes_at<most_plate_lanes>(positions);
+    auto lanes = lanes_at<max_plate_lanes>(positions);
     const double total = p.plate.count * p.plate.stiffness;
     const double damping = damped_spring(total, chain_mass(p), p.chain.damping_ratio).damping;
     for (std::size_t j = 0; j < positions.size(); ++j) {
@@ -61,9 +61,9 @@ PointLanes<most_plate_lanes> plate_lanes(const Parameters& p) {
     return lanes;
 }
 
-PointLanes<most_joint_lanes> joint_lanes(const Parameters& p) {
+PointLanes<max_joint_lanes> joint_lanes(const Parameters& p) {
     const Quadrature rule = gauss_legendre(p.detail.joint_points);
-    auto lanes = lanes_at<most_joint_lanes>(rule.position);
+    auto lanes = lanes_at<max_joint_lanes>(rule.position);
     std::copy(rule.weight.begin(), rule.weight.end(), lanes.weight.begin());
     return lanes;
 }

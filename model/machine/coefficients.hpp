@@ -11,9 +11,9 @@
 
 namespace cvtflow::model {
 
-inline constexpr int most_plate_lanes = 64;
-inline constexpr int most_joint_lanes = 16;
-inline constexpr int most_lateral = most_order + 1;
+inline constexpr int max_plate_lanes = 64;
+inline constexpr int max_joint_lanes = 16;
+inline constexpr int max_lateral = max_order + 1;
 
 /// A spring with its viscous partner.
 struct Spring {
@@ -38,7 +38,7 @@ struct PointLanes {
     alignas(64) std::array<double, Most> position{};  ///< ξ [1]
     alignas(64) std::array<double, Most> weight{};    ///< stiffness or quadrature weight, 0 on padding
     alignas(64) std::array<double, Most> damping{};   ///< [N·s/m], 0 on padding
-    alignas(64) std::array<std::array<double, Most>, most_lateral> basis{};  ///< P_m(ξ)
+    alignas(64) std::array<std::array<double, Most>, max_lateral> basis{};  ///< P_m(ξ)
 };
 
 /// Springs of the bending modes m = 2…p of both halves: rear 2…p, front 2…p.
@@ -77,9 +77,9 @@ struct Coefficients {
     BendingLanes travel, height;  ///< bending of both halves
     std::vector<LinkKind> kinds;  ///< distinct links
     std::vector<int> kind_of;     ///< [links] index into kinds
-    PointLanes<most_plate_lanes> plates;
+    PointLanes<max_plate_lanes> plates;
     FrictionCurve plate_friction;
-    PointLanes<most_joint_lanes> joint_points;
+    PointLanes<max_joint_lanes> joint_points;
     JointCoefficients joint;
     TipCoefficients tip;
     double middle;           ///< a/2: links with smaller x belong to shaft 0 [m]

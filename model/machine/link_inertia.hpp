@@ -8,21 +8,21 @@
 
 namespace cvtflow::model {
 
-inline constexpr int most_lateral_block = 2 * most_lateral;
+inline constexpr int max_lateral_block = 2 * max_lateral;
 
 /// Inverse of a small symmetric positive definite matrix, column by column, each padded with zeros to a whole number of lanes.
 struct SmallInverse {
     int size = 0;
-    alignas(64) std::array<double, most_lateral_block * most_lateral_block> column{};  ///< [size][padded(size)]
+    alignas(64) std::array<double, max_lateral_block * max_lateral_block> column{};  ///< [size][padded(size)]
 };
 /// Lanes that hold one column: a power of two.
 [[nodiscard]] constexpr int padded(int size) noexcept { return size <= 2 ? 2 : size <= 4 ? 4 : 8; }
 
 struct LinkInertia {
-    SmallInverse lateral;                                                          ///< of B, for x and for y: [a_0…a_p, b_0…b_p]
-    SmallInverse axial;                                                            ///< of C: [a.z, a.e, b.z, b.e]
-    std::array<double, most_lateral_block * most_lateral_block> lateral_matrix{};  ///< B itself, rows of 2(p+1) [kg]
-    std::array<double, 16> axial_matrix{};                                         ///< C itself [kg]
+    SmallInverse lateral;                                                        ///< of B, for x and for y: [a_0…a_p, b_0…b_p]
+    SmallInverse axial;                                                          ///< of C: [a.z, a.e, b.z, b.e]
+    std::array<double, max_lateral_block * max_lateral_block> lateral_matrix{};  ///< B itself, rows of 2(p+1) [kg]
+    std::array<double, 16> axial_matrix{};                                       ///< C itself [kg]
 };
 
 /// Kinetic energy of a link or a whole pin [J]. @param v its velocities as in the state

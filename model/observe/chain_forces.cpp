@@ -57,10 +57,10 @@ void read_pin_tips(const ForceReading& from, int pin) {
     const Coefficients& c = from.coefficients();
     const Phase* phases = from.phases + tips_per_link * pin;
     if (c.layout.pulley_size == 0 || !any_touching(phases)) return;
-    LinkStrip strip;
+    NeighbourWindow strip;
     PinAmongOthers<P>(from.chain, strip.of(c.layout, from.state, pin), from.sheaves)
         .tips([&](int side, const auto& geometry, const auto& motion) {
-            const TipPhases own{phases + side, 1, phases[side] != Phase::touching, 1};
+            const PhaseLanes own{phases + side, 1, phases[side] != Phase::touching, 1};
             const auto contact =
                 tip_forces<false, 1>(c.tip, geometry, motion, Lanes<1>(phases[side] == Phase::free ? 0.0 : 1.0), own, nullptr);
             const auto push = tip_reaction(geometry, motion, contact).force;
@@ -80,7 +80,7 @@ void read_plates(const ForceReading& from, int link) {
     const double* q = from.link(link);
     const double* v = q + at<P>.link_size();
     const Difference<P> d(q, End::front, q, End::rear), rate(v, End::front, v, End::rear);
-    alignas(64) std::array<double, most_plate_lanes + W> tension{};
+    alignas(64) std::array<double, max_plate_lanes + W> tension{};
     const auto of = [](const auto& numbers, int first) { return load<W>(&numbers[place(first)]); };
     for (int first = 0; first < c.plates.count; first += W) {
         plate_tension<P, W>(c, c.kind(link).free_length, AxisPoints<P, W>(c.plates, first), of(c.plates.weight, first),
@@ -103,8 +103,8 @@ void read_joint(const ForceReading& from, int pin) {
                            Difference<P>(before + size, End::front, after + size, End::rear));
     const auto rolling = rolling_forces<W>(c.joint, load<W>(c.joint_points.weight.data()), motion);
     from.forces.joint_normal[place(pin)] = sum<W>(rolling.pressing.normal);
-    from.forces.joint_friction[place(pin)] = -sum<W>(rolling.grip * motion.slip);
-    from.forces.joint_axial[place(pin)] = -sum<W>(rolling.grip * motion.axial);
+    from.forces.joint_friction[place(pin)] = -sum<W>(rolling.friction_per_speed * motion.slip);
+    from.forces.joint_axial[place(pin)] = -sum<W>(rolling.friction_per_speed * motion.axial);
 }
 
 /// Generalized forces on the halves of a link by its plates and elasticity.

@@ -71,7 +71,7 @@ private:
 };
 
 /// Largest number of unknowns of a block.
-inline constexpr int most_link_block = 2 * ChainLayout{3}.link_size();
+inline constexpr int max_link_block = 2 * ChainLayout{3}.link_size();
 
 [[nodiscard]] ChainLayout layout_of(const Parameters& parameters) noexcept;
 

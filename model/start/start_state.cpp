@@ -91,7 +91,7 @@ private:
         pulleys_.motions(state_.data() + at.pulley_begin(), sheaves);
         double depth = -1.0;
         for (int link = 0; link < at.links; ++link) {
-            LinkStrip strip;
+            NeighbourWindow strip;
             const double* block = strip.of(at, state_.data(), link);
             if (model_.shaft_of(block) != shaft) continue;
             TipProbe probe;

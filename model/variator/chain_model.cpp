@@ -16,7 +16,7 @@ namespace {
 
 }  // namespace
 
-const double* LinkStrip::of(const ChainLayout& layout, const double* state, int link) noexcept {
+const double* NeighbourWindow::of(const ChainLayout& layout, const double* state, int link) noexcept {
     if (!layout.whole) return state + layout.link_begin(link);
     const int block = layout.link_block();
     for (int place = 0; place < blocks; ++place)

@@ -50,14 +50,14 @@ class ChainModel;
 
 /// The block of one link where its neighbours are beside it, as far as contact of whole pins needs them: one before, two behind. Halves
 /// need none: theirs is where it is.
-class LinkStrip {
+class NeighbourWindow {
 public:
     /// @param state of the whole chain [unknowns]
     [[nodiscard]] const double* of(const ChainLayout& layout, const double* state, int link) noexcept;
 
 private:
     static constexpr int before = 1, blocks = before + 3;
-    double numbers_[blocks * most_link_block / 2];
+    double numbers_[blocks * max_link_block / 2];
 };
 
 /// The chain's functions of one order and one instruction set.
@@ -92,7 +92,7 @@ public:
         kernels_.observed_slopes(*this, range, slope, loads, accounts, contacts);
     }
     /// Depth of the four tips of one link, whatever their phase. `state` is the link's block; with whole pins one more lies on each side of
-    /// it (LinkStrip), and the front tips are far away.
+    /// it (NeighbourWindow), and the front tips are far away.
     /// @param slip whether slip is asked for: only phases of sticking and slipping need it
     void probe(const double* state, const SheaveMotion* sheaves, bool slip, TipProbe& probe) const noexcept {
         kernels_.probe(*this, state, sheaves, slip, probe);

@@ -21,12 +21,12 @@
 
 namespace cvtflow::tasks {
 
-constexpr int most_shards = 100000;
+constexpr int max_shards = 100000;
 
 /// Share i of n, counted from 1.
 struct Shard {
     int number = 1, of = 1;
-    [[nodiscard]] bool valid() const noexcept { return number >= 1 && number <= of && of <= most_shards; }
+    [[nodiscard]] bool valid() const noexcept { return number >= 1 && number <= of && of <= max_shards; }
     bool operator==(const Shard&) const = default;
 };
 

@@ -114,13 +114,13 @@ void CaseEngine::begin(const StartStates::State& saved) {
     if (serial_ == nullptr || !serial_->fits(scene_)) {
         Scene geometric = scene_;  // the state comes by reset()
         geometric.state_file.clear();
-        serial_eye_.reset();
+        serial_observer_.reset();
         serial_ = std::make_unique<Simulation>(geometric, Schedule{});
-        serial_eye_ = std::make_unique<model::Observer>(serial_->variator());
+        serial_observer_ = std::make_unique<model::Observer>(serial_->variator());
     }
     serial_->reset(scene_, saved.get(), saved ? nullptr : starts_.placed(result_.number, scene_).get());
     simulation_ = serial_.get();
-    eye_ = serial_eye_.get();
+    eye_ = serial_observer_.get();
     simulation_->pause_on(&pause_);
     if (record_options_.from != nullptr) require_same(checkpoint_file(), *record_options_.from, scene_, simulation_->variator());
     if (!sweep_.records || own_start_) return;
@@ -257,7 +257,7 @@ void CaseEngine::change_threads() {
     const IntegrationState at = simulation_->integration_state();
     if (threads == refused_threads_ || threads <= 1) {
         simulation_ = serial_.get();
-        eye_ = serial_eye_.get();
+        eye_ = serial_observer_.get();
     } else {
         Schedule schedule;
         schedule.executor = "flow";

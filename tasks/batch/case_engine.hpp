@@ -128,7 +128,7 @@ private:
     RunMeans means_;              ///< since sweep.from
     std::vector<double> values_;  ///< of one channel [width of the channel]
     std::unique_ptr<Simulation> serial_, parallel_;
-    std::unique_ptr<model::Observer> serial_eye_, parallel_eye_;
+    std::unique_ptr<model::Observer> serial_observer_, parallel_eye_;
     bool own_start_ = false;
     bool resumable_ = false;            ///< there were checkpoints when the sweep began
     bool on_disk_ = false;              ///< the case has one

@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::size_t most_kept = 32;
+constexpr std::size_t max_kept = 32;
 constexpr std::string_view run_only[] = {"run.until", "run.state_interval", "run.followed_pin",
                                          "run.seed",  "run.max_steps",      "run.max_wall"};
 
@@ -84,7 +84,7 @@ typename Map::mapped_type StartStates::kept(const Map& map, const typename Map::
 template <class Map>
 void StartStates::keep(Map& map, const typename Map::key_type& key, typename Map::mapped_type made) {
     mutex_.guard([&] {
-        if (map.size() >= most_kept) map.erase(map.begin());
+        if (map.size() >= max_kept) map.erase(map.begin());
         map[key] = std::move(made);
     });
 }

@@ -19,22 +19,22 @@ namespace {
 
 constexpr double forever = std::numeric_limits<double>::infinity();
 /// Elastic oscillations are damped by this share of the critical damping at least.
-constexpr double least_damping = 1e-3;
+constexpr double min_damping = 1e-3;
 
 /// Numerical damping of an oscillation in a step, over h ω, that is taken: a hundredth of what the chain's own damping of a hundredth does.
-constexpr double most_damping = 1e-4;
+constexpr double max_damping = 1e-4;
 
 /// Largest h ω up to which a table damps oscillations by no more than that.
 [[nodiscard]] double accurate_oscillation(const engine::StagePlan& plan, double stable) {
     constexpr double fine = 0.01;
     const auto function = engine::stability_function(plan);
     double y = fine;
-    while (y < stable && std::abs(function({0.0, y})) >= 1.0 - most_damping * y) y += fine;
+    while (y < stable && std::abs(function({0.0, y})) >= 1.0 - max_damping * y) y += fine;
     return y;
 }
 
 [[nodiscard]] MethodReach reach_of_table(const engine::StagePlan& plan) {
-    MethodReach reach{engine::stability_reach(plan, {-least_damping, std::sqrt(1.0 - least_damping * least_damping)}, 1e-6),
+    MethodReach reach{engine::stability_reach(plan, {-min_damping, std::sqrt(1.0 - min_damping * min_damping)}, 1e-6),
                       engine::real_stability(plan), 0.0};
     reach.accurate = accurate_oscillation(plan, reach.oscillation);
     return reach;
@@ -52,8 +52,8 @@ constexpr double most_damping = 1e-4;
         if (program->stability == nullptr) return {forever, forever, forever};
         const ProgramStability stability = program->stability();
         if (stability.equation == TestEquation::oscillator) return of_oscillator(stability);
-        return {reach(stability, 0.0, 0.0, -least_damping, std::sqrt(1.0 - least_damping * least_damping)),
-                reach(stability, 0.0, 0.0, -1.0, 0.0), forever};
+        return {reach(stability, 0.0, 0.0, -min_damping, std::sqrt(1.0 - min_damping * min_damping)), reach(stability, 0.0, 0.0, -1.0, 0.0),
+                forever};
     }
     const auto plan = engine::make_method(method);
     return plan ? reach_of_table(*plan) : MethodReach{forever, forever, forever};
@@ -121,12 +121,12 @@ void AutoStep::save(std::vector<double>& memory) const {
 void AutoStep::load(std::span<const double> memory) {
     restart();
     if (memory.empty()) return;
-    const auto own = taken(memory, 4);
+    const auto own = pop_front(memory, 4);
     looked_ = own[0];
     begun_ = own[1];
     stable_ = own[2];
     damped_ = own[3];
-    evaluations_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
+    evaluations_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     (void)bound_.load(memory);
 }
 

@@ -53,7 +53,7 @@ namespace {
          .description = "polynomial fitted to the spectrum, again when it moves",
          .source = "weights by Lawson's iteration",
          .order = 3,
-         .state_slots = FittedMethod::most_stages + 1,
+         .state_slots = FittedMethod::max_stages + 1,
          .slope_slots = 3,
          .make = fitted_by_spectrum,
          .linear = fitted_step,

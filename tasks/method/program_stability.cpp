@@ -8,13 +8,13 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr double finest = 0.01, finer = 1.01;
-constexpr double least_decay = 1e-2, decay_ratio = 1.15;  ///< grid of decays
+constexpr double min_decay = 1e-2, decay_ratio = 1.15;  ///< grid of decays
 
-/// Calls `look` with decays from least_decay to the longest one.
+/// Calls `look` with decays from min_decay to the longest one.
 template <class Look>
 void over_decays(const ProgramStability& method, Look look) {
     const double longest = std::min(method.longest_decay, far_away);
-    for (double decay = least_decay; decay < longest; decay *= decay_ratio) look(decay);
+    for (double decay = min_decay; decay < longest; decay *= decay_ratio) look(decay);
     look(longest);
 }
 

@@ -111,9 +111,9 @@ void SpectralBound::save(std::vector<double>& memory) const {
 }
 
 std::span<const double> SpectralBound::load(std::span<const double> memory) {
-    cold_ = taken(memory, 1)[0] != 0.0;
+    cold_ = pop_front(memory, 1)[0] != 0.0;
     for (Iteration* each : {&velocity_, &coordinate_}) {
-        const auto numbers = taken(memory, 2 + each->direction.size());
+        const auto numbers = pop_front(memory, 2 + each->direction.size());
         each->value = numbers[0];
         each->size = numbers[1];
         std::copy(numbers.begin() + 2, numbers.end(), each->direction.begin());

@@ -18,8 +18,8 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr double look_interval = 1e-4;                     // s
-constexpr double most_real = 600.0, most_imaginary = 6.0;  ///< what a free step may ask of a fit
+constexpr double look_interval = 1e-4;                   // s
+constexpr double max_real = 600.0, max_imaginary = 6.0;  ///< what a free step may ask of a fit
 constexpr int review_steps = 50;
 constexpr double far_below = 0.7;
 
@@ -64,7 +64,7 @@ void SpectralMethod::save(std::vector<double>& memory) const {
 
 void SpectralMethod::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    looked_ = taken(memory, own_memory)[0];
+    looked_ = pop_front(memory, own_memory)[0];
     memory = bound_.load(memory);
     StageMethod::load(memory);
 }
@@ -88,8 +88,8 @@ double LadderMethod::longest(double wanted) {
 }
 
 std::optional<engine::StagePlan> fitted_plan(double real, double imaginary) {
-    auto fitted = engine::fit({std::max(real, engine::least_fitted_real), imaginary, 3, 0.2, 0.01});
-    if (!fitted || fitted->plan.stages.size() > FittedMethod::most_stages + 1) return {};
+    auto fitted = engine::fit({std::max(real, engine::min_fitted_real), imaginary, 3, 0.2, 0.01});
+    if (!fitted || fitted->plan.stages.size() > FittedMethod::max_stages + 1) return {};
     return std::move(fitted->plan);
 }
 
@@ -98,7 +98,7 @@ void FittedMethod::refit(double real, double imaginary) {
     if (!fitted)
         throw std::runtime_error(
             fmt::format("run.step: no fitted polynomial of up to {} stages is stable for a step whose spectrum reaches -{:.3g} and {:.3g}i",
-                        most_stages, std::max(real, engine::least_fitted_real), imaginary));
+                        max_stages, std::max(real, engine::min_fitted_real), imaginary));
     std::vector<engine::CompiledPlan> next{engine::CompiledPlan(*fitted)};
     use(next.front());  // brings the last slope along while the former plan is still there
     plan_ = std::move(next);
@@ -133,20 +133,20 @@ void FittedMethod::save(std::vector<double>& memory) const {
 
 void FittedMethod::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    const auto fit = taken(memory, 3);
+    const auto fit = pop_front(memory, 3);
     if (fit[0] > 0.0) refit(fit[0], fit[1]);  // the same polynomial again
     wanted_lately_ = fit[2];
-    steps_since_review_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
+    steps_since_review_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     SpectralMethod::load(memory);
 }
 
 double FittedMethod::longest(double wanted) {
-    return std::min({wanted, most_real / (fit_headroom * real()), most_imaginary / (fit_headroom * imaginary())});
+    return std::min({wanted, max_real / (fit_headroom * real()), max_imaginary / (fit_headroom * imaginary())});
 }
 
 namespace {
 
-Rung rung(const std::string& name, double real) {
+PolynomialRange rung(const std::string& name, double real) {
     const engine::StagePlan plan = *engine::make_method(name);
     return {engine::CompiledPlan(plan), real, engine::stability_reach(plan, {-0.01, std::sqrt(1.0 - 1e-4)}, 1e-6)};
 }

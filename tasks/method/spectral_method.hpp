@@ -44,21 +44,21 @@ private:
 };
 
 /// A plan of a ladder and how far it is stable.
-struct Rung {
+struct PolynomialRange {
     engine::CompiledPlan plan;
     double real;       ///< along the negative real axis [1]
     double imaginary;  ///< along the ray of damping ratio 1 %
 };
 
 /// Ascending.
-using Ladder = std::vector<Rung>;
+using Ladder = std::vector<PolynomialRange>;
 [[nodiscard]] Ladder dumka3_ladder();
 [[nodiscard]] Ladder rkc_ladder();
 [[nodiscard]] Ladder rock2_ladder();
 /// The lowest rung that reaches so far along the real axis, or the last one. real [1]
 [[nodiscard]] std::size_t rung_for(const Ladder& ladder, double real) noexcept;
 
-/// The polynomial of most_stages stages at most that is stable for steps of this extent; nothing if there is none. real [1], imaginary [1]
+/// The polynomial of max_stages stages at most that is stable for steps of this extent; nothing if there is none. real [1], imaginary [1]
 [[nodiscard]] std::optional<engine::StagePlan> fitted_plan(double real, double imaginary);
 /// By which a first fit asks for more than the step needs, to last [1].
 inline constexpr double fit_headroom = 1.1;
@@ -82,7 +82,7 @@ private:
 /// A refit takes milliseconds and memory of its own: the only thing in the step loop that does.
 class FittedMethod final : public SpectralMethod {
 public:
-    static constexpr int most_stages = 64;
+    static constexpr int max_stages = 64;
 
     explicit FittedMethod(Workspace& workspace) : SpectralMethod(workspace, 3) {}
 
@@ -93,7 +93,7 @@ public:
 
 protected:
     /// h [s]
-    /// @throws std::runtime_error if no polynomial of most_stages stages is stable for such a step
+    /// @throws std::runtime_error if no polynomial of max_stages stages is stable for such a step
     void choose(double h) override;
     [[nodiscard]] double longest(double wanted) override;  ///< wanted [s]
 

@@ -14,7 +14,7 @@ void PlainSlope::operator()(double t, const double* x, double* out) noexcept {
         variator_.pulleys().motions(x + at.pulley_begin(), scratch_.sheaves);
         for (int link = 0; link < at.links; ++link) {
             model::TipProbe probe;
-            model::LinkStrip strip;
+            model::NeighbourWindow strip;
             variator_.chain().probe(strip.of(at, x, link), scratch_.sheaves, true, probe);
             for (int tip = 0; tip < model::tips_per_link; ++tip) {
                 phases_[static_cast<std::size_t>(model::tips_per_link * link + tip)] =

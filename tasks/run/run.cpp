@@ -92,7 +92,7 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
 
 /// What the method is stable for where the run begins; said if the step is beyond. The quick bound is a fifth too careful at most: where it
 /// is not enough, the growth of this one step decides, and its limit is searched for only where it is beyond: ten times the work.
-void foretell(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
+void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
     if (scene.run.step.automatic()) return;  // what chooses it knows the limit
     AutoStep advice(simulation.variator(), scene.parameters, scene.run.method);
     const double automatic = std::min(longest_automatic_step(simulation.workspace().parameters.detail.pins),
@@ -101,7 +101,7 @@ void foretell(const Scene& scene, const RunOptions& options, const Simulation& s
     report.step = scene.run.step;
     if (!report.beyond_stability()) return;
     const LinearChain chain(simulation.variator(), scene.parameters, frozen_start(simulation));
-    report.stable_step = predicted_growth(chain, scene.run.method, report.step) <= 1.0 + tolerated_growth
+    report.stable_step = predicted_growth(chain, scene.run.method, report.step) <= 1.0 + growth_factor_tolerance
                              ? report.step
                              : predicted_step_limit(chain, scene.run.method).step;
     if (!report.beyond_stability() || !options.notice) return;
@@ -122,7 +122,7 @@ void run_parts(const Scene& scene, const RunOptions& options, Simulation& simula
     if (report.fault) return;
     const auto started = std::chrono::steady_clock::now();
     if (!simulation.integration_state().started) report.begin = simulation.time();
-    foretell(scene, options, simulation, report);
+    warn_if_unstable(scene, options, simulation, report);
     report.fault = Keeper(scene, options, simulation, recorder).go(scene.run.until, cancel, report);
     report.counters = simulation.counters();
     report.local_errors = simulation.local_errors();

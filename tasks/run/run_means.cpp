@@ -16,7 +16,7 @@ namespace {
 
 constexpr double gross_slip = 0.03;  ///< creep of a holding chain stays below a hundredth, a sliding one is beyond
 constexpr double often = 0.05;       ///< share of outputs
-constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, least_slip = 5e-4;
+constexpr double drifts_ratio = 0.01, drifts_slip = 0.2, min_slip = 5e-4;
 constexpr double standing_speed = 0.1;   ///< of shafts, 5 mm/s at the chain: of the order of the speeds at which tips creep [rad/s]
 constexpr double resolved_share = 0.05;  ///< of the losses, that the balance may leave whatever they are
 constexpr double min_load = 0.01;        ///< taken by shafts, of the input
@@ -37,9 +37,9 @@ constexpr NoteKind kinds[] = {
 
 /// What a balance may leave however little was lost [J]; 0 where it is not judged, for want of samples.
 [[nodiscard]] double unresolved(EnergyBalance balance) noexcept {
-    constexpr double least_samples = 10.0;
+    constexpr double min_samples = 10.0;
     balance.loss = 0.0;
-    return balance.samples < least_samples ? 0.0 : balance.honest();
+    return balance.samples < min_samples ? 0.0 : balance.honest();
 }
 
 /// What inputs brought [J].
@@ -68,7 +68,7 @@ void RunMeans::clear() noexcept {
 
 void RunMeans::add(const model::Observation& now, const EnergySums& sums, double pin_period) {
     if (bins_.empty() || bins_.back().outputs >= per_bin_) {
-        if (bins_.size() == most_bins) halve();
+        if (bins_.size() == max_bins) halve();
         if (bins_.empty() || bins_.back().outputs >= per_bin_) bins_.emplace_back();
     }
     Bin& bin = bins_.back();
@@ -154,7 +154,7 @@ std::string RunMeans::change() const {
     const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
     const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
-    const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + least_slip;
+    const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + min_slip;
     if (ratio_drifts || slip_drifts)
         return fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio,
                            percent(first.slip), percent(last.slip));
@@ -225,12 +225,12 @@ void RunMeans::save(std::vector<double>& memory) const {
 
 std::span<const double> RunMeans::load(std::span<const double> memory) {
     constexpr std::size_t numbers = sizeof(Bin) / sizeof(double);
-    const auto bins = static_cast<std::size_t>(whole_taken(memory, 0, static_cast<int>(most_bins)));
-    const auto own = taken(memory, 2);
+    const auto bins = static_cast<std::size_t>(pop_integer(memory, 0, static_cast<int>(max_bins)));
+    const auto own = pop_front(memory, 2);
     per_bin_ = own[0];
     pin_period_ = own[1];
     bins_.resize(bins);
-    if (bins > 0) std::memcpy(static_cast<void*>(bins_.data()), taken(memory, bins * numbers).data(), bins * sizeof(Bin));
+    if (bins > 0) std::memcpy(static_cast<void*>(bins_.data()), pop_front(memory, bins * numbers).data(), bins * sizeof(Bin));
     return memory;
 }
 

@@ -64,7 +64,7 @@ private:
         /// The sums of another one too; time and energies stay.
         void add(const Bin& other) noexcept;
     };
-    static constexpr std::size_t most_bins = 2000;
+    static constexpr std::size_t max_bins = 2000;
 
     /// Which of note_kinds() there are.
     [[nodiscard]] std::array<bool, 8> odd(const EnergyBalance& balance) const;

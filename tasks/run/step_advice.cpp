@@ -57,12 +57,12 @@ private:
     Eigen::VectorXd scale_, above_, below_;
 };
 
-constexpr double least_damping = 1e-3;
+constexpr double min_damping = 1e-3;
 
 [[nodiscard]] std::complex<double> direction_of(std::complex<double> value) {
     std::complex<double> direction = value / std::abs(value);
-    if (direction.real() < -least_damping) return direction;
-    return {-least_damping, std::sqrt(1.0 - least_damping * least_damping)};
+    if (direction.real() < -min_damping) return direction;
+    return {-min_damping, std::sqrt(1.0 - min_damping * min_damping)};
 }
 
 }  // namespace

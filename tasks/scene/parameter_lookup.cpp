@@ -10,7 +10,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::size_t most_suggested = 3;
+constexpr std::size_t max_suggested = 3;
 
 }  // namespace
 
@@ -44,7 +44,7 @@ std::vector<std::string> nearest_keys(std::string_view key) {
         if (parameter.name() == name) of_that_name.emplace_back(parameter.key);
     // A dial of detail may have the name of what it is a detail of, which is meant more often.
     std::stable_partition(of_that_name.begin(), of_that_name.end(), [](const std::string& one) { return !one.starts_with("detail."); });
-    if (of_that_name.size() > most_suggested) of_that_name.resize(most_suggested);
+    if (of_that_name.size() > max_suggested) of_that_name.resize(max_suggested);
     if (of_that_name.empty() && !near.empty()) of_that_name.push_back(near);
     return of_that_name;
 }

@@ -20,7 +20,7 @@ using Slot = std::variant<double*, int*, long*, std::uint64_t*, bool*, std::stri
 enum class Kind { number, auto_number, integer, choice, boolean, text, number_list, time_table, text_list };
 
 /// Most points of a time table or of a list.
-inline constexpr std::size_t most_points = 10000;
+inline constexpr std::size_t max_points = 10000;
 /// Latest time of a time table [s]; the earliest is 0 (while settling, tables are taken at 0).
 inline constexpr double latest_time = 1e6;
 

@@ -20,7 +20,7 @@
 namespace cvtflow::tasks {
 namespace {
 
-constexpr std::size_t most_problems = 100;  ///< that are told, each a line
+constexpr std::size_t max_problems = 100;  ///< that are told, each a line
 
 /// A key in a message: as it was written, unless that is no use to anybody.
 std::string shown(const std::string& key) { return key.size() <= 100 ? key : key.substr(0, 60) + "…"; }
@@ -37,7 +37,7 @@ public:
     void value(const Parameter& parameter, const Node& node);
     void unknown_key(const std::string& key, Position position) {
         problem(position, fmt::format("{}: unknown key{}", shown(key),
-                                      problems_.size() < most_problems ? engine::did_you_mean(nearest_keys(key)) : ""));
+                                      problems_.size() < max_problems ? engine::did_you_mean(nearest_keys(key)) : ""));
     }
     void problem(Position position, std::string message) { problems_.push_back({position, std::move(message)}); }
 
@@ -126,9 +126,9 @@ Scene Reading::finish(const std::function<std::string(Position)>& place) {
     if (problems_.empty()) return std::move(scene_);
     std::stable_sort(problems_.begin(), problems_.end(), [](const Problem& a, const Problem& b) { return a.position < b.position; });
     std::vector<std::string> lines;
-    for (std::size_t i = 0; i < std::min(problems_.size(), most_problems); ++i)
+    for (std::size_t i = 0; i < std::min(problems_.size(), max_problems); ++i)
         lines.push_back(fmt::format("{}: {}", place(problems_[i].position), problems_[i].message));
-    if (problems_.size() > most_problems) lines.push_back(fmt::format("… and {} more problems", problems_.size() - most_problems));
+    if (problems_.size() > max_problems) lines.push_back(fmt::format("… and {} more problems", problems_.size() - max_problems));
     throw SceneError(engine::visible(fmt::format("{}", fmt::join(lines, "\n"))));  // a NUL would end what()
 }
 

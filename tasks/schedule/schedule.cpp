@@ -15,7 +15,7 @@ namespace cvtflow::tasks {
 namespace {
 
 /// Least quota of the group and all that it lies in ("max 100000" or "quota period" in cpu.max), whole processors; a large number: none.
-[[nodiscard]] int least_quota(const std::filesystem::path& root, std::filesystem::path group) {
+[[nodiscard]] int min_quota(const std::filesystem::path& root, std::filesystem::path group) {
     int least = std::numeric_limits<int>::max();
     for (group = group.relative_path();; group = group.parent_path()) {
         std::ifstream file(root / group / "cpu.max");
@@ -42,7 +42,7 @@ int quota_processors(const std::filesystem::path& root, const std::filesystem::p
     for (std::string line; std::getline(file, line);) {
         if (line.starts_with("0::")) group = line.substr(3);
     }
-    return least_quota(root, group);
+    return min_quota(root, group);
 }
 
 int usable_threads() {

@@ -5,15 +5,15 @@
 
 namespace cvtflow::tasks {
 
-std::span<const double> taken(std::span<const double>& memory, std::size_t count) {
+std::span<const double> pop_front(std::span<const double>& memory, std::size_t count) {
     if (memory.size() < count) throw std::invalid_argument("what the method remembers is not all there");
     const std::span<const double> numbers = memory.first(count);
     memory = memory.subspan(count);
     return numbers;
 }
 
-int whole_taken(std::span<const double>& memory, int first, int last) {
-    const double number = taken(memory, 1)[0];
+int pop_integer(std::span<const double>& memory, int first, int last) {
+    const double number = pop_front(memory, 1)[0];
     if (!(number >= first && number <= last) || number != std::floor(number))
         throw std::invalid_argument("what the method remembers counts what is not there");
     return static_cast<int>(number);

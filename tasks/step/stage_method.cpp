@@ -46,7 +46,7 @@ void StageMethod::save(std::vector<double>& memory) const {
 
 void StageMethod::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    const auto slope = taken(memory, static_cast<std::size_t>(w_.layout().size()));
+    const auto slope = pop_front(memory, static_cast<std::size_t>(w_.layout().size()));
     std::copy(slope.begin(), slope.end(), w_.slopes[0]);
     slope_at_ = SlopeAt::start;
 }

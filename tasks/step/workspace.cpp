@@ -66,7 +66,7 @@ void Workspace::adopt(const model::Parameters& other) {
 
 void Workspace::repartition(Partition parts) {
     partition = std::move(parts);
-    verdicts.resize(static_cast<std::size_t>(partition.size()));
+    segment_results.resize(static_cast<std::size_t>(partition.size()));
     windows.resize(static_cast<std::size_t>(partition.size()));
     for (int s = 0; s < partition.size(); ++s)
         windows[static_cast<std::size_t>(s)].resize(
@@ -131,7 +131,7 @@ std::size_t Workspace::bytes() const noexcept {
     std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + pulleys.tail.size();
     for (const auto& window : windows) doubles += window.size();
     return doubles * sizeof(double) + of(links.loads) + of(links.sums) + of(links.accounts) + of(tips.phases) + of(tips.before) +
-           of(tips.after) + of(tips.probes) + of(tips.changed) + of(verdicts) + sizeof(*this);
+           of(tips.after) + of(tips.probes) + of(tips.changed) + of(segment_results) + sizeof(*this);
 }
 
 void Workspace::list_touching() noexcept {

@@ -24,7 +24,7 @@ struct Transition {
 };
 
 /// What one segment found in a detect, locate or truncate cycle.
-struct alignas(64) Verdict {
+struct alignas(64) SegmentResult {
     Fault fault;
     Transition first;      ///< earliest transition of the segment's tips
     long detected = 0;     ///< transitions found in this cycle
@@ -37,7 +37,7 @@ struct StepInput {
     double time = 0.0;             ///< t at the step's start [s]
     double h = 0.0;                ///< its length [s]
     double dwell = 0.0;            ///< a tip that changed less than this before the look-out stays [s]
-    double lookout = 0.0;          ///< end of the step as it was begun: what looks for, locates and carries out transitions asks there [s]
+    double search_until = 0.0;     ///< end of the step as it was begun: what looks for, locates and carries out transitions asks there [s]
     engine::PlanStep row{};        ///< stage or result that an evaluate cycle combines
     double theta = 1.0;            ///< where a truncate cycle cuts, share of the step
     bool estimate_error = false;   ///< a detect cycle also estimates the local error of its links
@@ -45,7 +45,7 @@ struct StepInput {
     ErrorScale error_scale;        ///< in which units
     Transition due;                ///< what it cuts for
     bool secant = false;           ///< slopes at both ends are made from the states there
-    bool links_ended = false;      ///< the step method has left the links' result in end_state; a detect cycle combines nothing
+    bool end_state_ready = false;  ///< the step method has left the links' result in end_state; a detect cycle combines nothing
     long evaluations = 0;          ///< of the right-hand side, so far
     double* slope_out = nullptr;   ///< [layout.size()] where an evaluate cycle writes slopes
     double* state_out = nullptr;   ///< [layout.size()] where a detect or truncate cycle writes states
@@ -63,7 +63,7 @@ struct LinkFields {
 };
 
 /// Whether tips touch: changed in truncate cycles only (Field::phase), probed in detect cycles (Field::before, after).
-struct TipPhases {
+struct TipState {
     std::vector<model::Phase> phases;         ///< [4 links]
     std::vector<model::TipIndicator> before;  ///< [4 links] at the step's start
     std::vector<model::TipIndicator> after;   ///< [4 links] at its end
@@ -112,12 +112,12 @@ public:
     double* cut_state;            ///< y at theta [unknowns]
 
     LinkFields links;
-    TipPhases tips;
+    TipState tips;
     StagedFields staged;
     PulleyFields pulleys;
 
     std::vector<model::LineVector<double>> windows;  ///< [segments] stage states of the segment's links and of the layout's halo
-    std::vector<Verdict> verdicts;                   ///< [segments]
+    std::vector<SegmentResult> segment_results;      ///< [segments]
     EnergyLedger energy;                             ///< works, losses and balance so far, written by the controller
 
     [[nodiscard]] const model::ChainLayout& layout() const noexcept { return variator.layout(); }

@@ -82,7 +82,7 @@ void copy_pulleys(const ChainLayout& from, const double* source, const ChainLayo
 
 }  // namespace
 
-engine::SavedState brought_over(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to) {
+engine::SavedState convert_state(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to) {
     const ChainLayout before = model::layout_of(from), after = model::layout_of(to);
     engine::SavedState result;
     result.time = saved.time;

@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 /// Rigid pulleys take angles from the shafts and the movable sheaves' positions against their shafts, and give them back. Phases stay.
 /// A whole pin is put in the middle between its two halves, and its halves where they roll on each other; a tip touches if one of theirs
 /// did. Control and ledger are left out: they begin at zero.
-[[nodiscard]] engine::SavedState brought_over(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to);
+[[nodiscard]] engine::SavedState convert_state(const engine::SavedState& saved, const model::Parameters& from, const model::Parameters& to);
 
 /// Turns a shaft with its sheaves, which are the same all round: a governor counts angles from t = 0. shaft 0 or 1, angle [rad]
 void turn_shaft(engine::SavedState& state, const model::Parameters& parameters, int shaft, double angle);

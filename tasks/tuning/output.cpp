@@ -18,7 +18,7 @@ using M = FigureMeans;
 constexpr std::array figure_rows{
     Figure{.name = "slip",
            .meaning = "mean slip of both pulleys together; below 1e-4 it is compared with that",
-           .least = least_slip,
+           .least = min_slip,
            .usual = true,
            .needs_pulleys = true,
            .read = [](const M& m) { return m.span.slip; }},

@@ -81,7 +81,7 @@ void PointMeasure::settle_finest() {
 engine::SavedState PointMeasure::start(const Scene& scene) {
     settle_finest();
     if (model::layout_of(settled_with_.parameters) == model::layout_of(scene.parameters)) return *settled_;
-    engine::SavedState state = brought_over(*settled_, settled_with_.parameters, scene.parameters);
+    engine::SavedState state = convert_state(*settled_, settled_with_.parameters, scene.parameters);
     state.attributes.clear();
     return state;
 }

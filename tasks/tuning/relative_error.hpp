@@ -21,7 +21,7 @@ private:
 };
 
 /// Slip below this is compared with this [1]: creep of less than a ten-thousandth is nobody's question.
-inline constexpr double least_slip = 1e-4;
+inline constexpr double min_slip = 1e-4;
 
 /// |is - should| over |should|, or over `least` where that is less: the error of a single figure, such as a mean. is, should, least [the
 /// same unit]

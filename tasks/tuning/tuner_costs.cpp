@@ -14,7 +14,7 @@ namespace cvtflow::tasks {
 namespace {
 
 constexpr double shares[] = {1.0, 0.5, 0.25};  ///< of the automatic step
-constexpr std::size_t most_methods = 3;
+constexpr std::size_t max_methods = 3;
 constexpr double method_reach = 2.0;    ///< methods so many times as dear as the cheapest are left out
 constexpr double method_trial = 50e-6;  ///< [s]
 constexpr double cost_trial = 1e-3;     ///< [s]
@@ -93,7 +93,7 @@ void Tuner::find_methods() {
     std::vector<std::string> dear;
     for (const auto& [seconds, name] : costs) {
         const double over = seconds / costs.front().first;
-        const bool taken = name == usual || (methods_.size() < most_methods && over <= method_reach);
+        const bool taken = name == usual || (methods_.size() < max_methods && over <= method_reach);
         if (taken)
             methods_.push_back(name);
         else

@@ -40,7 +40,7 @@ void give_state(const Scene& own, const std::string& file, Scene& chosen) {
     if (own.state_file.empty() || model::layout_of(own.parameters) == model::layout_of(chosen.parameters)) return;
     const auto saved = fitting_start(own);
     if (saved == nullptr) return chosen.state_file.clear();
-    engine::SavedState state = brought_over(*saved, own.parameters, chosen.parameters);
+    engine::SavedState state = convert_state(*saved, own.parameters, chosen.parameters);
     fs::create_directories(fs::path(file).parent_path());
     engine::write_state(file, state);
     chosen.state_file = fs::absolute(file).string();

@@ -68,7 +68,7 @@ protected:
         model::SheaveMotion sheaves[4];
         rig.variator().pulleys().motions(rig.state() + at.pulley_begin(), sheaves);
         model::TipProbe found;
-        model::LinkStrip strip;
+        model::NeighbourWindow strip;
         rig.variator().chain().probe(strip.of(at, rig.state(), link), sheaves, true, found);
         return found;
     }

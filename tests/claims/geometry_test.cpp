@@ -164,7 +164,7 @@ TEST_P(GeometricStart, TheDeepestTipJustTouchesEachSheave) {
     for (int link = 0; link < chain.links(); ++link) {
         const double* block = start.state.data() + model.layout().link_begin(link);
         model::TipProbe probe;
-        model::LinkStrip strip;
+        model::NeighbourWindow strip;
         model.probe(strip.of(model.layout(), start.state.data(), link), sheaves, false, probe);
         const int shaft = model.shaft_of(block);
         for (int tip = 0; tip < model::tips_per_link; ++tip)

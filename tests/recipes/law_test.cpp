@@ -43,7 +43,7 @@ FrictionCurve rational(double v0) {
     FrictionCurve curve({0.09, v0}, {});
     curve.proportional_speed = 1e-30 * v0;
     curve.full_speed = RationalLaw::full(0.0);
-    curve.surely_proportional = 0.0;
+    curve.linear_speed_squared = 0.0;
     return curve;
 }
 

@@ -111,7 +111,7 @@ int execute(const Program& program, int argc, char** argv) {
 
 int run_program(const Program& program, int argc, char** argv) noexcept {
     take_standard_descriptors();
-    engine::leave_hdf5_alone_at_exit();
+    engine::disable_hdf5_atexit();
     engine::try_files_first();
     name_program(program.name);
     return finish_output(guarded([&] { return execute(program, argc, argv); }));

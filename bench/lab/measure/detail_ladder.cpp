@@ -26,7 +26,7 @@ double processor_time() {
 }
 
 /// From where the averaging ended.
-void time_in_turns(std::vector<Rung>& rungs) {
+void time_in_turns(std::vector<DetailLevelResult>& rungs) {
     std::vector<std::array<double, rounds>> times(rungs.size());
     tasks::SilentObserver silent;
     for (std::size_t round = 0; round < rounds; ++round) {

@@ -23,7 +23,7 @@ struct LadderPoint {
 /// A level of detail as a variant. share: of its automatic step [1]
 [[nodiscard]] DetailVariant rung_variant(const tasks::DetailPreset& preset, double share);
 
-struct Rung {
+struct DetailLevelResult {
     DetailOutcome outcome;
     double seconds = 0.0;  ///< processor time per simulated second, median of rounds of 2 ms, all rungs in turns [s/s]
     double spread = 0.0;   ///< of the rounds, over their median [1]
@@ -31,8 +31,8 @@ struct Rung {
 
 struct Ladder {
     LadderPoint point;
-    DetailOutcome reference;  ///< the finest level at a quarter of its step
-    std::vector<Rung> rungs;  ///< finest first
+    DetailOutcome reference;               ///< the finest level at a quarter of its step
+    std::vector<DetailLevelResult> rungs;  ///< finest first
 };
 
 /// @throws tasks::SceneError; tasks::SimulationError where the reference breaks down or is unreliable

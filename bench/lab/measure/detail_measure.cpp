@@ -212,7 +212,7 @@ DetailOutcome DetailMeasure::measure(const DetailVariant& variant, double wanted
     outcome.variant = variant;
     tasks::Scene scene = scene_of(arguments_, scene_, variant, arguments_.settle);
     const double settle = scene.run.until, length = scene_of(arguments_, scene_, variant, arguments_.average).run.until;
-    const tasks::StateFile start(tasks::brought_over(settled_, reference_, scene.parameters));
+    const tasks::StateFile start(tasks::convert_state(settled_, reference_, scene.parameters));
     scene.state_file = start.path();
     auto simulation = begin(scene, variant.share);
     outcome.coordinates = simulation->variator().layout().coordinates();
@@ -229,7 +229,7 @@ void DetailMeasure::find_thrust(const DetailVariant& variant, double wanted, Det
     tasks::Scene scene = scene_of(
         arguments_, scene_, variant, arguments_.control,
         {"control.enabled=true", fmt::format("control.ratio={:.6f}", wanted), "control.proportional=1 MN", "control.integral=5e7 N/s"});
-    engine::SavedState settled = tasks::brought_over(settled_, reference_, scene.parameters);
+    engine::SavedState settled = tasks::convert_state(settled_, reference_, scene.parameters);
     settled.state.resize(static_cast<std::size_t>(model::layout_of(scene.parameters).size()));  // the controller's integral begins at zero
     const tasks::StateFile start(settled);
     scene.state_file = start.path();

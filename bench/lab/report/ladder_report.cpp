@@ -43,7 +43,7 @@ std::string cell(const Column& column, double value) { return std::isnan(value) 
 
 /// The finest level that has a name of its own below the finest one is what costs are compared with.
 double seconds_of_fine(const Ladder& ladder) {
-    for (const Rung& rung : ladder.rungs) {
+    for (const DetailLevelResult& rung : ladder.rungs) {
         if (rung.outcome.variant.preset == "fine") return rung.seconds;
     }
     return std::nan("");
@@ -60,7 +60,7 @@ void print(const Ladder& ladder) {
     for (const Column& column : errors) columns.push_back(right(column.heading));
     columns.push_back({"status"});
     Table table(columns);
-    for (const Rung& rung : ladder.rungs) {
+    for (const DetailLevelResult& rung : ladder.rungs) {
         std::vector<std::string> cells{rung.outcome.variant.name(), fmt::format("{:.2f}", 1e6 * rung.outcome.step),
                                        fmt::format("{:.2f}", rung.seconds), fmt::format("{:.2f}", rung.seconds / seconds_of_fine(ladder))};
         for (const Column& column : errors)
@@ -117,7 +117,7 @@ std::string csv_of(const std::vector<Ladder>& ladders) {
     text += watch_heading + std::string("\n");
     for (const Ladder& ladder : ladders) {
         text += csv_row(ladder, ladder.reference, 0.0, 0.0);
-        for (const Rung& rung : ladder.rungs) text += csv_row(ladder, rung.outcome, rung.seconds, rung.spread);
+        for (const DetailLevelResult& rung : ladder.rungs) text += csv_row(ladder, rung.outcome, rung.seconds, rung.spread);
     }
     return text;
 }
@@ -150,7 +150,7 @@ std::string json_of(const std::vector<Ladder>& ladders, const DetailArguments& a
     auto points = nlohmann::ordered_json::array();
     for (const Ladder& ladder : ladders) {
         auto rows = nlohmann::ordered_json::array();
-        for (const Rung& rung : ladder.rungs) rows.push_back(row_json(rung.outcome, rung.seconds));
+        for (const DetailLevelResult& rung : ladder.rungs) rows.push_back(row_json(rung.outcome, rung.seconds));
         points.push_back({{"point", ladder.point.name},
                           {"scene", ladder.point.scene},
                           {"settings", ladder.point.settings},
@@ -174,7 +174,7 @@ std::string picture(const std::vector<Ladder>& ladders) {
     for (std::size_t rung = 0; rung < ladders.front().rungs.size(); ++rung) {
         Series series{.name = ladders.front().rungs[rung].outcome.variant.name(), .points = {}, .line = Line::none, .colour = {}};
         for (const Ladder& ladder : ladders) {
-            const Rung& here = ladder.rungs[rung];
+            const DetailLevelResult& here = ladder.rungs[rung];
             if (here.outcome.fault.empty())
                 series.points.push_back({here.seconds, std::abs(off(here.outcome.slip, ladder.reference.slip))});
         }
@@ -193,7 +193,7 @@ ExitStatus report_ladder(const DetailArguments& arguments, const OutputArguments
         if (catch_interrupts().requested()) return ExitStatus::cancelled;
         print(ladders.back());
         std::fflush(stdout);
-        for (const Rung& rung : ladders.back().rungs) {
+        for (const DetailLevelResult& rung : ladders.back().rungs) {
             if (rung.outcome.fault.empty()) continue;
             print_error(fmt::format("{}: {}: {}", point.name, rung.outcome.variant.name(), rung.outcome.fault));
             complete = false;

@@ -64,7 +64,7 @@ std::string timing_text(const Profile& profile) {
         const bool came = result.cycle.active == result.schedule.threads;
         cells.insert(cells.end(), {known ? fmt::format("{}", pass.active()) : "", known ? microseconds(pass.synchronisation()) : "",
                                    came ? microseconds(result.cycle.seconds) : "absent", microseconds(result.bare),
-                                   known ? microseconds(pass.least_task()) : "", known ? fmt::format("{:.2f}", pass.imbalance()) : "",
+                                   known ? microseconds(pass.min_task()) : "", known ? fmt::format("{:.2f}", pass.imbalance()) : "",
                                    known ? fmt::format("{:+.0f} %", 100.0 * result.recording.cost) : "", load.dropped});
         table.add(cells);
     }

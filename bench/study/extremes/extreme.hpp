@@ -40,7 +40,7 @@ struct Extreme {
     bool geometric = false;  ///< begins with the geometric start even where the settled state of `tiny` would fit
     /// Changes the start. Called with a simulation that stands at it. step [s]
     void (*prepare)(const tasks::Simulation& simulation, double step, tasks::IntegrationState& start) = nullptr;
-    long least_transitions = 0;  ///< that must happen for the row to mean what it says
+    long min_transitions = 0;  ///< that must happen for the row to mean what it says
     bool nightly = false;
 };
 

@@ -157,7 +157,7 @@ private:
     if (result.balance > bound) return fmt::format("energy balance {:.2g}, bound {:.2g}", result.balance, bound);
     if (result.refinement > 10.0 * bound)
         return fmt::format("half the step changes the result by {:.2g}, bound {:.2g}", result.refinement, 10.0 * bound);
-    const long least = whole_pins ? row.least_transitions / 2 : row.least_transitions;  // half as many tips
+    const long least = whole_pins ? row.min_transitions / 2 : row.min_transitions;  // half as many tips
     if (transitions < least) return fmt::format("{} transitions, {} expected", transitions, least);
     return "";
 }

@@ -142,7 +142,7 @@ LotteryMachine lottery_machine(std::uint64_t seed, long number) {
 }
 
 double LotteryTicket::slip_error(const LotteryRules& rules) const noexcept {
-    return std::abs(slip - exact_slip) / std::max(std::abs(exact_slip), rules.least_slip);
+    return std::abs(slip - exact_slip) / std::max(std::abs(exact_slip), rules.min_slip);
 }
 
 double LotteryTicket::loss_error() const noexcept { return std::abs(loss - exact_loss) / exact_loss; }

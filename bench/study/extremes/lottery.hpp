@@ -16,8 +16,7 @@ struct LotteryRules {
     double duration = 20e-3;       ///< [s]
     double refinement = 4.0;       ///< what it is compared with takes steps so many times shorter [1]
     double tolerance = 0.01;       ///< of slip and losses [1]
-    double least_slip =
-        5e-4;  ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
+    double min_slip = 5e-4;  ///< slip below this is compared with this: 1 % of it are 5e-6, less than speeds of shafts are measured to [1]
 };
 
 struct LotteryMachine {

@@ -42,7 +42,7 @@ double deepest(const Simulation& simulation, const std::vector<double>& state) {
     double most = -1.0;
     for (int link = 0; link < at.links; ++link) {
         model::TipProbe probe;
-        model::LinkStrip strip;
+        model::NeighbourWindow strip;
         variator.chain().probe(strip.of(at, state.data(), link), sheaves, false, probe);
         for (int tip = 0; tip < model::tips_per_link; ++tip) most = std::max(most, static_cast<double>(probe.depth[tip]));
     }
@@ -193,7 +193,7 @@ void add_contact_rows(std::vector<Extreme>& rows) {
     row("start 20 um too deep", {}).prepare = penetrate_a_little;
     row("sheaves 1 mm apart", {}).prepare = open_wide;
     row("all tips leave within one step", {}).prepare = tear_open;
-    rows.back().least_transitions = 20;
+    rows.back().min_transitions = 20;
     rows.back().bound = 1e-2;
     row("a chain of 84: over 100 tips meet the sheaves within one step",
         {"chain.pins=84", "pulley.centre_distance=170 mm", "pulley.arc_position=54.44 mm", "pulley.innermost=25 mm",
@@ -201,14 +201,14 @@ void add_contact_rows(std::vector<Extreme>& rows) {
         {Ending::right})
         .prepare = slam;
     rows.back().geometric = true;
-    rows.back().least_transitions = 100;
+    rows.back().min_transitions = 100;
     rows.back().steps = 2;
     rows.back().bound = 1e-2;
     row("a gap of exactly zero, closing", {}).prepare = due_at_start;
-    rows.back().least_transitions = 1;
+    rows.back().min_transitions = 1;
     row("a gap of exactly zero, at rest", {}).prepare = at_rest_on_zero;
     row("due at the very end of a step", {}).prepare = due_at_end;
-    rows.back().least_transitions = 1;
+    rows.back().min_transitions = 1;
 }
 
 }  // namespace cvtflow::bench

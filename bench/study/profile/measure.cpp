@@ -17,7 +17,7 @@ namespace {
 constexpr long first_steps = 4;
 constexpr long more_steps = 36;
 constexpr double cycle_seconds = 0.01;  // of a turn of bare cycles
-constexpr long most_stamps = 500000;    // of a thread: 12 MB
+constexpr long max_stamps = 500000;     // of a thread: 12 MB
 
 /// Samples of one lane under one load.
 struct Samples {
@@ -35,7 +35,7 @@ struct Samples {
 };
 
 /// One turn; the first calibrates, the second warms up.
-void turn(Lane& lane, Samples& samples, const MeasureOptions& options, int round, const engine::BusyNeighbours& neighbours) {
+void turn(ScheduleTrial& lane, Samples& samples, const MeasureOptions& options, int round, const engine::BusyNeighbours& neighbours) {
     const double before = neighbours.processor_seconds();
     const TrialSample sample = lane.trial->run(samples.steps, options.patience);
     const double neighbours_cpu = neighbours.processor_seconds() - before;
@@ -58,13 +58,13 @@ LoadResult load_result(const Samples& samples, int neighbours) {
 }
 
 /// Synchronisation alone, right beside the schedule's own turn.
-void cycle_turn(Lane& lane) {
+void cycle_turn(ScheduleTrial& lane) {
     lane.cycles.push_back(cycle_cost(lane.result.schedule, cycle_seconds));
     lane.bare.push_back(engine::bare_barrier_cycle(lane.result.schedule.threads, 0.5 * cycle_seconds));
 }
 
 /// Medians over the rounds in which all threads came; if they mostly did not, the cost says nothing and `active` says why.
-void sum_up_cycles(Lane& lane) {
+void sum_up_cycles(ScheduleTrial& lane) {
     std::vector<double> seconds, active;
     for (const CycleCost& cost : lane.cycles) {
         active.push_back(cost.active);
@@ -91,10 +91,11 @@ std::vector<std::string> hash_differences(const std::vector<ScheduleResult>& res
     return lines;
 }
 
-std::vector<Lane> start_lanes(const Scene& scene, const std::vector<Schedule>& schedules, double patience, std::uint64_t& short_hash) {
-    std::vector<Lane> lanes;
+std::vector<ScheduleTrial> start_lanes(const Scene& scene, const std::vector<Schedule>& schedules, double patience,
+                                       std::uint64_t& short_hash) {
+    std::vector<ScheduleTrial> lanes;
     for (const Schedule& schedule : schedules) {
-        Lane lane;
+        ScheduleTrial lane;
         lane.trial = std::make_unique<Trial>(scene, schedule);
         lane.result.schedule = schedule;
         lane.result.name = schedule_name(schedule);
@@ -112,7 +113,7 @@ std::vector<Lane> start_lanes(const Scene& scene, const std::vector<Schedule>& s
     return lanes;
 }
 
-void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int neighbours) {
+void measure_load(std::vector<ScheduleTrial>& lanes, const MeasureOptions& options, int neighbours) {
     const engine::BusyNeighbours busy(neighbours);
     std::vector<Samples> samples(lanes.size());
     for (int round = -1; round <= options.rounds; ++round) {
@@ -149,20 +150,20 @@ int stamps_of_a_step(const Scene& scene, const Schedule& schedule) {
 
 }  // namespace
 
-StageTable stages_of(const std::vector<Lane>& lanes) {
+StageTable stages_of(const std::vector<ScheduleTrial>& lanes) {
     StageTable stages;
-    for (const Lane& lane : lanes) stages.add(lane.trial->simulation().graph());
+    for (const ScheduleTrial& lane : lanes) stages.add(lane.trial->simulation().graph());
     return stages;
 }
 
-void record_lane(const Scene& scene, Lane& lane, const MeasureOptions& options, const StageTable& stages) {
+void record_lane(const Scene& scene, ScheduleTrial& lane, const MeasureOptions& options, const StageTable& stages) {
     Recording& recording = lane.result.recording;
     const engine::TaskGraph& graph = lane.trial->simulation().graph();
     const double per_step = lane.result.loads.front().step.median;
     if (lane.dropped || per_step <= 0.0) return;
     const int stamps = stamps_of_a_step(scene, lane.result.schedule);
     recording.steps = std::clamp(options.steps > 0 ? options.steps : steps_within(options.round_seconds, per_step), 1L,
-                                 std::max(1L, std::min(100L, most_stamps / stamps)));
+                                 std::max(1L, std::min(100L, max_stamps / stamps)));
     engine::StampRecorder recorder(lane.result.schedule.threads, static_cast<int>(recording.steps) * stamps);
     Trial recorded(scene, lane.result.schedule, &recorder);
     recorded.run(first_steps);

@@ -67,7 +67,7 @@ struct ScheduleResult {
 [[nodiscard]] std::vector<std::string> hash_differences(const std::vector<ScheduleResult>& results, std::uint64_t short_hash);
 
 /// A schedule under measurement.
-struct Lane {
+struct ScheduleTrial {
     std::unique_ptr<Trial> trial;
     ScheduleResult result;
     std::vector<CycleCost> cycles;  ///< one per round without neighbours
@@ -77,17 +77,17 @@ struct Lane {
 
 /// Builds the trials, runs 4 steps of each and, unless they were slow, 36 more, and keeps the hashes.
 /// @param short_hash [out] of the first schedule after 4 steps
-[[nodiscard]] std::vector<Lane> start_lanes(const tasks::Scene& scene, const std::vector<tasks::Schedule>& schedules, double patience,
-                                            std::uint64_t& short_hash);
+[[nodiscard]] std::vector<ScheduleTrial> start_lanes(const tasks::Scene& scene, const std::vector<tasks::Schedule>& schedules,
+                                                     double patience, std::uint64_t& short_hash);
 
 /// Stages of all lanes' graphs.
-[[nodiscard]] StageTable stages_of(const std::vector<Lane>& lanes);
+[[nodiscard]] StageTable stages_of(const std::vector<ScheduleTrial>& lanes);
 
 /// Alternating rounds beside so many neighbours. The first lane is the reference of speed-ups. Without neighbours every turn is followed by
 /// some cycles of the executor by itself and of a bare barrier.
-void measure_load(std::vector<Lane>& lanes, const MeasureOptions& options, int neighbours);
+void measure_load(std::vector<ScheduleTrial>& lanes, const MeasureOptions& options, int neighbours);
 
 /// A recorded trial beside the unrecorded one, alternating; keeps the recorded round of median length.
-void record_lane(const tasks::Scene& scene, Lane& lane, const MeasureOptions& options, const StageTable& stages);
+void record_lane(const tasks::Scene& scene, ScheduleTrial& lane, const MeasureOptions& options, const StageTable& stages);
 
 }  // namespace cvtflow::bench

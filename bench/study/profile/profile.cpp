@@ -126,7 +126,7 @@ void calibrate(Profile& profile, int threads) {
     profile.calibrated = profile.calibrated < 0.0 ? got : std::min(profile.calibrated, got);
 }
 
-int most_threads(const std::vector<Schedule>& schedules) {
+int max_threads(const std::vector<Schedule>& schedules) {
     int most = 1;
     for (const Schedule& schedule : schedules) most = std::max(most, std::min(schedule.threads, usable_threads()));
     return most;
@@ -151,12 +151,12 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
         if (progress) progress(line);
     };
     Profile profile;
-    const int threads = most_threads(schedules);
+    const int threads = max_threads(schedules);
     profile.load_before = load_average();
     calibrate(profile, threads);
     say("starting, comparing states");
     std::uint64_t short_hash = 0;
-    std::vector<Lane> lanes = start_lanes(scene, schedules, options.patience, short_hash);
+    std::vector<ScheduleTrial> lanes = start_lanes(scene, schedules, options.patience, short_hash);
     profile.stages = stages_of(lanes);
     for (const int neighbours : options.neighbours) {
         say(fmt::format("timing beside {} busy neighbours", neighbours));
@@ -164,10 +164,10 @@ Profile profile_schedules(const Scene& scene, const std::vector<Schedule>& sched
         if (neighbours != options.neighbours.front()) continue;
         calibrate(profile, threads);
         say("recording stages");
-        for (Lane& lane : lanes) record_lane(scene, lane, options, profile.stages);
+        for (ScheduleTrial& lane : lanes) record_lane(scene, lane, options, profile.stages);
     }
     calibrate(profile, threads);
-    for (Lane& lane : lanes) profile.results.push_back(std::move(lane.result));
+    for (ScheduleTrial& lane : lanes) profile.results.push_back(std::move(lane.result));
     profile.bare = bare_barriers(profile.results);
     if (!profile.crowded() || options.predict_crowded) {
         say("model");

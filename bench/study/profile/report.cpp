@@ -83,7 +83,7 @@ ordered_json recording_json(const Recording& recording, const StageTable& stages
             {"lost_stamps", recording.lost},
             {"recording_cost", recording.cost},
             {"synchronisation_per_cycle", pass.synchronisation()},
-            {"least_task", pass.least_task()},
+            {"least_task", pass.min_task()},
             {"active_threads", pass.active()},
             {"imbalance", pass.imbalance()},
             {"threads", threads}};
@@ -182,7 +182,7 @@ std::string profile_csv(const Scene& scene, const Profile& profile) {
                                 quoted(load.dropped));
             text += pass.active() == 0 ? fmt::format(",,{},,,,", alone)
                                        : fmt::format("{},{:.4f},{},{:.4f},{:.4f},{:.4f},", pass.active(), 1e6 * pass.synchronisation(),
-                                                     alone, 1e6 * pass.least_task(), pass.imbalance(), result.recording.cost);
+                                                     alone, 1e6 * pass.min_task(), pass.imbalance(), result.recording.cost);
             text += fmt::format("{},{},{},{},{},{},{:.4f},{:.4f},{:.4f},{},{}\n", engine::hex(result.hash), wait_name(result.schedule.wait),
                                 result.schedule.pin ? "yes" : "no", quoted(environment("OMP_WAIT_POLICY")),
                                 quoted(environment("GOMP_SPINCOUNT")), quoted(environment("KMP_BLOCKTIME")), 1e6 * load.cpu,

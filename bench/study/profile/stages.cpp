@@ -119,7 +119,7 @@ namespace {
 
 double RecordedPass::synchronisation() const noexcept { return active() == 0 || cycles == 0.0 ? 0.0 : lost(*this) / (active() * cycles); }
 
-double RecordedPass::least_task() const noexcept { return active() == 0 || levels == 0.0 ? 0.0 : lost(*this) / (active() * levels); }
+double RecordedPass::min_task() const noexcept { return active() == 0 || levels == 0.0 ? 0.0 : lost(*this) / (active() * levels); }
 
 double RecordedPass::imbalance() const noexcept {
     double longest = 0.0;

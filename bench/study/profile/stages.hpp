@@ -74,7 +74,7 @@ struct RecordedPass {
     [[nodiscard]] double synchronisation() const noexcept;
     /// Minimum effective task granularity: task length at which half of a thread's time is lost; the loss per level, of which each has a
     /// task per thread [s].
-    [[nodiscard]] double least_task() const noexcept;
+    [[nodiscard]] double min_task() const noexcept;
     /// Longest over mean task time of all threads, over the whole run: 1 is even, the number of threads if only one worked.
     [[nodiscard]] double imbalance() const noexcept;
     /// Share of the time between entering and leaving that is no task, for a run of one thread: what Amdahl's law calls serial.

@@ -16,9 +16,9 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 /// Ends a run that takes too long.
-class Impatient final : public RunObserver {
+class DeadlineObserver final : public RunObserver {
 public:
-    explicit Impatient(double patience) : patience_(patience) {}
+    explicit DeadlineObserver(double patience) : patience_(patience) {}
     [[nodiscard]] const engine::Cancellation& cancellation() const noexcept { return cancellation_; }
     [[nodiscard]] double waited() const { return seconds_since(begin_); }
 
@@ -46,7 +46,7 @@ Trial::Trial(const Scene& scene, const Schedule& schedule, engine::StampRecorder
 
 TrialSample Trial::run(long steps, double patience) {
     const double cpu = processor_seconds();
-    Impatient observer(patience);
+    DeadlineObserver observer(patience);
     const bool anew = !begun_ || simulation_.needs_settling();
     const Counters before = anew ? Counters{} : simulation_.counters();
     const Fault fault = simulation_.advance({.steps = steps, .anew = anew, .max_wall = 0.0}, observer, observer.cancellation());

@@ -71,7 +71,7 @@ Confirmed Confirmation::judged(const LongRun& run) const {
     found.ran = true;
     found.run = run;
     const RunVerdict &is = run.watch, &should = reference_.watch;
-    found.slip_error = relative_difference(is.means.slip, should.means.slip, least_slip);
+    found.slip_error = relative_difference(is.means.slip, should.means.slip, min_slip);
     found.loss_error = relative_difference(is.loss, should.loss, std::numeric_limits<double>::min());
     if (run.fault)
         found.objection = run.fault.name();

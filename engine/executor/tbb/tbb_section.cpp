@@ -42,8 +42,8 @@ void ArenaPins::on_scheduler_exit(bool /*worker*/) {
     if (guest.thread.exchange(0) == gettid()) sched_setaffinity(0, sizeof guest.before, &guest.before);
 }
 
-TbbSection::TbbSection(int threads, bool pin, bool present) : grant_(std::min(threads, std::max(1, most_threads()))) {
-    if (!present || grant_.threads() < std::min(threads, most_threads())) arena_.emplace(grant_.threads(), 1);
+TbbSection::TbbSection(int threads, bool pin, bool present) : grant_(std::min(threads, std::max(1, max_threads()))) {
+    if (!present || grant_.threads() < std::min(threads, max_threads())) arena_.emplace(grant_.threads(), 1);
     if (grant_.fresh()) try_workers();
     if (pin) pins_ = std::make_unique<ArenaPins>(*arena_, threads);
 }

@@ -66,7 +66,7 @@ private:
     void try_workers();
 
     /// More never come, and oneTBB would complain on the host's standard error.
-    [[nodiscard]] static int most_threads() {
+    [[nodiscard]] static int max_threads() {
         return static_cast<int>(oneapi::tbb::global_control::active_value(oneapi::tbb::global_control::max_allowed_parallelism));
     }
 

@@ -15,9 +15,9 @@ struct StableStep {
 
 /// A mode may grow this much faster than it does by itself and still count as stable: e-fold in 10 ms, longer than what is simulated.
 /// Without it, hardly damped slow modes would condemn every method whose region lacks the imaginary axis, however slowly they grow.
-inline constexpr double tolerated_growth = 100.0;  ///< [1/s]
+inline constexpr double growth_rate_tolerance = 100.0;  ///< [1/s]
 
-/// The largest h such that no mode grows with any h' ≤ h: log|R(h' λ)|/h' ≤ max(Re λ, 0) + tolerated_growth. Steps are looked at in
+/// The largest h such that no mode grows with any h' ≤ h: log|R(h' λ)|/h' ≤ max(Re λ, 0) + growth_rate_tolerance. Steps are looked at in
 /// ratios of 1.01 from 0.1/max|λ| on, then bisected to 1e-6. Of a pair, the conjugate is not looked at.
 /// @param eigenvalues [1/s], not all zero; those at the edge of the spectrum suffice
 /// @throws std::invalid_argument as validate(), and if all eigenvalues are zero

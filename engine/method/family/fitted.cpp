@@ -25,13 +25,13 @@ struct Point {
 
 constexpr double inner = 0.3;  ///< |z| below which consistency alone decides
 constexpr double knee = 4.0;   ///< real z beyond which the ripple applies
-constexpr int most_iterations = 60;
+constexpr int max_iterations = 60;
 constexpr double slimmest = 10.0;  ///< real over imaginary extent of the basis: off a short real interval its polynomials grow too fast
-constexpr int most_useless_iterations = 8;  ///< iterations after which
-constexpr double hopeless = 1.5;            ///< a largest residual beyond this will not come down to 1
+constexpr int max_useless_iterations = 8;  ///< iterations after which
+constexpr double hopeless = 1.5;           ///< a largest residual beyond this will not come down to 1
 constexpr double margin = 5e-5;
 constexpr double ridge = 1e-2;  ///< keeps the weights small: they multiply rounding and kinks
-constexpr double least_weight = 1e-14;
+constexpr double min_weight = 1e-14;
 
 double real_bound(const FitRequest& request, double z) { return z < -knee ? request.ripple : 1.0; }
 
@@ -103,14 +103,14 @@ public:
 
     /// Iterates until all points are within their bounds. @return iterations, or nothing if that does not come about
     std::optional<int> run() {
-        for (int iteration = 0; iteration <= most_iterations; ++iteration) {
+        for (int iteration = 0; iteration <= max_iterations; ++iteration) {
             solve();
             const Residuals residuals = measure();
             largest_ = residuals.largest;
             if (largest_ <= 1.0 - margin) return iteration;
-            if (iteration >= most_useless_iterations && largest_ > hopeless) return {};
+            if (iteration >= max_useless_iterations && largest_ > hopeless) return {};
             weights_ = (weights_.array() * residuals.values.array() / residuals.largest).matrix();
-            weights_ = (weights_ / weights_.maxCoeff()).cwiseMax(least_weight);
+            weights_ = (weights_ / weights_.maxCoeff()).cwiseMax(min_weight);
         }
         return {};
     }
@@ -161,7 +161,7 @@ private:
 };
 
 bool request_within_limits(const FitRequest& r) {
-    return r.real >= least_fitted_real && r.real <= most_fitted_real && r.imaginary >= 0.0 && r.imaginary <= most_fitted_imaginary &&
+    return r.real >= min_fitted_real && r.real <= max_fitted_real && r.imaginary >= 0.0 && r.imaginary <= max_fitted_imaginary &&
            (r.order == 2 || r.order == 3) && r.ripple > 0.0 && r.ripple <= 1.0 && r.damping_ratio >= 0.0 && r.damping_ratio <= 1.0;
 }
 
@@ -181,14 +181,14 @@ std::optional<FittedMethod> fit_points(const FitRequest& request, const std::vec
 }
 
 /// Grows until a fit is found, then halves the interval: what s stages can do, s + 1 can too.
-std::optional<FittedMethod> fewest_stages(const FitRequest& request, const std::vector<Point>& points) {
-    int too_few = std::max(fewest_fitted_stages, static_cast<int>(std::sqrt(request.real / 0.85))) - 1;
+std::optional<FittedMethod> min_stages(const FitRequest& request, const std::vector<Point>& points) {
+    int too_few = std::max(min_fitted_stages, static_cast<int>(std::sqrt(request.real / 0.85))) - 1;
     int enough = too_few + 1;
     std::optional<FittedMethod> found = fit_points(request, points, enough);
     while (!found) {
-        if (enough == most_fitted_stages) return {};
+        if (enough == max_fitted_stages) return {};
         too_few = enough;
-        enough = std::min(most_fitted_stages, enough + enough / 3 + 1);
+        enough = std::min(max_fitted_stages, enough + enough / 3 + 1);
         found = fit_points(request, points, enough);
     }
     while (enough - too_few > 1) {
@@ -204,18 +204,18 @@ std::optional<FittedMethod> fewest_stages(const FitRequest& request, const std::
 
 std::optional<FittedMethod> fit(const FitRequest& request, int stages) {
     require_limits(request);
-    if (stages < fewest_fitted_stages || stages > most_fitted_stages) throw std::invalid_argument("a fitted method has 4 to 150 stages");
+    if (stages < min_fitted_stages || stages > max_fitted_stages) throw std::invalid_argument("a fitted method has 4 to 150 stages");
     return fit_points(request, region(request), stages);
 }
 
 std::optional<FittedMethod> fit(const FitRequest& request) {
     require_limits(request);
-    return fewest_stages(request, region(request));
+    return min_stages(request, region(request));
 }
 
 std::optional<FittedMethod> fit(const FitRequest& request, std::span<const Complex> points) {
     require_limits(request);
-    return fewest_stages(request, region(request, points));
+    return min_stages(request, region(request, points));
 }
 
 std::optional<StagePlan> fitted_by_name(std::string_view name) {
@@ -225,9 +225,9 @@ std::optional<StagePlan> fitted_by_name(std::string_view name) {
     const FitRequest usual;
     const double order = value('p', usual.order), stages = value('s', 0.0);
     const FitRequest request{values->at('l'), values->at('w'), static_cast<int>(order), value('r', usual.ripple), usual.damping_ratio};
-    const bool whole = order == request.order && stages == std::floor(stages) && std::abs(stages) <= most_fitted_stages;
+    const bool whole = order == request.order && stages == std::floor(stages) && std::abs(stages) <= max_fitted_stages;
     if (!whole || !request_within_limits(request)) return {};
-    if (values->contains('s') && stages < fewest_fitted_stages) return {};
+    if (values->contains('s') && stages < min_fitted_stages) return {};
     std::optional<FittedMethod> fitted = values->contains('s') ? fit(request, static_cast<int>(stages)) : fit(request);
     if (!fitted) return {};
     fitted->plan.name = name;

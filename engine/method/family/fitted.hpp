@@ -35,16 +35,16 @@ struct FittedMethod {
     double largest = 0.0;  ///< max |R(z_i)|/bound_i at its end: ≤ 1 [1]
 };
 
-inline constexpr int fewest_fitted_stages = 4;
-inline constexpr int most_fitted_stages = 150;
-inline constexpr double least_fitted_real = 5.0;       ///< [1]
-inline constexpr double most_fitted_real = 8000.0;     ///< [1]
-inline constexpr double most_fitted_imaginary = 50.0;  ///< [1]
+inline constexpr int min_fitted_stages = 4;
+inline constexpr int max_fitted_stages = 150;
+inline constexpr double min_fitted_real = 5.0;        ///< [1]
+inline constexpr double max_fitted_real = 8000.0;     ///< [1]
+inline constexpr double max_fitted_imaginary = 50.0;  ///< [1]
 
 /// The fitted method of so many stages; nothing if none meets the request.
 /// @throws std::invalid_argument if the request or the stages are outside the limits
 [[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request, int stages);
-/// The one with the fewest stages; nothing if most_fitted_stages do not do.
+/// The one with the fewest stages; nothing if max_fitted_stages do not do.
 [[nodiscard]] std::optional<FittedMethod> fit(const FitRequest& request);
 /// The fitted method for a given list of eigenvalues h λ instead of the region: bound 1 each, ripple beyond |z| = 4 for those on the real
 /// axis. Points with a real part above 0 are moved to the imaginary axis: no method can damp them.

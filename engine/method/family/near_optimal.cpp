@@ -107,7 +107,7 @@ long double defect(NearOptimalPolynomial& p, long double imaginary) {
 }
 
 void require_degree(int degree) {
-    if (degree < fewest_near_optimal || degree > most_near_optimal)
+    if (degree < min_near_optimal || degree > max_near_optimal)
         throw std::invalid_argument("near-optimal polynomials have degrees 5 to 400");
 }
 

@@ -38,8 +38,8 @@ struct NearOptimalPolynomial {
     [[nodiscard]] std::vector<RecurrenceRow> recurrence() const;
 };
 
-inline constexpr int fewest_near_optimal = 5;
-inline constexpr int most_near_optimal = 400;
+inline constexpr int min_near_optimal = 5;
+inline constexpr int max_near_optimal = 400;
 
 /// Of order 2. @throws std::invalid_argument outside the limits above
 [[nodiscard]] NearOptimalPolynomial near_optimal_polynomial(int degree);

@@ -99,14 +99,14 @@ std::optional<Request> parse(std::string_view name) {
 }
 
 bool within_limits(const Request& request) {
-    return request.stages >= fewest_rkc_stages && request.stages <= most_rkc_stages && request.damping >= 0.0 &&
-           request.damping <= most_rkc_damping;
+    return request.stages >= min_rkc_stages && request.stages <= max_rkc_stages && request.damping >= 0.0 &&
+           request.damping <= max_rkc_damping;
 }
 
 /// Made when first asked for; the language makes that safe with threads.
 template <std::size_t index>
 const StagePlan& kept() {
-    static const StagePlan plan = rkc(fewest_rkc_stages + static_cast<int>(index));
+    static const StagePlan plan = rkc(min_rkc_stages + static_cast<int>(index));
     return plan;
 }
 
@@ -145,8 +145,8 @@ std::optional<StagePlan> rkc_by_name(std::string_view name) {
 const StagePlan* kept_rkc(std::string_view name) {
     const std::optional<Request> request = parse(name);
     if (!request || !within_limits(*request) || request->damping != rkc_damping) return nullptr;
-    constexpr auto count = static_cast<std::size_t>(most_rkc_stages - fewest_rkc_stages + 1);
-    return &kept_at(static_cast<std::size_t>(request->stages - fewest_rkc_stages), std::make_index_sequence<count>());
+    constexpr auto count = static_cast<std::size_t>(max_rkc_stages - min_rkc_stages + 1);
+    return &kept_at(static_cast<std::size_t>(request->stages - min_rkc_stages), std::make_index_sequence<count>());
 }
 
 }  // namespace cvtflow::engine

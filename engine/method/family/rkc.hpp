@@ -9,10 +9,10 @@
 
 namespace cvtflow::engine {
 
-inline constexpr int fewest_rkc_stages = 2;
-inline constexpr int most_rkc_stages = 400;
+inline constexpr int min_rkc_stages = 2;
+inline constexpr int max_rkc_stages = 400;
 inline constexpr double rkc_damping = 2.0 / 13.0;  ///< [1]
-inline constexpr double most_rkc_damping = 100.0;  ///< [1]
+inline constexpr double max_rkc_damping = 100.0;   ///< [1]
 
 /// The plan named rkc-s<stages>, or rkc-s<stages>-e<damping> if the damping is not the usual one. Stable on the real axis up to about
 /// 0.653 stages² (damping 2/13), 0.35 stages² (10), 0.27 stages² (20); more damping widens the region along the imaginary axis.

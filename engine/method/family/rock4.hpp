@@ -5,9 +5,9 @@
 
 namespace cvtflow::engine {
 
-inline constexpr int fewest_rock4_stages = 5;
+inline constexpr int min_rock4_stages = 5;
 /// Tables could be made for up to 400. But an error in one stage grows like stages⁸·⁸: 100 stages make a thousandth of a rounding error.
-inline constexpr int most_rock4_stages = 100;
+inline constexpr int max_rock4_stages = 100;
 
 /// @param stages evaluations of a step; the last stage of the table serves the next step
 /// @throws std::invalid_argument outside 5 … 400

@@ -22,9 +22,9 @@ Handle open_attribute(hid_t object, const std::string& name) {
     return {H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, "cannot read attribute '" + name + "'"};
 }
 
-constexpr std::size_t most_text_bytes = std::size_t{64} << 20U;  ///< of one attribute: a scene, a sweep
+constexpr std::size_t max_text_bytes = std::size_t{64} << 20U;  ///< of one attribute: a scene, a sweep
 
-constexpr std::size_t most_texts = 65'536;  ///< of one attribute: columns of a table
+constexpr std::size_t max_texts = 65'536;  ///< of one attribute: columns of a table
 
 /// Texts of an attribute of fixed length; nullopt if it is no text. HDF5 keeps texts of variable length where no checksum guards them, and
 /// its release 1.10.8 crashes on damaged ones.
@@ -36,7 +36,7 @@ std::optional<std::vector<std::string>> texts_of(hid_t attribute, const std::str
     }
     const std::size_t width = H5Tget_size(type.id());
     const auto count = static_cast<std::size_t>(check(H5Sget_simple_extent_npoints(space.id()), what));
-    if (width == 0 || count > most_texts || count > most_text_bytes / width) {
+    if (width == 0 || count > max_texts || count > max_text_bytes / width) {
         throw Failure(what + ": it is too large");
     }
     std::string all(width * count, '\0');

@@ -4,6 +4,6 @@
 
 namespace cvtflow::engine {
 
-void leave_hdf5_alone_at_exit() noexcept { static_cast<void>(H5dont_atexit()); }  // fails only where HDF5 is at work already
+void disable_hdf5_atexit() noexcept { static_cast<void>(H5dont_atexit()); }  // fails only where HDF5 is at work already
 
 }  // namespace cvtflow::engine

@@ -7,6 +7,6 @@ namespace cvtflow::engine {
 /// tried again there, which ends in a crash after the last message; after a damaged file it may find no end ("HDF5: infinite loop closing
 /// library"). To be called before anything else of this folder, by a program, not by a library in a host, which may have files that HDF5 is
 /// to close.
-void leave_hdf5_alone_at_exit() noexcept;
+void disable_hdf5_atexit() noexcept;
 
 }  // namespace cvtflow::engine

@@ -99,7 +99,7 @@ OpenFile open_input(const std::string& path, const FileKind& kind) {
     }
     OpenFile open{{}, seal == Seal::whole};
     try {
-        survive([&] { inspect_everything(open_that(path, input).id()); });
+        inspect_in_child([&] { inspect_everything(open_that(path, input).id()); });
         open.file = open_that(path, input);
     } catch (const Failure& failure) {
         throw_unreadable(path, failure.what());

@@ -9,12 +9,12 @@
 namespace cvtflow::engine::hdf5 {
 namespace {
 
-constexpr std::size_t most_row_bytes = std::size_t{1} << 24U;    ///< a state of two million unknowns
-constexpr std::size_t most_chunk_bytes = std::size_t{1} << 26U;  ///< HDF5 takes memory for a chunk whatever is in it
-constexpr std::size_t most_inflated = 1032;                      ///< deflate cannot make more of a byte
+constexpr std::size_t max_row_bytes = std::size_t{1} << 24U;    ///< a state of two million unknowns
+constexpr std::size_t max_chunk_bytes = std::size_t{1} << 26U;  ///< HDF5 takes memory for a chunk whatever is in it
+constexpr std::size_t max_inflated = 1032;                      ///< deflate cannot make more of a byte
 constexpr int deepest_group = 8;
-constexpr std::size_t most_objects = 20'000;  ///< groups may contain one another
-constexpr std::size_t longest_label = 4096;   ///< [byte]
+constexpr std::size_t max_objects = 20'000;  ///< groups may contain one another
+constexpr std::size_t longest_label = 4096;  ///< [byte]
 
 /// Throws Failure for filters other than ours. @return how many bytes one byte of the file may become
 std::size_t inflation(hid_t creation, const std::string& what) {
@@ -24,10 +24,10 @@ std::size_t inflation(hid_t creation, const std::string& what) {
         unsigned flags = 0, configuration = 0;
         std::size_t count = 0;
         const H5Z_filter_t filter = H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &count, nullptr, 0, nullptr, &configuration);
-        if ((filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE) || inflated > most_inflated) {
+        if ((filter != H5Z_FILTER_SHUFFLE && filter != H5Z_FILTER_DEFLATE) || inflated > max_inflated) {
             throw Failure(what + ": unknown filters");
         }
-        inflated *= filter == H5Z_FILTER_DEFLATE ? most_inflated : 1;
+        inflated *= filter == H5Z_FILTER_DEFLATE ? max_inflated : 1;
     }
     return inflated;
 }
@@ -52,7 +52,7 @@ void collect_datasets(hid_t file, const std::string& group, const std::string& p
         check(H5Literate(handle.id(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, collect, &names), what);
         std::sort(names.begin(), names.end());
     }
-    if ((found.objects += names.size()) > most_objects) {
+    if ((found.objects += names.size()) > max_objects) {
         throw Failure(what + ": too many objects");
     }
     for (const std::string& name : names) {
@@ -95,7 +95,7 @@ Handle open_series(hid_t file, const std::string& path) {
     return {H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, "cannot open '" + path + "'"};
 }
 
-Series::Series(hid_t file, std::string path, Cells cells, int most_rank) : path_(std::move(path)) {
+Series::Series(hid_t file, std::string path, Cells cells, int max_rank) : path_(std::move(path)) {
     if (!has_object(file, path_)) {
         fail("it is not there");
     }
@@ -107,7 +107,7 @@ Series::Series(hid_t file, std::string path, Cells cells, int most_rank) : path_
     }
     dataset_ = open_series(file, path_);
     require_type(cells);
-    require_extent(most_rank);
+    require_extent(max_rank);
     require_storage(file);
 }
 
@@ -128,10 +128,10 @@ void Series::require_type(Cells cells) const {
     }
 }
 
-void Series::require_extent(int most_rank) {
+void Series::require_extent(int max_rank) {
     const Handle space(H5Dget_space(id()), H5Sclose, "cannot read the shape of '" + path_ + "'");
     const int rank = H5Sget_simple_extent_type(space.id()) == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space.id()) : 0;
-    if (rank < 1 || rank > most_rank) {
+    if (rank < 1 || rank > max_rank) {
         fail("it has rank " + std::to_string(rank));
     }
     std::array<hsize_t, 2> sizes{0, 1};
@@ -147,7 +147,7 @@ void Series::require_storage(hid_t file) {
     const std::string what = "cannot read '" + path_ + "'";
     const Handle type(H5Dget_type(id()), H5Tclose, what);
     const std::size_t cell = H5Tget_size(type.id());
-    if (width_ == 0 || cell == 0 || width_ > most_row_bytes / cell) {
+    if (width_ == 0 || cell == 0 || width_ > max_row_bytes / cell) {
         fail("its rows are " + std::string(width_ == 0 ? "empty" : "too long"));
     }
     const Handle creation(H5Dget_create_plist(id()), H5Pclose, what);
@@ -158,7 +158,7 @@ void Series::require_storage(hid_t file) {
     if (layout == H5D_CHUNKED) {
         std::array<hsize_t, 2> chunk{1, 1};
         check(H5Pget_chunk(creation.id(), rank_, chunk.data()), what);
-        if (chunk[0] == 0 || chunk[1] == 0 || chunk[1] > most_chunk_bytes / cell || chunk[0] > most_chunk_bytes / (cell * chunk[1])) {
+        if (chunk[0] == 0 || chunk[1] == 0 || chunk[1] > max_chunk_bytes / cell || chunk[0] > max_chunk_bytes / (cell * chunk[1])) {
             fail("its chunks are too large");
         }
     }
@@ -236,7 +236,7 @@ std::vector<std::string> dataset_names(hid_t file, const std::string& group) {
 }
 
 int require_record_type(hid_t type, const std::string& what) {
-    if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_size(type) > most_row_bytes) {
+    if (H5Tget_class(type) != H5T_COMPOUND || H5Tget_size(type) > max_row_bytes) {
         throw Failure(what + ": it is no table");
     }
     const int members = check(H5Tget_nmembers(type), what);

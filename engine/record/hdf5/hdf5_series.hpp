@@ -34,8 +34,8 @@ class Series {
 public:
     /// Throws Failure("cannot read '<path>': reason") for what is no dataset reached by hard links, has another type or rank, data
     /// elsewhere, filters other than shuffle and deflate, or more rows than the file's bytes can hold.
-    /// @param most_rank 1: [rows] only; 2: [rows, width] as well
-    Series(hid_t file, std::string path, Cells cells, int most_rank = 1);
+    /// @param max_rank 1: [rows] only; 2: [rows, width] as well
+    Series(hid_t file, std::string path, Cells cells, int max_rank = 1);
 
     [[nodiscard]] hid_t id() const noexcept { return dataset_.id(); }
     [[nodiscard]] std::size_t rows() const noexcept { return rows_; }
@@ -53,7 +53,7 @@ public:
 private:
     [[noreturn]] void fail(const std::string& reason) const;
     void require_type(Cells cells) const;
-    void require_extent(int most_rank);
+    void require_extent(int max_rank);
     void require_storage(hid_t file);
 
     std::string path_;

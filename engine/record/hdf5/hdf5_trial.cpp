@@ -125,7 +125,7 @@ void inspect_everything(hid_t file) {
     }
 }
 
-void survive(const std::function<void()>& inspect) {
+void inspect_in_child(const std::function<void()>& inspect) {
     if (!files_are_tried || !single_threaded()) return;
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) return;

@@ -17,6 +17,6 @@ void inspect_everything(hid_t file);
 /// Runs `inspect` in a child with 1 s of processor time, 5 s in all and 1 GiB of memory more than there is. Does nothing unless the program
 /// has asked for it (try_files_first), and where other threads run, of which one may hold the library's lock. Throws the Failure that
 /// `inspect` throws there, Failure("HDF5 crashes on it"), ("it takes HDF5 too long") or ("HDF5 wants more than 1 GiB for it").
-void survive(const std::function<void()>& inspect);
+void inspect_in_child(const std::function<void()>& inspect);
 
 }  // namespace cvtflow::engine::hdf5

@@ -67,8 +67,8 @@ std::size_t rows_of(hid_t file, const std::string& path, hdf5::ReadBudget& budge
     return series.rows();
 }
 
-std::vector<double> read_reals(hid_t file, const std::string& path, std::size_t first, std::size_t count, int most_rank = 1) {
-    return hdf5::Series(file, path, hdf5::Cells::reals, most_rank).reals(first, count);
+std::vector<double> read_reals(hid_t file, const std::string& path, std::size_t first, std::size_t count, int max_rank = 1) {
+    return hdf5::Series(file, path, hdf5::Cells::reals, max_rank).reals(first, count);
 }
 
 }  // namespace

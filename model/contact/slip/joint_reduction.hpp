@@ -45,7 +45,7 @@ public:
     }
 
 private:
-    static constexpr int most = 2 * (Points > 0 ? Points : most_joint_lanes);
+    static constexpr int most = 2 * (Points > 0 ? Points : max_joint_lanes);
 
     [[nodiscard]] int size() const noexcept { return Points > 0 ? 2 * Points : c_.size; }
     [[nodiscard]] int length() const noexcept { return c_.stretches.length(); }

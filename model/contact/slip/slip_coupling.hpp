@@ -50,7 +50,7 @@ private:
             return {number, lateral, axial, g * ax, g * ay, g * lever, g * along, turned, g * turning};
         }
     };
-    static constexpr std::size_t most = static_cast<std::size_t>(SlipContacts{Points > 0 ? Points : most_joint_lanes}.slips());
+    static constexpr std::size_t most = static_cast<std::size_t>(SlipContacts{Points > 0 ? Points : max_joint_lanes}.slips());
 
     Row& add(int number) noexcept {
         Row& row = rows_[static_cast<std::size_t>(count_++)];

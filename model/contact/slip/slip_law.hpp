@@ -44,21 +44,21 @@ private:
         if (contact == SlipContacts::plates) return of_plates<Rooted>(w);
         if (contact < SlipContacts::first_joint) return of_tip<Rooted>(contact - SlipContacts::first_tip, w);
         const int number = contact - SlipContacts::first_joint;
-        const V grip = number < rows_.points() ? rows_.point(End::rear, number, Point::grip)
-                                               : rows_.point(End::front, number - rows_.points(), Point::grip);
-        return isotropic<Rooted>(c_.joint.friction, grip, w, V(0.0));
+        const V friction_limit = number < rows_.points() ? rows_.point(End::rear, number, Point::friction_limit)
+                                                         : rows_.point(End::front, number - rows_.points(), Point::friction_limit);
+        return isotropic<Rooted>(c_.joint.friction, friction_limit, w, V(0.0));
     }
 
     /// Along the slip the tangent counts, across it the secant.
     template <bool Rooted>
-    [[nodiscard]] static SlipLaw isotropic(const FrictionCurve& curve, const V& grip, const V* w, const V& sticks) noexcept {
+    [[nodiscard]] static SlipLaw isotropic(const FrictionCurve& curve, const V& friction_limit, const V* w, const V& sticks) noexcept {
         const V speed = sqrt(w[0] * w[0] + w[1] * w[1]), half(0.5);
         const V at_rest(curve.inverse_saturation_speed);
         const V secant = select_greater<slip_lanes>(sticks, half, at_rest, slip_factor<slip_lanes>(curve, speed));
         const V tangent = select_greater<slip_lanes>(sticks, half, at_rest, slip_tangent<slip_lanes>(curve, speed));
-        const V held = grip * secant;
+        const V held = friction_limit * secant;
         if constexpr (!Rooted) return {{held * w[0], held * w[1]}, {}};
-        const FloatLanes along = sqrt(narrow(grip * tangent)), across = sqrt(narrow(held)), rough = narrow(speed), least(1e-30f);
+        const FloatLanes along = sqrt(narrow(friction_limit * tangent)), across = sqrt(narrow(held)), rough = narrow(speed), least(1e-30f);
         const FloatLanes inverse = 1.0f / larger(rough, least);
         const FloatLanes x = select_greater(rough, least, inverse * narrow(w[0]), 1.0f),
                          y = select_greater(rough, least, inverse * narrow(w[1]), 0.0f);
@@ -67,7 +67,7 @@ private:
 
     template <bool Rooted>
     [[nodiscard]] SlipLaw of_tip(int corner, const V* w) const noexcept {
-        return isotropic<Rooted>(tip_curve_, rows_.tip_value(corner, Tip::grip), w, rows_.tip_value(corner, Tip::sticks));
+        return isotropic<Rooted>(tip_curve_, rows_.tip_value(corner, Tip::friction_limit), w, rows_.tip_value(corner, Tip::sticks));
     }
 
     /// Plates slide by w_0 + ξ w_1 each.
@@ -79,9 +79,9 @@ private:
         for (int plate = 0; plate < c_.plates.count; ++plate) {
             const double xi = c_.plates.position[static_cast<std::size_t>(plate)];
             const V sliding = w[0] + xi * w[1];
-            const V grip = get(g_.plates, plate);
-            const V force = grip * friction_share<slip_lanes>(curve, sliding),
-                    tangent = grip * slip_tangent<slip_lanes>(curve, abs(sliding));
+            const V friction_limit = get(g_.plates, plate);
+            const V force = friction_limit * friction_share<slip_lanes>(curve, sliding),
+                    tangent = friction_limit * slip_tangent<slip_lanes>(curve, abs(sliding));
             all.force[0] += force;
             all.force[1] += xi * force;
             if constexpr (!Rooted) continue;

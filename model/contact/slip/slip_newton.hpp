@@ -85,7 +85,7 @@ public:
 
 private:
     static constexpr int local_end = SlipContacts::local_slips;
-    static constexpr int most_joint_slips = 4 * (Points > 0 ? Points : most_joint_lanes);
+    static constexpr int max_joint_slips = 4 * (Points > 0 ? Points : max_joint_lanes);
 
     /// Contacts inside the links, and their slips: plates only where no tip touches.
     [[nodiscard]] static constexpr int locals() noexcept { return Touching ? SlipContacts::first_joint : SlipContacts::first_tip; }
@@ -136,7 +136,7 @@ private:
 
     /// L⁻¹ [Rᵀ g W R of the joints' slips | Rᵀ (ŵ - g W φ - w)], all columns side by side.
     void panels() noexcept {
-        constexpr int most = most_joint_slips + 1;
+        constexpr int most = max_joint_slips + 1;
         F x[local_end * most];
         const int width = joint_slips() + 1;
         for (int a = 0; a < locals(); ++a) {
@@ -174,7 +174,7 @@ private:
                       [&](int i, int j, const F& value) { put(g_.element, begin + (row + i) * size + column + j, value); });
             }
         }
-        alignas(64) float scaled[local_end * (most_joint_slips + 1) * slip_lanes];
+        alignas(64) float scaled[local_end * (max_joint_slips + 1) * slip_lanes];
         for (int k = 0; k < local(); ++k) {
             const F by = factor(k, k);
             for (int column = 0; column < width; ++column) (by * panel(k, column)).copy_to(scaled + (k * width + column) * slip_lanes);

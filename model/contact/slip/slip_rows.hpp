@@ -47,7 +47,7 @@ public:
                 put(g_.joints, point_row(end, point, Point::normal_y), from(row + Joint::normal_y, shift));
                 put(g_.joints, point_row(end, point, Point::lever),
                     inverse_length * from(row + (end == End::rear ? Joint::lever_after : Joint::lever_before), shift));
-                put(g_.joints, point_row(end, point, Point::grip), present * from(row + Joint::grip, shift));
+                put(g_.joints, point_row(end, point, Point::friction_limit), present * from(row + Joint::friction_limit, shift));
             }
         }
         for (int plate = 0; plate < c_.plates.count; ++plate) put(g_.plates, plate, present * from(field.components.plate(plate), 0));
@@ -92,7 +92,7 @@ private:
             put(g_.tips, tip_row(corner, Tip::drift + k),
                 t[0] * from(From::drift) + t[1] * from(From::drift + 1) + t[2] * from(From::drift + 2));
         }
-        put(g_.tips, tip_row(corner, Tip::grip), get(g_.present, 0) * from(From::grip));
+        put(g_.tips, tip_row(corner, Tip::friction_limit), get(g_.present, 0) * from(From::friction_limit));
         put(g_.tips, tip_row(corner, Tip::sticks),
             space_.friction().by_phase() ? select_greater<slip_lanes>(from(From::most), V(1e100), V(0.0), V(1.0)) : V(0.0));
     }

@@ -23,7 +23,7 @@ SlipGroup::SlipGroup(const ChainModel& model, const SlipStretches& stretches, in
     plates = LaneRows(model.coefficients().plates.count);
     coupling = FloatRows(triangle(slips, 0));
     for (LaneRows* rows : {&velocity, &acceleration}) *rows = LaneRows(model.layout().link_size());
-    for (LaneRows* rows : {&predicted, &own, &own_start, &slip, &force, &law_force, &part, &next_slip, &next_force, &solved_slip})
+    for (LaneRows* rows : {&predicted, &own, &link_slip_at_start, &slip, &force, &law_force, &part, &next_slip, &next_force, &solved_slip})
         *rows = LaneRows(slips);
     root = FloatRows(4 * contacts.count());
     factor = FloatRows(triangle(local, 0));
@@ -40,7 +40,7 @@ std::vector<double> gram(const Eigen::MatrixXd& directions, const MirroredInvers
     Eigen::MatrixXd a(2 * modes, 2 * modes);
     for (int m = 0; m < modes; ++m) {
         for (int k = 0; k < modes; ++k) {
-            const auto at = static_cast<std::size_t>(m * most_lateral + k);
+            const auto at = static_cast<std::size_t>(m * max_lateral + k);
             a(m, k) = a(modes + m, modes + k) = inverse.sum[at] + inverse.difference[at];
             a(m, modes + k) = a(modes + m, k) = inverse.sum[at] - inverse.difference[at];
         }

@@ -52,11 +52,11 @@ struct SlipGroup {
     /// Rows of a tip: tangents, their levers/|d0|, the sheave's velocity along them and its change over the step, μN, 1 where it must
     /// stick.
     struct Tip {
-        static constexpr int tangent = 0, lever = 6, sheave = 8, drift = 10, grip = 12, sticks = 13, count = 14;
+        static constexpr int tangent = 0, lever = 6, sheave = 8, drift = 10, friction_limit = 12, sticks = 13, count = 14;
     };
     /// Rows of a joint's point.
     struct Point {
-        static constexpr int normal_x = 0, normal_y = 1, lever = 2, grip = 3, count = 4;
+        static constexpr int normal_x = 0, normal_y = 1, lever = 2, friction_limit = 3, count = 4;
     };
     LaneRows present;                      ///< 1, or 0 where the lane idles: no contact grips there
     LaneRows frame, tips, joints, plates;  ///< t; [4 Tip]; [rear, front][points Point]; μN
@@ -65,7 +65,7 @@ struct SlipGroup {
     LaneRows velocity;                     ///< v̂, or whatever slips are asked for [link_size]
     LaneRows acceleration;                 ///< -A⁻¹ Tᵀ λ [link_size]
     LaneRows predicted;                    ///< this link's part of ŵ
-    LaneRows own, own_start;               ///< this link's part of a slip; of one where the step begins
+    LaneRows own, link_slip_at_start;      ///< this link's part of a slip; of one where the step begins
     LaneRows slip, force, law_force;       ///< w, λ at hand, φ(w)
     LaneRows part;                         ///< ŵ - g W φ(w), this link's part
     LaneRows next_slip, next_force;        ///< of a whole Newton step

@@ -67,7 +67,7 @@ template <class Tips>
 }
 
 /// Phases of the tips in the lanes.
-struct TipPhases {
+struct PhaseLanes {
     const Phase* first;  ///< of lane 0
     int stride;          ///< from lane to lane
     bool by_phase;       ///< whether any of them is `stick` or `slip`
@@ -76,7 +76,7 @@ struct TipPhases {
 };
 
 /// Those of one link.
-[[nodiscard]] inline TipPhases phases_of_link(const Phase* phases) noexcept {
+[[nodiscard]] inline PhaseLanes phases_of_link(const Phase* phases) noexcept {
     constexpr std::uint32_t stick_or_slip = 0x02020202;
     return {phases, 1, (phase_word(phases) & stick_or_slip) != 0, tips_per_link};
 }
@@ -89,7 +89,7 @@ struct TipPhases {
 
 /// g(|v|) from v², with the branch that the phase prescribes: frozen within a step for `stick` and `slip`.
 template <int W>
-[[nodiscard]] inline Lanes<W> phase_slip_factor(const FrictionCurve& curve, const Lanes<W>& square, const TipPhases& phases) noexcept {
+[[nodiscard]] inline Lanes<W> phase_slip_factor(const FrictionCurve& curve, const Lanes<W>& square, const PhaseLanes& phases) noexcept {
     Lanes<W> factor = slip_factor_of_square<W>(curve, square);
     if (!phases.by_phase) return factor;
     const Lanes<W> inverse = 1.0 / sqrt(square);
@@ -111,14 +111,14 @@ struct TipForces {
 template <bool Observe, int W, int P, class Book>
 [[nodiscard, gnu::always_inline]] inline TipForces<Lanes<W>> tip_forces(const TipCoefficients& tip, const TipGeometry<P, Lanes<W>>& g,
                                                                         const TipMotion<Lanes<W>>& motion, const Lanes<W>& touching,
-                                                                        const TipPhases& phases, [[maybe_unused]] Book account) noexcept {
+                                                                        const PhaseLanes& phases, [[maybe_unused]] Book account) noexcept {
     using Tips = Lanes<W>;
     const Tips depth = touching * positive_part<W>(g.depth);
     const Tips elastic = tip.hertz * depth * sqrt(depth);
     const Tips normal = positive_part<W>(elastic * (1.0 + tip.damping * motion.closing));
     const Vector3<Tips> v = tangential(motion.material, g.normal);
-    const Tips grip = -tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, dot(v, v), phases);
-    const Vector3<Tips> friction{grip * v.x, grip * v.y, grip * v.z};
+    const Tips friction_per_speed = -tip.friction.coefficient * normal * phase_slip_factor<W>(tip.friction, dot(v, v), phases);
+    const Vector3<Tips> friction{friction_per_speed * v.x, friction_per_speed * v.y, friction_per_speed * v.z};
     if constexpr (Observe) {
         account->store(Energy::tips, 0.4 * booked<W>(account, elastic * depth));
         account->lose(Loss::tip_damping, booked<W>(account, (normal - elastic) * motion.closing));

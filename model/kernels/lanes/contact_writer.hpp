@@ -48,7 +48,7 @@ public:
         put(row + Joint::normal_y, own, count, m.ny);
         put(row + Joint::lever_before, own, count, m.lever_before);
         put(row + Joint::lever_after, own, count, m.lever_after);
-        put(row + Joint::grip, own, count, c_.joint.friction.coefficient * normal_force<W>(c_.joint, weight, m).normal);
+        put(row + Joint::friction_limit, own, count, c_.joint.friction.coefficient * normal_force<W>(c_.joint, weight, m).normal);
         if constexpr (relative) put(field_.components.sliding(point), own, count, m.slip);
     }
 
@@ -65,7 +65,7 @@ public:
 
     /// Links that touch nowhere.
     void no_tips(int own, int count) const noexcept {
-        for (int corner = 0; corner < tips_per_link; ++corner) put(field_.components.tip(corner) + Tip::grip, own, count, V(0.0));
+        for (int corner = 0; corner < tips_per_link; ++corner) put(field_.components.tip(corner) + Tip::friction_limit, own, count, V(0.0));
     }
 
     /// @param sheave of the tip's side for every link, shaft its number
@@ -78,7 +78,7 @@ public:
         put(row + Tip::normal + 2, own, count, g.normal.z);
         put(row + Tip::lever_x, own, count, m.lever_x);
         put(row + Tip::lever_y, own, count, m.lever_y);
-        put(row + Tip::grip, own, count, c_.tip.friction.coefficient * normal);
+        put(row + Tip::friction_limit, own, count, c_.tip.friction.coefficient * normal);
         surface(own, count, corner, m, sheave, shaft);
         keep_arms(own, count, corner, m.sheave_arm);
         if (by_phase_) branches(own, count, corner);
@@ -184,7 +184,8 @@ class KickWriter : public ContactWriter<P, W, float> {
     using Base = ContactWriter<P, W, float>;
 
 public:
-    KickWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase, const KickStart& start) noexcept
+    KickWriter(const Coefficients& real, const ChainRange& range, const ContactDrift& drift, bool by_phase,
+               const SinglePrecisionRecord& start) noexcept
         : Base(real, range, drift, by_phase, start.field, start.frictionless), start_(start) {}
 
     /// @tparam size coordinates of a link, or of a whole pin
@@ -203,7 +204,7 @@ public:
     }
 
 private:
-    const KickStart& start_;
+    const SinglePrecisionRecord& start_;
 };
 
 }  // namespace

@@ -89,7 +89,8 @@ public:
             const auto motion = joint_motion<P, W>(c_.joint, frames, at_point, gap, rate);
             worst = larger<W>(beyond_clearance<W>(c_.joint, frames, motion), worst);
             if constexpr (Contacts::wanted) contacts_.joint(own, std::min(W, links_ - own), point, motion);
-            return press<P, W, false>(c_.joint, frames, at_point, V(points.weight[static_cast<std::size_t>(point)]), motion, nullptr);
+            return rolling_contact_force<P, W, false>(c_.joint, frames, at_point, V(points.weight[static_cast<std::size_t>(point)]), motion,
+                                                      nullptr);
         };
         pairwise_sum<W>(points.count, points.width, pressed, total);
         Joints out;
@@ -98,7 +99,8 @@ public:
         const auto held = [&](int point) noexcept {
             const AxisPoint<P, W> at_point(points, point);
             const auto motion = joint_motion<P, W>(c_.joint, frames, at_point, gap, rate);
-            return confine<P, W, false>(c_.joint, frames, at_point, V(points.weight[static_cast<std::size_t>(point)]), motion, nullptr);
+            return clearance_force<P, W, false>(c_.joint, frames, at_point, V(points.weight[static_cast<std::size_t>(point)]), motion,
+                                                nullptr);
         };
         pairwise_sum<W>(points.count, points.width, held, total);
         for (V& row : total) row = select_greater<W>(worst, V(0.0), row, V(0.0));  // of joints that exceed it somewhere

@@ -94,8 +94,8 @@ private:
 
     /// Whether a tip of the pins side by side is pressed on.
     [[nodiscard]] bool touching(int own) const noexcept {
-        const auto grip = [&](int corner) { return contact(field_.components.tip(corner) + Tip::grip, own); };
-        return !all_at_most<W>(larger<W>(grip(0), grip(1)), 0.0);
+        const auto friction_limit = [&](int corner) { return contact(field_.components.tip(corner) + Tip::friction_limit, own); };
+        return !all_at_most<W>(larger<W>(friction_limit(0), friction_limit(1)), 0.0);
     }
 };
 

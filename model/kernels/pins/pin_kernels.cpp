@@ -39,8 +39,8 @@ public:
 
     /// @param states blocks of neighbouring pins, with one more on each side [unknowns]
     void run(const double* states, int pins, TipProbe* probes) noexcept {
-        for (int first = 0; first < pins; first += most_pins) {
-            const int count = std::min(most_pins, pins - first);
+        for (int first = 0; first < pins; first += max_pins) {
+            const int count = std::min(max_pins, pins - first);
             motion_.read(states + (first - 1) * pin_at<P>.link_block(), count + 2);
             motion_.lines(0, count + 1);
             motion_.roll(1, count + 1);
@@ -106,7 +106,7 @@ void record(const FrictionOperator& friction, const ChainRange& range, const Con
 }
 
 template <int P>
-void record_single(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const KickStart& start,
+void record_single(const FrictionOperator& friction, const ChainRange& range, const ContactDrift& drift, const SinglePrecisionRecord& start,
                    LinkLoad* loads) noexcept {
     const ChainModel& chain = friction.chain();
     using Contacts = KickWriter<P, native_lanes>;

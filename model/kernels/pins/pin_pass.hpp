@@ -39,7 +39,7 @@ public:
           motion_(coefficients.joint) {}
 
     void run() noexcept {
-        const int pins = range_.last - range_.first, chunks = (pins + most_pins - 1) / most_pins;
+        const int pins = range_.last - range_.first, chunks = (pins + max_pins - 1) / max_pins;
         for (int chunk = 0; chunk < chunks; ++chunk) {
             first_ = pins * chunk / chunks;
             count_ = pins * (chunk + 1) / chunks - first_;

@@ -18,8 +18,8 @@ template <int P>
 inline constexpr ChainLayout pin_at{P, 84, 36, false, false, true};
 
 /// Pins whose forces are computed together, neighbours on each side, and columns of a row: a vector may begin at the last one.
-inline constexpr int most_pins = 44, pin_halo = pin_at<0>.halo(), pin_columns = 64;
-static_assert(most_pins + 2 * pin_halo + 8 <= pin_columns);
+inline constexpr int max_pins = 44, pin_halo = pin_at<0>.halo(), pin_columns = 64;
+static_assert(max_pins + 2 * pin_halo + 8 <= pin_columns);
 
 /// Calls body(first column) for vectors of W that cover columns [first, last). Where there are W of them, the last one is moved back to end
 /// with them: its columns get the same numbers twice.
@@ -64,7 +64,7 @@ inline void accelerate_pins(const Inverse& lateral, const Inverse& axial, Lanes<
     using V = Lanes<W>;
     const auto multiply = [](const Inverse& inverse, int size, V* at) {
         const int stride = padded(size);
-        std::array<V, most_lateral> product;
+        std::array<V, max_lateral> product;
         for (int row = 0; row < size; ++row) {
             const auto entry = [&](int k) { return inverse.column[static_cast<std::size_t>(k * stride + row)]; };
             V total = entry(row % 2) * at[row % 2];

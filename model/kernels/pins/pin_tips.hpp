@@ -63,7 +63,7 @@ private:
         const auto geometry = tip_geometry<P>(c_, corner, columns.frame, columns.q(), own);
         const auto motion = tip_motion<P>(c_, corner, columns.frame, columns.v(), own, geometry);
         constexpr std::uint32_t stick_or_slip = 0x02020202;
-        const TipPhases phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, W};
+        const PhaseLanes phases{phases_ + number, tips_per_link, (any_ & stick_or_slip) != 0, W};
         const auto forces = tip_forces<Observe, W>(c_.tip, geometry, motion, touching(number), phases, &account);
         if constexpr (Contacts::wanted)
             contacts_.tip(own_, W, number, geometry, motion, forces.normal, sheaves[static_cast<std::size_t>(number)], shaft);

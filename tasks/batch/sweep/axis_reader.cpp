@@ -13,7 +13,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr std::int64_t most_rows = 1'000'000;
+constexpr std::int64_t max_rows = 1'000'000;
 
 /// One table of [[axes]].
 class AxisReader {
@@ -114,7 +114,7 @@ private:
     Axis range(const TableView& view, const Parameter& parameter) {
         Axis axis{"range", {&parameter}, {}};
         const Interval ends = interval(view, parameter);
-        const auto count = view.require("count") ? view.integer("count", 1, most_rows) : std::nullopt;
+        const auto count = view.require("count") ? view.integer("count", 1, max_rows) : std::nullopt;
         if (count && problems_.empty())
             axis.values = numbers(spaced(ends.from, ends.to, static_cast<std::size_t>(*count), ends.logarithmic));
         return axis;
@@ -147,7 +147,7 @@ private:
     Axis sample(const TableView& view) {
         const int kind = view.choice("sample", sweep_choices("axes", "sample")).value_or(0);
         Axis axis{kind == 1 ? "latin-hypercube" : "random", {}, {}};
-        const auto count = view.require("count") ? view.integer("count", 1, most_rows) : std::nullopt;
+        const auto count = view.require("count") ? view.integer("count", 1, max_rows) : std::nullopt;
         const auto seed = view.require("seed") ? view.integer("seed", 0, std::int64_t{1} << 53) : std::nullopt;
         const std::vector<Interval> box = view.require("keys") ? intervals(view) : std::vector<Interval>{};
         if (!count || !seed || !problems_.empty()) return axis;

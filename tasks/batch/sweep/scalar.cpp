@@ -210,9 +210,9 @@ void Reducer::save(std::vector<double>& memory) const {
 std::span<const double> Reducer::load(std::span<const double> memory) {
     constexpr int most = std::numeric_limits<int>::max();
     for (TermSum& sum : sums) {
-        sum.count = whole_taken(memory, 0, most);
-        sum.value = taken(memory, 1)[0];
-        const auto numbers = taken(memory, static_cast<std::size_t>(whole_taken(memory, 0, most)));
+        sum.count = pop_integer(memory, 0, most);
+        sum.value = pop_front(memory, 1)[0];
+        const auto numbers = pop_front(memory, static_cast<std::size_t>(pop_integer(memory, 0, most)));
         sum.all.assign(numbers.begin(), numbers.end());
     }
     return memory;

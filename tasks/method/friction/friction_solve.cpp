@@ -14,13 +14,13 @@ namespace {
 
 /// Along the step the energy's slope must fall to this part of what it was.
 constexpr double flat = 0.5;
-constexpr int most_searches = 12;
+constexpr int max_searches = 12;
 /// Where in the bracket a share may lie.
 constexpr double margin = 0.05;
 /// Iterations after which saturation speeds are changed: by which factor upwards, and how far at most; by which at first downwards. A
 /// stride that fails is repeated shorter and with twice the iterations.
-constexpr int first_patience = 10, most_patience = 320;
-constexpr double continuation_step = 10.0, most_continuation = 1e5, first_stride = 2.0, least_stride = 1.01;
+constexpr int first_patience = 10, max_patience = 320;
+constexpr double continuation_step = 10.0, max_continuation = 1e5, first_stride = 2.0, min_stride = 1.01;
 /// A stride that took no more iterations than these is followed by a longer one.
 constexpr int few_tries = 5;
 constexpr double longer = 1.3;
@@ -46,7 +46,7 @@ FrictionSolve::FrictionSolve(const Workspace& w)
 
 double FrictionSolve::tolerance(double step) noexcept {
     const double share = std::min(step / usual_step, 1.0);
-    return std::max(usual_tolerance * share * share, least_tolerance);
+    return std::max(usual_tolerance * share * share, min_tolerance);
 }
 
 NextCycle FrictionSolve::begin(double step) noexcept {
@@ -88,7 +88,7 @@ NextCycle FrictionSolve::next() noexcept {
     // The first step starts from slips that belong to no forces: it is taken whole.
     const bool good = residual_ <= tolerance_ || (tries_ == 1 && !searching_) || std::abs(after) <= flat * std::abs(before) ||
                       (after <= 0.0 && !searching_);
-    return good || searches_ >= most_searches ? accept() : judge();
+    return good || searches_ >= max_searches ? accept() : judge();
 }
 
 /// The secant's zero of the slope within the bracket; every other time its middle: slopes have kinks, past which a secant creeps.
@@ -107,7 +107,7 @@ NextCycle FrictionSolve::accept() noexcept {
     searching_ = false;
     settled_ = std::exchange(fraction_, 1.0);
     const bool converged = residual_ <= tolerance_, ends = converged && continuation_ == 1.0;
-    if (ends || iterations_ >= most_iterations) return finish(ends);
+    if (ends || iterations_ >= max_iterations) return finish(ends);
     if (converged) return lower_speeds();
     return tries_ < patience_ ? iterate_cycle : raise_speeds();
 }
@@ -127,11 +127,11 @@ NextCycle FrictionSolve::lower_speeds() noexcept {
 NextCycle FrictionSolve::raise_speeds() noexcept {
     tries_ = 0;
     if (solved_ == 0.0) {
-        continuation_ = std::min(continuation_step * continuation_, most_continuation);
+        continuation_ = std::min(continuation_step * continuation_, max_continuation);
         return iterate_cycle;
     }
-    stride_ = std::max(std::sqrt(stride_), least_stride);
-    patience_ = std::min(2 * patience_, most_patience);
+    stride_ = std::max(std::sqrt(stride_), min_stride);
+    patience_ = std::min(2 * patience_, max_patience);
     continuation_ = std::max(solved_ / stride_, 1.0);
     continuation_before_ = solved_;
     returns_ = true;

@@ -37,9 +37,9 @@ class FrictionSolve {
 public:
     /// A contact's force may be off by what changes its slip by this much in one step of `usual_step` or more [m/s]. Errors of all methods
     /// at 2 µs are the same with a hundredth of it.
-    static constexpr double usual_tolerance = 1e-5, least_tolerance = 1e-9;
+    static constexpr double usual_tolerance = 1e-5, min_tolerance = 1e-9;
     static constexpr double usual_step = 2e-6;  ///< [s]
-    static constexpr int most_iterations = 2000;
+    static constexpr int max_iterations = 2000;
     /// In shorter steps by less: the error of a method falls with its step. step [s]
     [[nodiscard]] static double tolerance(double step) noexcept;
 
@@ -80,7 +80,7 @@ private:
     std::vector<model::SlipGroup> groups_;
     model::SlipChain joints_;
     SolveStatistics statistics_;
-    double tolerance_ = least_tolerance;  ///< [m/s]
+    double tolerance_ = min_tolerance;  ///< [m/s]
     int iterations_ = 0, searches_ = 0;
     int tries_ = 0;                         ///< iterations with the saturation speeds at hand
     double continuation_ = 1.0;             ///< of the saturation speeds [1]

@@ -95,7 +95,7 @@ void ImplicitLeapfrog::gather(int number) noexcept {
     solve_.space().gather(field_, w_.tips.phases.data(), table_.gamma * w_.step.h, g);
     read(w_.states[0], w_.layout().link_size(), number, start);
     std::copy_n(start.at(0), model::slip_lanes * w_.layout().link_size(), g.velocity.at(0));
-    solve_.space().slips(-0.5, g, g.own_start);
+    solve_.space().slips(-0.5, g, g.link_slip_at_start);
     read(w_.slopes[1], w_.layout().link_size(), number, g.velocity);
     for (int row = 0; row < w_.layout().link_size(); ++row) {
         for (int lane = 0; lane < model::slip_lanes; ++lane)
@@ -109,7 +109,7 @@ void ImplicitLeapfrog::base(int number) noexcept {
     model::SlipGroup& g = solve_.group(number);
     Kick& kick = kicks_[at(number)];
     solve_.assemble(number, g.slip);
-    solve_.assemble(number, kick.begun, &model::SlipGroup::own_start);
+    solve_.assemble(number, kick.begun, &model::SlipGroup::link_slip_at_start);
     guess(number,
           std::min(2.0 * table_.times[0], 1.0));  // slips at hand belong to the middle; beyond it they are no better when extrapolated
     for (int row = 0; row < w_.layout().link_size(); ++row) {
@@ -217,7 +217,7 @@ void ImplicitLeapfrog::load(std::span<const double> memory) {
     memory = frame_.load(memory);
     const auto numbers = static_cast<std::size_t>(w_.layout().link_size() * model::slip_lanes);
     for (Kick& kick : kicks_) {
-        std::ranges::copy(taken(memory, numbers), kick.base.at(0));
+        std::ranges::copy(pop_front(memory, numbers), kick.base.at(0));
     }
 }
 

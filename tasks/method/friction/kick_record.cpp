@@ -67,7 +67,7 @@ void end_kick(Workspace& w, const SegmentColumns& columns, int segment, const mo
     const Segment& own = w.partition[segment];
     const int size = layout.link_size(), shift = columns.shift(segment);
     const double half = 0.5 * w.step.h;
-    double* end = w.step.links_ended ? w.end_state : w.states[1];
+    double* end = w.step.end_state_ready ? w.end_state : w.states[1];
     // Velocities that others count from: still in the window that record_kick() has filled.
     const double* counted_from = w.windows[at(segment)].data() + layout.halo() * layout.link_block() + size;
     for (int link = own.first; link < own.last; ++link, counted_from += layout.link_block()) {

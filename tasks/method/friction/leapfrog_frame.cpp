@@ -85,16 +85,16 @@ void LeapfrogFrame::save(std::vector<double>& memory) const {
 }
 
 std::span<const double> LeapfrogFrame::load(std::span<const double> memory) {
-    const auto own = taken(memory, 2);
+    const auto own = pop_front(memory, 2);
     continues_ = own[0] != 0.0;
     length_ = own[1];
     begun_ = -1e300;
     for (model::SheaveMotion& s : w_.pulleys.sheaves) {
-        const auto motion = taken(memory, 6);
+        const auto motion = pop_front(memory, 6);
         s.vx = motion[0], s.vy = motion[1], s.vz = motion[2];
         s.spin_x = motion[3], s.spin_y = motion[4], s.spin_z = motion[5];
     }
-    std::ranges::copy(taken(memory, static_cast<std::size_t>(w_.layout().size())), w_.end_slope);
+    std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), w_.end_slope);
     return memory;
 }
 

@@ -44,9 +44,9 @@ void Broyden::save(std::vector<double>& memory) const {
 }
 
 std::span<const double> Broyden::load(std::span<const double> memory) {
-    count_ = whole_taken(memory, 0, static_cast<int>(steps_.size()) / std::max(1, unknowns_));
+    count_ = pop_integer(memory, 0, static_cast<int>(steps_.size()) / std::max(1, unknowns_));
     for (std::vector<double>* part : {&steps_, &updates_})
-        std::ranges::copy(taken(memory, static_cast<std::size_t>(count_ * unknowns_)), part->begin());
+        std::ranges::copy(pop_front(memory, static_cast<std::size_t>(count_ * unknowns_)), part->begin());
     return memory;
 }
 

@@ -10,7 +10,7 @@ namespace cvtflow::tasks {
 namespace {
 
 /// Shares of a Jacobian: coarse tasks, some more than there are cores in a workstation.
-constexpr int most_batches = 32;
+constexpr int max_batches = 32;
 
 /// Stands in saved numbers for a link that touches no shaft.
 constexpr int no_shaft = -1;
@@ -33,7 +33,7 @@ ImplicitMethod::ImplicitMethod(Workspace& workspace)
       shafts_(static_cast<std::size_t>(w_.layout().links)),
       right_side_(static_cast<std::size_t>(matrix_.unknowns())),
       solution_(right_side_),
-      differences_(w_.variator, most_batches),
+      differences_(w_.variator, max_batches),
       derivatives_(w_.variator) {}
 
 void ImplicitMethod::add_tasks(engine::TaskGraph& graph) {
@@ -145,13 +145,13 @@ void ImplicitMethod::save_factors(std::vector<double>& memory) const {
 }
 
 std::span<const double> ImplicitMethod::load_factors(std::span<const double> memory) {
-    theta_ = taken(memory, 1)[0];
+    theta_ = pop_front(memory, 1)[0];
     for (std::optional<int>& shaft : shafts_) {
-        const int number = whole_taken(memory, no_shaft, 1);
+        const int number = pop_integer(memory, no_shaft, 1);
         shaft = number == no_shaft ? std::nullopt : std::optional(number);
     }
     const std::span<double> numbers = jacobian_.numbers();
-    std::ranges::copy(taken(memory, numbers.size()), numbers.begin());
+    std::ranges::copy(pop_front(memory, numbers.size()), numbers.begin());
     for (int chunk = 0; chunk < matrix_.chunks(); ++chunk) eliminate(chunk);
     join();
     return memory;

@@ -25,7 +25,7 @@ struct NewtonOptions {
     bool exact = true;  ///< derivatives by the model, not by differences
     NewtonStart start = NewtonStart::rest;
     bool backtracking = true;  ///< halve the step until the residual falls
-    int most_iterations = 25;
+    int max_iterations = 25;
     double tolerance = 1e-7;  ///< residual as the speed of one link that had all of its energy [m/s]
 };
 

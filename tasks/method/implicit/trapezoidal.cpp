@@ -19,7 +19,7 @@ constexpr double shortest = 1.0 / 256.0, shortest_with_old = 1.0 / 8.0;
 /// kept over steps, many if it is of this step.
 constexpr double poor_contraction = 0.5;
 constexpr int patience_with_old = 3, patience_with_new = 10;
-constexpr int most_updates = 30;
+constexpr int max_updates = 30;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ TrapezoidalMethod::TrapezoidalMethod(Workspace& workspace, const NewtonOptions& 
     : ImplicitMethod(workspace),
       options_(options),
       link_mass_(model::link_mass(workspace.parameters)),
-      broyden_(matrix_.unknowns(), options.matrix == NewtonMatrix::broyden ? most_updates : 0),
+      broyden_(matrix_.unknowns(), options.matrix == NewtonMatrix::broyden ? max_updates : 0),
       energies_(static_cast<std::size_t>(w_.layout().links)),
       residual_(right_side_),
       residual_before_(right_side_),
@@ -54,11 +54,11 @@ void TrapezoidalMethod::save(std::vector<double>& memory) const {
 
 void TrapezoidalMethod::load(std::span<const double> memory) {
     if (memory.empty()) return;  // nothing has begun
-    const auto flags = taken(memory, 2);
+    const auto flags = pop_front(memory, 2);
     end_slope_ = flags[0] != 0.0;
     const bool has_jacobian = flags[1] != 0.0;
-    since_jacobian_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
-    if (end_slope_) std::ranges::copy(taken(memory, static_cast<std::size_t>(w_.layout().size())), slope(trial_slope));
+    since_jacobian_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
+    if (end_slope_) std::ranges::copy(pop_front(memory, static_cast<std::size_t>(w_.layout().size())), slope(trial_slope));
     has_jacobian_ = has_jacobian;
     if (has_jacobian_) static_cast<void>(load_factors(broyden_.load(memory)));
 }
@@ -154,7 +154,7 @@ NextCycle TrapezoidalMethod::accept_trial(double norm) noexcept {
         end_slope_ = true;
         return finish_step();
     }
-    if (iterations_ >= options_.most_iterations) return give_up();
+    if (iterations_ >= options_.max_iterations) return give_up();
     return std::exchange(renew_, false) ? begin_jacobian() : iterate();
 }
 

@@ -89,7 +89,7 @@ StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method
                 return true;
             },
             beyond.real);
-        if (growth.factor <= 1.0 + tolerated_growth) return true;
+        if (growth.factor <= 1.0 + growth_factor_tolerance) return true;
         beyond = std::move(growth);
         return false;
     };

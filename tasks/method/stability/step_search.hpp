@@ -6,8 +6,8 @@
 
 namespace cvtflow::tasks {
 
-/// Growth in a step that still counts as none. tolerated_growth [1]
-inline constexpr double tolerated_growth = 1e-3;
+/// Growth in a step that still counts as none. growth_factor_tolerance [1]
+inline constexpr double growth_factor_tolerance = 1e-3;
 /// A method that its test equation sets no limit, and that is stable with this, is said to be stable with any step: beyond, what grows by
 /// itself grows so much in a step that it looks like the method's doing [s].
 inline constexpr double longest_tried = 8e-6;

@@ -102,7 +102,7 @@ private:
 
     void row(const std::vector<std::string>& cells, Node::Array& points) {
         if (cells.size() != columns_) return problem(fmt::format("{}:{}: {} cells, not {}", file_, line_, cells.size(), columns_));
-        if (points.size() >= most_points) return problem(fmt::format("{} has more than {} rows", toml_text(file_), most_points));
+        if (points.size() >= max_points) return problem(fmt::format("{} has more than {} rows", toml_text(file_), max_points));
         const auto node = [&](std::size_t k) { return node_of(cells[column_[k]], units_[k], {line_, static_cast<int>(column_[k]) + 1}); };
         points.push_back({Node::Array{node(0), node(1)}, {line_, 1}});
     }

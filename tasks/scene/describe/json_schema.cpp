@@ -18,7 +18,7 @@ Json number_schema(double min, double max) {
     return {{"anyOf", {plain, with_unit}}};
 }
 
-Json list_schema(Json item) { return {{"type", "array"}, {"items", std::move(item)}, {"minItems", 1}, {"maxItems", most_points}}; }
+Json list_schema(Json item) { return {{"type", "array"}, {"items", std::move(item)}, {"minItems", 1}, {"maxItems", max_points}}; }
 
 Json point_schema(double min, double max) {
     return {
@@ -56,7 +56,7 @@ Json value_schema(const Parameter& parameter) {
         case Kind::text: return {{"type", "string"}};
         case Kind::text_list: {
             const Json text{{"type", "string"}};
-            return {{"anyOf", {text, {{"type", "array"}, {"items", text}, {"maxItems", most_points}}}}};
+            return {{"anyOf", {text, {{"type", "array"}, {"items", text}, {"maxItems", max_points}}}}};
         }
         case Kind::number_list: return or_list(number, number);
         case Kind::time_table: return time_table_schema(number, parameter);

@@ -11,7 +11,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr int most_parts = 32, deepest = 32, longest_key = 256;
+constexpr int max_parts = 32, deepest = 32, longest_key = 256;
 
 /// Walks through a document outside of its texts and comments.
 class Walk {
@@ -21,7 +21,7 @@ public:
     std::optional<Problem> excess() {
         for (at_ = 0; at_ < text_.size(); ++at_) {
             step(text_[at_]);
-            if (dots_ >= most_parts) return here(fmt::format("not valid TOML: a key of more than {} parts", most_parts));
+            if (dots_ >= max_parts) return here(fmt::format("not valid TOML: a key of more than {} parts", max_parts));
             if (depth_ > deepest) return here(fmt::format("not valid TOML: values nested more than {} deep", deepest));
             if (length_ > longest_key) return here(fmt::format("not valid TOML: a key or number of more than {} characters", longest_key));
         }

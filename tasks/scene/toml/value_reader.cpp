@@ -112,7 +112,7 @@ public:
 
     void read(const Node& node, std::vector<std::string>& member) {
         const auto* list = std::get_if<Node::Array>(&node.value);
-        if (list && list->size() > most_points) return refuse(node, "{} texts are more than {}", list->size(), most_points);
+        if (list && list->size() > max_points) return refuse(node, "{} texts are more than {}", list->size(), max_points);
         std::vector<std::string> values(list ? list->size() : 1);
         const std::size_t before = problems_.size();
         for (std::size_t i = 0; i < values.size(); ++i) read(list ? (*list)[i] : node, values[i]);
@@ -170,8 +170,8 @@ private:
 
     bool has_points(const Node& node, const Node::Array& list) {
         if (list.empty()) refuse(node, "the list is empty");
-        if (list.size() > most_points) refuse(node, "{} points are more than {}", list.size(), most_points);
-        return !list.empty() && list.size() <= most_points;
+        if (list.size() > max_points) refuse(node, "{} points are more than {}", list.size(), max_points);
+        return !list.empty() && list.size() <= max_points;
     }
 
     /// Appends [time, value] to `table` if it is good and later than what is there.

@@ -18,7 +18,7 @@ using model::Phase;
 using model::TipIndicator;
 
 /// Whether a link's tips are where contact can be described.
-void check_contact(const Workspace& w, int link, const model::TipProbe& probe, Verdict& verdict) noexcept {
+void check_contact(const Workspace& w, int link, const model::TipProbe& probe, SegmentResult& verdict) noexcept {
     const auto& pulley = w.parameters.pulley;
     const double now = w.step.time + w.step.h;
     bool touching = false;
@@ -58,7 +58,7 @@ constexpr double near = 2e-7;  // m: an elastic oscillation of 1e6 1/s covers le
 }
 
 /// @param end states at the step's end, of the link and of its neighbours beside it
-void check_middle(Workspace& w, int link, const double* end, Verdict& verdict) noexcept {
+void check_middle(Workspace& w, int link, const double* end, SegmentResult& verdict) noexcept {
     const model::ChainLayout& layout = w.layout();
     NearBlocks middle;
     const int size = layout.link_size();
@@ -87,7 +87,7 @@ void check_middle(Workspace& w, int link, const double* end, Verdict& verdict) n
 }
 
 /// Transitions due at the step's end, among the tips of one link.
-void find_due(Workspace& w, int link, Verdict& verdict) noexcept {
+void find_due(Workspace& w, int link, SegmentResult& verdict) noexcept {
     const int first = model::tips_per_link * link;
     for (int tip = first; tip < first + tips_of(w); ++tip) {
         if (w.rule.next(w.tips.phases[at(tip)], w.tips.after[at(tip)]) == w.tips.phases[at(tip)]) continue;
@@ -132,9 +132,9 @@ void detect_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
-    Verdict& verdict = w.verdicts[at(segment)];
+    SegmentResult& verdict = w.segment_results[at(segment)];
     verdict = {};
-    if (!w.step.links_ended) {
+    if (!w.step.end_state_ready) {
         engine::combine(w.step.row, w.step.h, w.slots(), layout.link_begin(own.first),
                         layout.link_begin(own.last - 1) + layout.link_block(), w.end_state + layout.link_begin(own.first));
     }

@@ -10,7 +10,7 @@
 namespace cvtflow::tasks {
 
 /// time [s], value [unit of what is limited], limit [the same unit]
-inline void report(Verdict& verdict, FaultKind kind, double time, int pin, double value, double limit) noexcept {
+inline void report(SegmentResult& verdict, FaultKind kind, double time, int pin, double value, double limit) noexcept {
     if (!verdict.fault) verdict.fault = {kind, time, pin, value, limit};
 }
 
@@ -26,7 +26,7 @@ inline void report(Verdict& verdict, FaultKind kind, double time, int pin, doubl
 inline constexpr double fastest_pin = 1e4;  // m/s
 
 /// Whether a link's block [q | v] is finite and its motion that of a chain.
-inline void check_motion(const Workspace& w, int link, const double* block, Verdict& verdict) noexcept {
+inline void check_motion(const Workspace& w, int link, const double* block, SegmentResult& verdict) noexcept {
     const int size = w.layout().link_size();
     if (within(block, size, std::numeric_limits<double>::max()) && within(block + size, size, fastest_pin)) return;
     double largest = 0.0;

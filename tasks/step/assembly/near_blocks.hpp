@@ -8,7 +8,7 @@ namespace cvtflow::tasks {
 /// A link and those of its neighbours that its tips depend on, at a time between those of states that are kept.
 struct NearBlocks {
     static constexpr int most = 2 * model::ChainLayout{3, 84, 36, false, false, true}.probe_halo() + 1;
-    double numbers[most * model::most_link_block];
+    double numbers[most * model::max_link_block];
 
     [[nodiscard]] double* place(const model::ChainLayout& layout, int from_link) noexcept {
         return numbers + (layout.probe_halo() + from_link) * layout.link_block();

@@ -70,7 +70,7 @@ void probe_segment(Workspace& w, int segment, double theta, const model::SheaveM
 }
 
 /// Gives every tip of a link the phase that is due at the cut.
-void change_phases(Workspace& w, int link, const TipIndicator* tips, Verdict& verdict) noexcept {
+void change_phases(Workspace& w, int link, const TipIndicator* tips, SegmentResult& verdict) noexcept {
     const double now = w.step.time + w.step.theta * w.step.h;
     for (int corner = 0; corner < model::tips_per_link; ++corner) {
         const std::size_t tip = at(model::tips_per_link * link + corner);
@@ -113,7 +113,7 @@ void evaluate_segment(void* workspace, int segment) noexcept {
 void locate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const Segment& own = w.partition[segment];
-    Verdict& verdict = w.verdicts[at(segment)];
+    SegmentResult& verdict = w.segment_results[at(segment)];
     constexpr double middle = 0.5;
     model::SheaveMotion sheaves[4];
     double tail[2 * 36];
@@ -131,7 +131,7 @@ void truncate_segment(void* workspace, int segment) noexcept {
     auto& w = *static_cast<Workspace*>(workspace);
     const model::ChainLayout& layout = w.layout();
     const Segment& own = w.partition[segment];
-    Verdict& verdict = w.verdicts[at(segment)];
+    SegmentResult& verdict = w.segment_results[at(segment)];
     w.interpolant().evaluate(w.step.theta, layout.link_begin(own.first), layout.link_begin(own.last - 1) + layout.link_block(),
                              w.cut_state + layout.link_begin(own.first));
     probe_segment(w, segment, w.step.theta, w.pulleys.sheaves);

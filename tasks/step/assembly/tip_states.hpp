@@ -23,7 +23,7 @@ inline void indicate(const Workspace& w, const double* state, const model::Sheav
 
 /// Whether a tip may change in this step: it will have kept its phase for the dwell time. The same answer however the step is cut.
 [[nodiscard]] inline bool may_change(const Workspace& w, int tip) noexcept {
-    return w.step.lookout - w.tips.changed[at(tip)] >= w.step.dwell;
+    return w.step.search_until - w.tips.changed[at(tip)] >= w.step.dwell;
 }
 
 }  // namespace cvtflow::tasks

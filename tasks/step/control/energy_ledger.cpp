@@ -26,7 +26,7 @@ constexpr double deviations = 6.0;
 /// beside what it stores that noise is all that its balance shows.
 constexpr double noise_share_with_inputs = 0.009, noise_share_without = 0.5, noise_span = 10e-3;  // [1], [1], [s]
 constexpr double dense_share = 0.05, dense_time = 5e-4;                                           // [1], [s]
-constexpr double least_samples = 10.0;
+constexpr double min_samples = 10.0;
 constexpr double closer = 8.0;  ///< by which samples lie closer in doubt
 
 [[nodiscard]] double total(const auto& values) noexcept { return std::accumulate(values.begin(), values.end(), 0.0); }
@@ -58,7 +58,7 @@ namespace {
 }
 
 [[nodiscard]] double suspicion_of(const EnergyBalance& balance, bool settling) noexcept {
-    if (balance.samples < least_samples) return 0.0;
+    if (balance.samples < min_samples) return 0.0;
     const double ratio = std::abs(balance.residual()) / tolerance_of(balance, settling);
     return std::isnan(ratio) ? std::numeric_limits<double>::infinity() : ratio;
 }
@@ -128,7 +128,7 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
     for (std::size_t k = 0; k < now.loss.size(); ++k) now.loss[k] += pulleys.loss[k];
     const double spacing = time - m_.sampled, power = total(now.loss);
     m_.stored = total(links.energy) + total(pulleys.energy);
-    m_.most_stored = std::max(m_.most_stored, total(links.energy));
+    m_.max_stored = std::max(m_.max_stored, total(links.energy));
     m_.pin_period = pin_period;
     if (m_.samples > 0.0) {
         for (std::size_t k = 0; k < now.loss.size(); ++k) m_.loss[k] += 0.5 * spacing * (m_.power[k] + now.loss[k]);
@@ -173,7 +173,7 @@ EnergyBalance EnergyLedger::balance_since(const Span& span) const noexcept {
             now.work - span.work,
             now.loss - span.loss,
             now.through - span.through,
-            m_.most_stored,
+            m_.max_stored,
             std::sqrt(std::max(0.0, now.noise - span.noise)),
             now.samples - span.samples};
 }
@@ -242,7 +242,7 @@ void EnergyLedger::save(std::vector<double>& memory) const {
 void EnergyLedger::load(std::span<const double> memory, long stride) {
     restart(stride);
     if (memory.empty()) return;
-    std::memcpy(static_cast<void*>(&m_), taken(memory, sizeof(Memory) / sizeof(double)).data(), sizeof(Memory));
+    std::memcpy(static_cast<void*>(&m_), pop_front(memory, sizeof(Memory) / sizeof(double)).data(), sizeof(Memory));
     for (const auto& [place, most] : {std::pair{m_.past_begin, past_size - 1}, {m_.past_count, past_size}}) {
         if (!(place >= 0.0 && place <= static_cast<double>(most)) || place != std::floor(place))
             throw std::invalid_argument("a memory of energies that is none");

@@ -111,11 +111,11 @@ private:
 
     /// Numbers only: saved and loaded as they lie.
     struct Memory {
-        double samples, sampled, steps;                          ///< how many; when the last one was [s]; steps since
-        double jumped;                                           ///< when inputs or the state jumped last, the beginning included [s]
-        std::array<double, model::loss_kinds> power, loss;       ///< [W], [J]
-        std::array<double, 4> powers;                            ///< of the last samples, the last one first, for the noise of sampling [W]
-        double stored, most_stored, noise, through, pin_period;  ///< [J]; pin_period [s]
+        double samples, sampled, steps;                         ///< how many; when the last one was [s]; steps since
+        double jumped;                                          ///< when inputs or the state jumped last, the beginning included [s]
+        std::array<double, model::loss_kinds> power, loss;      ///< [W], [J]
+        std::array<double, 4> powers;                           ///< of the last samples, the last one first, for the noise of sampling [W]
+        double stored, max_stored, noise, through, pin_period;  ///< [J]; pin_period [s]
         model::WorkRates work, work_sampled;
         std::array<double, 2> impulse, impulse_output, momentum_output;  ///< [N·m·s]
         std::array<double, 2> chain_torque;                              ///< [N·m]

@@ -67,7 +67,7 @@ void ErrorControl::save(std::vector<double>& memory) const {
 }
 
 void ErrorControl::load(std::span<const double>& memory) {
-    if (decides_) size_.load(taken(memory, StepSizeControl::memory_size));
+    if (decides_) size_.load(pop_front(memory, StepSizeControl::memory_size));
 }
 
 }  // namespace cvtflow::tasks

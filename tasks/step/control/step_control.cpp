@@ -11,7 +11,7 @@ namespace {
 
 constexpr double safety = 0.9;
 constexpr double proportional = 0.7, integral = 0.4;  // shares of 1/power
-constexpr double least_growth = 0.2, most_growth = 2.0, least_cut = 0.1;
+constexpr double min_growth = 0.2, max_growth = 2.0, min_cut = 0.1;
 constexpr double smallest_error = 1e-6;
 
 }  // namespace
@@ -26,14 +26,14 @@ double ErrorScale::norm(const double* errors, int size) const noexcept {
 bool StepSizeControl::judge(double error, double step) noexcept {
     const double exponent = 1.0 / power_;
     if (!(error <= 1.0)) {
-        const double cut = std::isfinite(error) ? safety * model::portable_pow(error, -exponent) : least_cut;
-        proposal_ = step * std::clamp(cut, least_cut, safety);
+        const double cut = std::isfinite(error) ? safety * model::portable_pow(error, -exponent) : min_cut;
+        proposal_ = step * std::clamp(cut, min_cut, safety);
         rejected_ = true;
         return false;
     }
     error = std::max(error, smallest_error);
     double growth = safety * model::portable_pow(error, -proportional * exponent) * model::portable_pow(previous_, integral * exponent);
-    growth = std::clamp(growth, least_growth, rejected_ ? 1.0 : most_growth);
+    growth = std::clamp(growth, min_growth, rejected_ ? 1.0 : max_growth);
     // A step shortened to end at an output says nothing against the longer one.
     proposal_ = std::min(longest_, growth >= 1.0 ? std::max(proposal_, step * growth) : step * growth);
     previous_ = error;

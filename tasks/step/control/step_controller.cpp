@@ -229,7 +229,7 @@ void StepController::propose_step() {
         if (pieces > 1.0) w_.step.h /= pieces;
         w_.step.dwell = dwell_steps * w_.step.h;
     }
-    w_.step.lookout = w_.step.time + w_.step.h;
+    w_.step.search_until = w_.step.time + w_.step.h;
 }
 
 /// The step is repeated, shorter. Only slots have changed.
@@ -285,7 +285,7 @@ void StepController::probe_start() {
     w_.variator.pulleys().motions(w_.states[0] + at.pulley_begin(), w_.pulleys.sheaves);
     for (int link = 0; link < at.links; ++link) {
         model::TipProbe probe;
-        model::LinkStrip strip;
+        model::NeighbourWindow strip;
         w_.variator.chain().probe(strip.of(at, w_.states[0], link), w_.pulleys.sheaves, w_.parameters.detail.stick_slip, probe);
         for (int corner = 0; corner < model::tips_per_link; ++corner) {
             const std::size_t tip = static_cast<std::size_t>(model::tips_per_link * link + corner);

@@ -34,7 +34,7 @@ Fault TransitionSearch::check(Counters& counters) {
     for (int k = 0; k < w_.tail_size(); ++k) {
         if (!std::isfinite(tail[k])) return {FaultKind::non_finite, w_.step.time + w_.step.h, {}, 0.0, 0.0};
     }
-    for (const Verdict& verdict : w_.verdicts) {
+    for (const SegmentResult& verdict : w_.segment_results) {
         if (verdict.fault) return verdict.fault;
         counters.suppressed += verdict.suppressed;
         due_ = due_ || verdict.pending;
@@ -65,7 +65,7 @@ void TransitionSearch::close_end_slope() {
 
 bool TransitionSearch::locate() {
     Transition first;
-    for (const Verdict& verdict : w_.verdicts) {
+    for (const SegmentResult& verdict : w_.segment_results) {
         if (verdict.first.theta < first.theta) first = verdict.first;
     }
     if (first.theta > 1.0) return false;

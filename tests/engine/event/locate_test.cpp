@@ -14,7 +14,7 @@ using Gap = std::function<double(double)>;
 
 Crossing locate_in(const Gap& gap, double lo, double hi, double tolerance) { return locate(gap, lo, hi, gap(lo), gap(hi), tolerance); }
 
-int most_evaluations(double width, double tolerance) { return static_cast<int>(std::ceil(std::log2(width / tolerance))) + 2; }
+int max_evaluations(double width, double tolerance) { return static_cast<int>(std::ceil(std::log2(width / tolerance))) + 2; }
 
 /// The promise: new sign at the answer, root within the tolerance before it, bounded effort.
 void expect_located(const Gap& gap, double lo, double hi, double root, double tolerance) {
@@ -22,7 +22,7 @@ void expect_located(const Gap& gap, double lo, double hi, double root, double to
     EXPECT_GT(gap(crossing.theta) * gap(hi), 0.0) << "root " << root;
     EXPECT_GE(crossing.theta, root);
     EXPECT_LE(crossing.theta - root, tolerance * (1.0 + 1e-12));
-    EXPECT_LE(crossing.evaluations, most_evaluations(hi - lo, tolerance)) << "root " << root;
+    EXPECT_LE(crossing.evaluations, max_evaluations(hi - lo, tolerance)) << "root " << root;
 }
 
 TEST(Locate, RootsOfPolynomialsAreFoundToTheTolerance) {
@@ -76,7 +76,7 @@ TEST(Locate, TerminatesOnNoiseWithTheNewSign) {
         last_positive = 1.0;
         const Crossing crossing = locate(noise, 0.0, 1.0, -1.0, 1.0, 1e-10);
         EXPECT_EQ(crossing.theta, last_positive);
-        EXPECT_LE(crossing.evaluations, most_evaluations(1.0, 1e-10));
+        EXPECT_LE(crossing.evaluations, max_evaluations(1.0, 1e-10));
     }
 }
 
@@ -84,7 +84,7 @@ TEST(Locate, TerminatesOnNotANumber) {
     const auto gap = [](double x) { return x < 0.8 ? std::nan("") : 1.0; };
     const Crossing crossing = locate(gap, 0.0, 1.0, -1.0, 1.0, 1e-6);
     EXPECT_NEAR(crossing.theta, 0.8, 1e-6);
-    EXPECT_LE(crossing.evaluations, most_evaluations(1.0, 1e-6));
+    EXPECT_LE(crossing.evaluations, max_evaluations(1.0, 1e-6));
 }
 
 TEST(Locate, TerminatesAtZeroTolerance) {

@@ -8,7 +8,7 @@ namespace cvtflow::engine::test {
 namespace {
 
 constexpr std::size_t stack_size = std::size_t{64} << 10;
-constexpr long most_operations = 2000;  // of one interleaving: more and a worker goes round for ever
+constexpr long max_operations = 2000;  // of one interleaving: more and a worker goes round for ever
 
 std::string place_of(const Place& where) {
     std::string name = where.function;
@@ -179,7 +179,7 @@ void Interleavings::announce(Pending pending) {
         self().pending = pending;
         pass_on();
     }
-    if (++operations_ > most_operations) leave("a worker goes round for ever");
+    if (++operations_ > max_operations) leave("a worker goes round for ever");
 }
 
 Sabotage Interleavings::met(const Place& where, Site::Kind kind, bool orders) {

@@ -53,7 +53,7 @@ enum class Sabotage {
 
 class Interleavings {
 public:
-    static constexpr int most_workers = 4, most_atomics = 48;
+    static constexpr int max_workers = 4, max_atomics = 48;
 
     struct Options {
         int workers = 2;
@@ -96,8 +96,8 @@ public:
     void touch(int cell, bool write);
 
 private:
-    using Clock = std::array<std::uint32_t, most_workers>;
-    using View = std::array<std::uint16_t, most_atomics>;  ///< [atomic] the oldest store that may be seen
+    using Clock = std::array<std::uint32_t, max_workers>;
+    using View = std::array<std::uint16_t, max_atomics>;  ///< [atomic] the oldest store that may be seen
     struct Store {
         std::uint64_t value = 0;
         Clock clock{};  ///< handed to whoever acquires
@@ -180,7 +180,7 @@ private:
     std::size_t depth_ = 0;
 
     ucontext_t main_{};
-    std::array<Worker, most_workers> workers_;
+    std::array<Worker, max_workers> workers_;
     int running_ = nobody;
     bool left_ = false, pruned_ = false;
     unsigned asleep_ = 0;

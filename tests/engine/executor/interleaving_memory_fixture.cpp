@@ -20,7 +20,7 @@ void join(Numbers& to, const Numbers& from) {
 }  // namespace
 
 int Interleavings::add_atomic(std::uint64_t value) {
-    if (stores_.size() == most_atomics) std::abort();  // a fixture of our own: enlarge it
+    if (stores_.size() == max_atomics) std::abort();  // a fixture of our own: enlarge it
     stores_.push_back({Store{value, {}, {}}});
     return static_cast<int>(stores_.size()) - 1;
 }

@@ -32,7 +32,7 @@ std::vector<double> outcome(const Parameters& p, Isa isa, const oracle::RandomSt
         for (const auto& tips : {contact.depth, contact.normal, contact.axial}) all.insert(all.end(), tips, tips + tips_per_link);
     }
     for (int link = 0; link < at.links && at.pulley_size != 0; ++link) {
-        LinkStrip strip;
+        NeighbourWindow strip;
         const double* state = strip.of(at, random.state.data(), link);
         TipProbe probe;
         variator.chain().probe(state, scratch.sheaves, true, probe);

@@ -121,7 +121,7 @@ TEST(PinKernels, ProbePinsSideBySideAsOneByOne) {
         std::vector<TipProbe> probes(static_cast<std::size_t>(at.links));
         rig.variator.chain().probe_links(rig.window(at.halo()), at.links, rig.scratch.sheaves, true, probes.data());
         for (int pin = 0; pin < at.links; ++pin) {
-            LinkStrip strip;
+            NeighbourWindow strip;
             TipProbe probe;
             rig.variator.chain().probe(strip.of(at, rig.random.state.data(), pin), rig.scratch.sheaves, true, probe);
             EXPECT_EQ(std::memcmp(&probe, &probes[static_cast<std::size_t>(pin)], sizeof probe), 0) << one.name << ", pin " << pin;

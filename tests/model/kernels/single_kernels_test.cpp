@@ -53,7 +53,7 @@ public:
     /// @param length of ranges
     void in_single(int length) {
         for (int first = 0; first < at().links; first += length) {
-            const KickStart start{start_.data() + at().link_begin(first), single_field_, single_push_, single_velocity_};
+            const SinglePrecisionRecord start{start_.data() + at().link_begin(first), single_field_, single_push_, single_velocity_};
             friction_.record(range(first, std::min(first + length, at().links)), {}, start, scratch_.loads.data() + first);
         }
         for (int row = 0; row < size(); ++row) {

@@ -75,7 +75,7 @@ TEST(Observation, TheDeepestTipIsTheOneThatDetectionWouldFind) {
         variator.pulleys().motions(random.state.data() + at.pulley_begin(), sheaves);
         double deepest = 0.0;
         for (int link = 0; link < at.links; ++link) {
-            LinkStrip strip;
+            NeighbourWindow strip;
             TipProbe probe;
             variator.chain().probe(strip.of(at, random.state.data(), link), sheaves, false, probe);
             for (int tip = 0; tip < tips_per_link; ++tip) {

@@ -48,17 +48,17 @@ engine::SavedState ring(const model::Parameters& parameters) {
 
 TEST(DetailState, OfHigherOrderBeginsWithTheCoordinatesThatTheLowerOneHas) {
     const model::Parameters low = tiny_with(model::PinDetail::halves, 1), high = tiny_with(model::PinDetail::halves, 3);
-    const engine::SavedState saved = ring(low), over = brought_over(saved, low, high);
+    const engine::SavedState saved = ring(low), over = convert_state(saved, low, high);
     EXPECT_EQ(over.state[static_cast<std::size_t>(model::layout_of(high).y(End::front, 1))],
               saved.state[static_cast<std::size_t>(model::layout_of(low).y(End::front, 1))]);
     EXPECT_EQ(over.state[static_cast<std::size_t>(model::layout_of(high).y(End::front, 2))], 0.0);
-    EXPECT_EQ(brought_over(over, high, low).state, saved.state);
+    EXPECT_EQ(convert_state(over, high, low).state, saved.state);
 }
 
 TEST(DetailState, PutsAWholePinInTheMiddleBetweenItsHalves) {
     const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), whole = tiny_with(model::PinDetail::whole, 1);
     const ChainLayout from = model::layout_of(halves), to = model::layout_of(whole);
-    const engine::SavedState saved = ring(halves), over = brought_over(saved, halves, whole);
+    const engine::SavedState saved = ring(halves), over = convert_state(saved, halves, whole);
     ASSERT_EQ(over.state.size(), static_cast<std::size_t>(to.control_begin()));
     for (int pin = 0; pin < to.links; ++pin) {
         const double* rear = saved.state.data() + from.link_begin(pin);
@@ -74,7 +74,7 @@ TEST(DetailState, PutsAWholePinInTheMiddleBetweenItsHalves) {
 
 TEST(DetailState, OfWholePinsComesBackFromHalves) {
     const model::Parameters halves = tiny_with(model::PinDetail::halves, 1), whole = tiny_with(model::PinDetail::whole, 1);
-    const engine::SavedState saved = ring(whole), back = brought_over(brought_over(saved, whole, halves), halves, whole);
+    const engine::SavedState saved = ring(whole), back = convert_state(convert_state(saved, whole, halves), halves, whole);
     ASSERT_EQ(back.state.size(), saved.state.size());
     // Half of the reach is added to the one half and taken from the other: rounding of numbers of 0.03.
     for (std::size_t k = 0; k < saved.state.size(); ++k) EXPECT_NEAR(back.state[k], saved.state[k], 1e-17 + 1e-14 * 0.03) << k;
@@ -86,7 +86,7 @@ TEST(DetailState, ATipOfAWholePinTouchesWhereOneOfItsHalvesDid) {
     const auto tip = [](int link, int end, int side) { return static_cast<std::size_t>(model::tips_per_link * link + 2 * end + side); };
     saved.phases[tip(4, 1, 0)] = touching;  // the front half of link 4 is on pin 5
     saved.phases[tip(7, 0, 1)] = sliding;
-    const std::vector<unsigned char> pins = brought_over(saved, halves, whole).phases;
+    const std::vector<unsigned char> pins = convert_state(saved, halves, whole).phases;
     EXPECT_EQ(pins[tip(5, 0, 0)], touching);
     EXPECT_EQ(pins[tip(4, 1, 0)], untouched);
     EXPECT_EQ(pins[tip(7, 0, 1)], sliding);
@@ -94,7 +94,7 @@ TEST(DetailState, ATipOfAWholePinTouchesWhereOneOfItsHalvesDid) {
 
     engine::SavedState of_pins = ring(whole);
     of_pins.phases[tip(5, 0, 0)] = touching;
-    const std::vector<unsigned char> both = brought_over(of_pins, whole, halves).phases;
+    const std::vector<unsigned char> both = convert_state(of_pins, whole, halves).phases;
     EXPECT_EQ(both[tip(5, 0, 0)], touching);
     EXPECT_EQ(both[tip(4, 1, 0)], touching);
 }

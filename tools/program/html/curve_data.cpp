@@ -45,10 +45,10 @@ std::vector<float> Stretches::values(const std::vector<double>& all) const {
     return kept;
 }
 
-nlohmann::json curve_data(const RecordedRun& run, std::size_t most_bytes) {
+nlohmann::json curve_data(const RecordedRun& run, std::size_t max_bytes) {
     const std::vector<Curve> curves = all_curves(run);
     const auto moving = static_cast<std::size_t>(std::count_if(curves.begin(), curves.end(), [](const Curve& c) { return !constant(c); }));
-    const std::size_t points = most_bytes / (6 * (moving + 2));  // a float takes 5.3 bytes of base64
+    const std::size_t points = max_bytes / (6 * (moving + 2));  // a float takes 5.3 bytes of base64
     const std::size_t rows = run.times().size();
     const Stretches stretches{rows, rows <= points ? 0 : std::max<std::size_t>(1, points / 2)};
     const std::vector<double> times = stretches.times(run.times());

@@ -20,7 +20,7 @@ struct Stretches {
 };
 
 /// All curves of a record, at most about so many bytes of text. {"label", "rows", "shown", "t", "curves": [{"n", "u", "d", "v" or "c"}]}
-[[nodiscard]] nlohmann::json curve_data(const RecordedRun& run, std::size_t most_bytes);
+[[nodiscard]] nlohmann::json curve_data(const RecordedRun& run, std::size_t max_bytes);
 
 [[nodiscard]] nlohmann::json motion_data(const ChainMotion& motion);
 

@@ -22,7 +22,7 @@ namespace cvtflow::tools {
 namespace {
 
 constexpr std::size_t bytes_of_curves = 1500000;  ///< of all records together, as text
-constexpr std::size_t most_states = 1000;         ///< of the running chain
+constexpr std::size_t max_states = 1000;          ///< of the running chain
 constexpr std::size_t columns_of_picture = 450;
 
 std::string attribute(const RecordedRun& run, std::string_view name) { return text_of(run.reader().attributes(), name, ""); }
@@ -191,7 +191,7 @@ std::string chain_body(const ChainMotion& motion) {
 }
 
 void add_chain(Page& page, const RecordedRun& run) {
-    const ChainMotion motion = chain_motion(run, most_states);
+    const ChainMotion motion = chain_motion(run, max_states);
     if (motion.times.empty()) {
         page.sections.push_back({"running", "Running chain", "<p>The record has no states that this program can show.</p>\n"});
         return;

@@ -117,14 +117,14 @@ struct RoundBin {
 
 }  // namespace
 
-ChainMotion chain_motion(const RecordedRun& run, std::size_t most_states) {
+ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states) {
     const std::size_t recorded = run.reader().state_times().size();
     if (!run.scene() || recorded == 0) return {};
     const ChainLayout at = model::layout_of(run.scene()->parameters);
     ChainMotion motion = shape_of(run.scene()->parameters);
     motion.recorded = recorded;
     const MotionReader reader(run, at);
-    const std::size_t shown = std::min(recorded, most_states);
+    const std::size_t shown = std::min(recorded, max_states);
     for (std::size_t k = 0; k < shown; ++k) {
         const engine::RecordedState state = machine_state(run.path(), run.reader(), k * recorded / shown, at);
         if (finite(state)) reader.add(motion, state);  // where a run blew up there is no chain to show

@@ -29,7 +29,7 @@ struct ChainMotion {
 
 /// Of at most so many states, equally spaced among the recorded ones. Without pins where the record has no states or no scene that
 /// this program can read.
-[[nodiscard]] ChainMotion chain_motion(const RecordedRun& run, std::size_t most_states);
+[[nodiscard]] ChainMotion chain_motion(const RecordedRun& run, std::size_t max_states);
 
 /// Axial tip force over the angle about the shaft, mean over all states, with the least and the largest.
 [[nodiscard]] Plot tip_force_plot(const ChainMotion& motion, const std::string& conditions);

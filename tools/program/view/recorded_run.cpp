@@ -17,7 +17,7 @@ namespace cvtflow::tools {
 
 namespace {
 
-constexpr int most_single = 4;  ///< numbers of a channel that are drawn each
+constexpr int max_single = 4;  ///< numbers of a channel that are drawn each
 
 Curve element_of(const engine::ChannelInfo& channel, const std::vector<double>& all, int number) {
     const auto width = static_cast<std::size_t>(channel.width);
@@ -28,13 +28,13 @@ Curve element_of(const engine::ChannelInfo& channel, const std::vector<double>& 
 
 /// Rows are read a few at a time: a long run has gigabytes of them.
 std::vector<Curve> envelope(const engine::RunReader& reader, const engine::ChannelInfo& channel) {
-    constexpr std::size_t most_rows = 8192;
+    constexpr std::size_t max_rows = 8192;
     std::vector<Curve> curves;
     for (const char* name : {"least", "mean", "largest"})
         curves.push_back({fmt::format("{} ({})", channel.name, name), channel.unit, channel.description, {}});
     const auto width = static_cast<std::ptrdiff_t>(channel.width);
-    for (std::size_t first = 0; first < reader.rows(); first += most_rows) {
-        const std::vector<double> some = reader.channel_rows(channel.name, first, std::min(most_rows, reader.rows() - first));
+    for (std::size_t first = 0; first < reader.rows(); first += max_rows) {
+        const std::vector<double> some = reader.channel_rows(channel.name, first, std::min(max_rows, reader.rows() - first));
         for (auto row = some.begin(); row != some.end(); row += width) {
             const auto [least, largest] = std::minmax_element(row, row + width);
             curves[0].values.push_back(*least);
@@ -85,7 +85,7 @@ std::string RecordedRun::conditions() const {
 }
 
 std::vector<Curve> RecordedRun::curves(const engine::ChannelInfo& channel, bool each) const {
-    if (channel.width > most_single && !each) return envelope(reader_, channel);
+    if (channel.width > max_single && !each) return envelope(reader_, channel);
     const std::vector<double> all = reader_.channel(channel.name);
     std::vector<Curve> made;
     for (int number = 0; number < channel.width; ++number) made.push_back(element_of(channel, all, number));

@@ -57,7 +57,7 @@ FitExtent extent_by_eigenvalues(const model::Variator& variator, const tasks::Fr
 }
 
 std::optional<engine::FittedMethod> fitted(const FitArguments& arguments, const FitExtent& extent, double step) {
-    const engine::FitRequest request{std::max(arguments.margin * extent.real * step, engine::least_fitted_real),
+    const engine::FitRequest request{std::max(arguments.margin * extent.real * step, engine::min_fitted_real),
                                      arguments.margin * extent.imaginary * step, arguments.order, arguments.ripple, 0.01};
     if (extent.eigenvalues.empty()) return engine::fit(request);
     std::vector<std::complex<double>> points;
@@ -81,7 +81,7 @@ ExitStatus fit(const FitArguments& arguments) {
     const double milliseconds = 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
     if (!method)
         throw tasks::SceneError(
-            fmt::format("no polynomial of up to {} stages is stable for steps of {}", engine::most_fitted_stages, time_text(step)));
+            fmt::format("no polynomial of up to {} stages is stable for steps of {}", engine::max_fitted_stages, time_text(step)));
     const auto stages = method->plan.stages.size() - 1;
     fmt::print("{}", field("fit", fmt::format("{} stages, {} iterations, largest |R|/bound {:.4f}, {:.1f} ms", stages, method->iterations,
                                               method->largest, milliseconds)));

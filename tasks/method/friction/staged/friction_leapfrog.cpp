@@ -81,7 +81,7 @@ void FrictionLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {
 /// succession have the same slot, so what a stage writes is not what its neighbours read meanwhile.
 template <class Number>
 void FrictionLeapfrog<Number>::add_kick(engine::TaskGraph& graph, int cycle, int stages) {
-    static_assert(stages_of_kicks.back() == most_stages_together);
+    static_assert(stages_of_kicks.back() == max_stages_together);
     const int segments = w_.partition.size(), first = graph.size();
     for (int item = 0; item < stages * segments; ++item) {
         const int stage = item / segments, s = item % segments;
@@ -119,7 +119,7 @@ NextCycle FrictionLeapfrog<Number>::begin() {
         system_.turn_over();
     }
     frame_.begin();
-    w_.step.links_ended = w_.layout().probe_halo() == 0;  // else tips depend on neighbours, whose results are combined with them
+    w_.step.end_state_ready = w_.layout().probe_halo() == 0;  // else tips depend on neighbours, whose results are combined with them
     if (!w_.layout().ledger) {
         state_ = State::recording;
         return contact_cycle;
@@ -180,8 +180,8 @@ void FrictionLeapfrog<Number>::save(std::vector<double>& memory) const {
 template <class Number>
 void FrictionLeapfrog<Number>::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    radius_ = taken(memory, 1)[0];
-    steps_ = whole_taken(memory, 0, std::numeric_limits<int>::max());
+    radius_ = pop_front(memory, 1)[0];
+    steps_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     system_.load(frame_.load(memory));
 }
 

@@ -47,7 +47,7 @@ public:
     void finish(int segment) noexcept;
 
 private:
-    static constexpr int most_stages_together = 8;
+    static constexpr int max_stages_together = 8;
     struct Stage {
         KickRow row{};
         double extrapolation = 0.0;  ///< of G, in units of the difference between the last two [1]
@@ -64,8 +64,8 @@ private:
     const KickTables tables_;
     const KickTable* table_ = nullptr;  ///< of the step at hand
     State state_ = State::evaluating;
-    int stage_ = 0;                                       ///< the first that is in no cycle yet
-    std::array<Stage, most_stages_together> together_{};  ///< of the cycle at hand
+    int stage_ = 0;                                      ///< the first that is in no cycle yet
+    std::array<Stage, max_stages_together> together_{};  ///< of the cycle at hand
     long steps_ = 0;
     double radius_ = 0.0;  ///< spectral radius of friction [1/s]
     Fault fault_;

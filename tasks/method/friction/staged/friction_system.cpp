@@ -147,7 +147,7 @@ double FrictionSystem<Number>::spectral_radius(const Workspace& w, int iteration
         for (int s = 0; s < segments; ++s) {
             Fields& f = fields(s);
             mode_edges_.take(columns_, f.mode, s);
-            friction_.steepest(f.contacts, range_of(w, 0.0, f.mode, s), f.image);
+            friction_.all_sticking(f.contacts, range_of(w, 0.0, f.mode, s), f.image);
         }
         for (int row = 0; row < rows; ++row) {
             for_links(*this, [&](const Fields& f, int, int column) {
@@ -177,7 +177,7 @@ template <class Number>
 void FrictionSystem<Number>::load(std::span<const double> memory) {
     for (std::size_t k = 0; k < saved_fields; ++k) {
         for (int row = 0; row < friction_.chain().layout().link_size(); ++row) {
-            const std::span<const double> numbers = taken(memory, at(friction_.chain().layout().links));
+            const std::span<const double> numbers = pop_front(memory, at(friction_.chain().layout().links));
             for_links(*this,
                       [&](Fields& f, int link, int column) { *kept(f)[k]->at(row, column) = static_cast<Number>(numbers[at(link)]); });
         }

@@ -45,7 +45,7 @@ KickTable table(Kick kind, int stages) {
 }  // namespace
 
 KickTables::KickTables(Kick kind) {
-    for (int stages = 2; stages <= engine::most_rkc_stages; stages += stages < 24 ? 1 : stages / 12) tables_.push_back(table(kind, stages));
+    for (int stages = 2; stages <= engine::max_rkc_stages; stages += stages < 24 ? 1 : stages / 12) tables_.push_back(table(kind, stages));
 }
 
 const KickTable* KickTables::reaching(double z) const noexcept {

@@ -124,7 +124,7 @@ NextCycle SweepLeapfrog<Number>::begin() {
     }
     frame_.begin();
     system_.begin(w_.step.h, nominal_);
-    w_.step.links_ended = w_.layout().probe_halo() == 0;  // else tips depend on neighbours, whose results are combined with them
+    w_.step.end_state_ready = w_.layout().probe_halo() == 0;  // else tips depend on neighbours, whose results are combined with them
     pass_ = 0;
     passes_ = 1 + (cold_ ? first_sweeps : sweeps_);
     state_ = w_.layout().ledger ? State::evaluating : State::recording;
@@ -165,7 +165,7 @@ void SweepLeapfrog<Number>::save(std::vector<double>& memory) const {
 template <class Number>
 void SweepLeapfrog<Number>::load(std::span<const double> memory) {
     if (memory.empty()) return;
-    const auto lengths = taken(memory, 2);
+    const auto lengths = pop_front(memory, 2);
     nominal_ = lengths[0];
     begun_length_ = lengths[1];
     system_.load(frame_.load(memory));

@@ -182,10 +182,10 @@ void SweepSystem<Number>::save(std::vector<double>& memory) const {
 
 template <class Number>
 void SweepSystem<Number>::load(std::span<const double> memory) {
-    const double* from = taken(memory, moving_.size() / 2).data();
+    const double* from = pop_front(memory, moving_.size() / 2).data();
     for_kept(*this, now_, [&](Number& number) { number = static_cast<Number>(*from++); });
-    losses_ = whole_taken(memory, 0, 1) == 1 ? Losses::known : Losses::none;
-    from = taken(memory, 3 * powers_.size()).data();
+    losses_ = pop_integer(memory, 0, 1) == 1 ? Losses::known : Losses::none;
+    from = pop_front(memory, 3 * powers_.size()).data();
     for (model::FrictionPowers& powers : powers_) {
         powers = {from[0], from[1], from[2]};
         from += 3;

@@ -63,7 +63,7 @@ TEST(NearOptimal, OfOrderFourIsStableOnItsIntervalOfThirtyFiveHundredthsDegreeSq
 
 /// With an embedded method of order 3. Both hold for problems that are not autonomous, too: times of stages are the sums of their rows.
 TEST(NearOptimal, Rock4IsOfOrderFourToTheLastDigitsForAnyNumberOfStages) {
-    for (int stages = fewest_rock4_stages; stages <= most_rock4_stages; ++stages) {
+    for (int stages = min_rock4_stages; stages <= max_rock4_stages; ++stages) {
         const StagePlan plan = rock4(stages);
         const Tableau tableau = unroll(plan);
         EXPECT_EQ(order_of(tableau, tableau.weights, 1e-13), 4) << stages;
@@ -102,7 +102,7 @@ TEST(NearOptimal, ErrorsOfStagesGrow) {
 /// with the most stages, rounding errors become a thousandth.
 TEST(NearOptimal, ErrorsOfStagesOfRock4GrowToMillions) {
     EXPECT_NEAR(perturbation_gain(rock4(24), 197.0), 2.1e7, 0.5e7);
-    const double most = perturbation_gain(rock4(most_rock4_stages), 3470.0);
+    const double most = perturbation_gain(rock4(max_rock4_stages), 3470.0);
     EXPECT_GT(most, 1e12);
     EXPECT_LT(most * 0x1p-53, 1e-3);
 }

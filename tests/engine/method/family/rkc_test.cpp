@@ -17,7 +17,7 @@ namespace cvtflow::engine {
 namespace {
 
 TEST(Rkc, EveryNumberOfStagesHasItsName) {
-    for (int stages = fewest_rkc_stages; stages <= most_rkc_stages; ++stages) {
+    for (int stages = min_rkc_stages; stages <= max_rkc_stages; ++stages) {
         const std::string name = "rkc-s" + std::to_string(stages);
         const StagePlan* plan = find_method(name);
         ASSERT_NE(plan, nullptr) << name;

@@ -121,7 +121,7 @@ TEST_F(TwoThreads, LoseWhatIsNeitherTaskNorController) {
     const RecordedPass pass = sum_up(graph_, stages_, spans_);
     EXPECT_EQ(pass.active(), 2);
     EXPECT_NEAR(pass.synchronisation(), (2e-9 + 2e-9 + 27e-9 - 15e-9) / (2 * 2), 1e-18);
-    EXPECT_NEAR(pass.least_task(), pass.synchronisation(), 1e-18);  // one level per cycle
+    EXPECT_NEAR(pass.min_task(), pass.synchronisation(), 1e-18);  // one level per cycle
     EXPECT_NEAR(pass.imbalance(), 50.0 / 40.0, 1e-12);
 }
 
@@ -137,7 +137,7 @@ TEST_F(TwoThreads, OneThatNeverCameIsImbalanceAndNotSynchronisation) {
 TEST(Stages, NothingRecordedIsZero) {
     const RecordedPass none;
     EXPECT_EQ(none.synchronisation(), 0.0);
-    EXPECT_EQ(none.least_task(), 0.0);
+    EXPECT_EQ(none.min_task(), 0.0);
     EXPECT_EQ(none.imbalance(), 1.0);
     EXPECT_EQ(none.serial_share(), 0.0);
 }

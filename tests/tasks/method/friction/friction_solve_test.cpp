@@ -216,7 +216,7 @@ TEST(FrictionSolve, SaysHowItFared) {
 TEST(FrictionSolve, LeavesLessInShorterSteps) {
     EXPECT_EQ(FrictionSolve::tolerance(5e-6), FrictionSolve::tolerance(2e-6));
     EXPECT_NEAR(FrictionSolve::tolerance(1e-6) / FrictionSolve::tolerance(2e-6), 0.25, 1e-12);
-    EXPECT_EQ(FrictionSolve::tolerance(1e-12), FrictionSolve::least_tolerance);
+    EXPECT_EQ(FrictionSolve::tolerance(1e-12), FrictionSolve::min_tolerance);
 }
 
 /// Tolerances are no saturation speeds: at a thousandth of the usual ones friction is Coulomb's but for 5 to 10 µm/s.

@@ -39,7 +39,7 @@ tasks::Shard shard_of(const std::string& text) {
     };
     if (slash != std::string::npos && number(0, slash, shard.number) && number(slash + 1, text.size(), shard.of) && shard.valid())
         return shard;
-    throw UsageError(fmt::format("--shard {}: expected I/N with 1 <= I <= N <= {}, e.g. 3/8", text, tasks::most_shards));
+    throw UsageError(fmt::format("--shard {}: expected I/N with 1 <= I <= N <= {}, e.g. 3/8", text, tasks::max_shards));
 }
 
 std::string cases_text(const tasks::Sweep& sweep, const std::vector<long>& cases) {
