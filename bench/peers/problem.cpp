@@ -99,7 +99,7 @@ std::vector<double> Problem::sizes() const {
     return sizes;
 }
 
-void Problem::observe(double t, const double* state, tasks::Course& course) {
+void Problem::observe(double t, const double* state, Course& course) {
     const model::Observation& seen = observer_.observe(t, state, start_.phases.data());
     course.time.push_back(t - start_.time);
     course.tip_axial.push_back(seen.tip_axial);

@@ -1,6 +1,8 @@
 #pragma once
 /// The largest stable step, found by taking steps: what the spectrum predicts, confirmed without it.
 
+#include "engine/method/stage_plan.hpp"
+#include "model/variator/variator.hpp"
 #include "tasks/step/frozen_start.hpp"
 
 namespace cvtflow::bench {

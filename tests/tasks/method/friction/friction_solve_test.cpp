@@ -158,8 +158,8 @@ void expect_solution(const std::vector<std::string>& settings, double g, double 
                      const std::string& scene = "baseline") {
     Contacts contacts(settings, g, scene);
     const std::string title = settings.front() + " g = " + std::to_string(1e6 * g) + "e-6, " + std::to_string(amount) + ": ";
-    const model::Columns bench::far = contacts.velocities(10.0 * amount), before = contacts.velocities(amount);
-    contacts.slips(bench::far, &model::SlipGroup::own);
+    const model::Columns far = contacts.velocities(10.0 * amount), before = contacts.velocities(amount);
+    contacts.slips(far, &model::SlipGroup::own);
     contacts.assemble();
     contacts.slips(before, &model::SlipGroup::predicted);
     ASSERT_TRUE(contacts.run().is_done()) << title;
