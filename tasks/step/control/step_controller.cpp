@@ -132,8 +132,7 @@ CycleSequence StepController::integrate() {
             sample_energy();
         }
         if (deliver_output() || (fault_ = check_budget())) co_return;
-        choose_step();
-        propose_step();
+        plan_step();
         bool cut = false;  // the step ends at a transition
         while (true) {     // twice or more: after a rejection shorter, or up to the transition
             NextCycle cycle = method_.begin();
@@ -147,7 +146,6 @@ CycleSequence StepController::integrate() {
             if (!cut && !transitions_.due()) break;
             transitions_.complete_start_slopes();
             if (cut) break;
-
             if (!method_.retakes()) {
                 transitions_.prepare_end_slope();
                 co_yield evaluate_cycle;
@@ -205,9 +203,13 @@ bool StepController::deliver_output() {
     return over;
 }
 
+void StepController::plan_step() {
+    if (settings_.automatic() && !errors_.decides() && grid_.point == 0 && w_.step.time == grid_.here()) choose_step();
+    propose_step();
+}
+
 /// Length of automatic steps, at the start of a leg: shorter as soon as needed, longer only if the gain is worth it.
 void StepController::choose_step() {
-    if (!settings_.automatic() || errors_.decides() || grid_.point != 0 || w_.step.time != grid_.here()) return;
     const double longest = std::min(method_.longest_step(longest_automatic_step(w_.parameters.detail.pins)),
                                     settings_.choice->longest(w_.step.time, w_.states[0], w_.tips.phases.data()));
     StepGrid next = grid_;
@@ -263,7 +265,6 @@ void StepController::accept() {
     ++counters_.steps;
 }
 
-/// The step is repeated up to the transition.
 void StepController::shorten_to_transition() {
     w_.step.h *= w_.step.theta;
     w_.step.theta = 1.0;

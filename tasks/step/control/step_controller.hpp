@@ -64,6 +64,7 @@ private:
     void prepare_observation();
     void sample_energy();
     [[nodiscard]] bool deliver_output();
+    void plan_step();
     void choose_step();
     void propose_step();
     [[nodiscard]] bool has_failed(NextCycle cycle);

@@ -7,8 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "engine/graph/race_check.hpp"
-#include "engine/method/catalogue.hpp"
 #include "engine/record/run/state_file.hpp"
 #include "tasks/run/saved_start.hpp"
 
@@ -276,39 +274,6 @@ TEST(Simulation, RefusesAnUnknownMethod) {
     Scene scene = tiny_scene();
     scene.run.method = "rk17";
     EXPECT_THROW(Simulation{scene}, SimulationError);
-}
-
-bool declares(const engine::Task& task, Field field, bool write) {
-    for (const engine::Access& access : task.accesses) {
-        if (access.field == static_cast<int>(field) && access.write == write) return true;
-    }
-    return false;
-}
-
-TEST(FusedGraph, HasNoRacesForAnyNumberOfSegments) {
-    for (const int segments : {1, 2, 3, 5, 7, 14, 24}) {
-        const Workspace workspace(tiny_scene().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, segments));
-        const engine::TaskGraph graph = step_graph(workspace, {});
-        EXPECT_TRUE(engine::race_check(graph).empty()) << segments;
-        EXPECT_EQ(graph.size(), method_cycles * segments);
-        EXPECT_EQ(graph.cycles(), method_cycles);
-        for (int cycle = 0; cycle < method_cycles; ++cycle) EXPECT_EQ(graph.levels(cycle), 1) << "one synchronisation per cycle";
-    }
-}
-
-TEST(FusedGraph, EveryTaskDeclaresWhatItsCycleWrites) {
-    const Workspace workspace(tiny_scene().parameters, engine::StagePlan(*engine::find_method("rk4")), Partition::equal(24, 5));
-    const engine::TaskGraph graph = step_graph(workspace, {});
-    const std::vector<Field> written[] = {{Field::slope_written, Field::state_kept, Field::load, Field::account, Field::window},
-                                          {Field::end_state, Field::after, Field::verdict},
-                                          {Field::verdict},
-                                          {Field::cut_state, Field::after, Field::phase, Field::verdict},
-                                          {Field::cut_state, Field::load, Field::account, Field::window}};
-    for (int task = 0; task < graph.size(); ++task) {
-        const engine::Task& one = graph.task(task);
-        for (const Field field : written[one.cycle])
-            EXPECT_TRUE(declares(one, field, true)) << one.name << ", field " << static_cast<int>(field);
-    }
 }
 
 }  // namespace
