@@ -64,6 +64,11 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
 
 }  // namespace
 
+std::string_view settled_scene_text(const engine::SavedState& saved) {
+    const std::string* text = text_attribute(saved, "scene");
+    return text == nullptr ? std::string_view() : std::string_view(*text);
+}
+
 double start_misfit(const engine::SavedState& saved, const Scene& scene) {
     const std::optional<Scene> then = settled_scene(saved, scene.state_file);
     if (!then || model::Variator::same_machine(then->parameters, scene.parameters)) return 0.0;

@@ -22,6 +22,8 @@ inline constexpr std::string_view suspicion_attribute = "energy_suspicion";
 /// The state that a scene names (state_file). @throws engine::RecordError that begins with the place where it is named
 [[nodiscard]] std::shared_ptr<const engine::SavedState> saved_start(const Scene& scene);
 
+/// Text of the scene that a state was settled with; empty if the state does not contain it.
+[[nodiscard]] std::string_view settled_scene_text(const engine::SavedState& saved);
 /// Elastic energy that a state has in a scene's machine against that in the machine it was settled with: differences by kind, added up,
 /// over the latter. 0 where the state does not contain its scene, or other unknowns than the scene's.
 [[nodiscard]] double start_misfit(const engine::SavedState& saved, const Scene& scene);

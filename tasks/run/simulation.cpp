@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <span>
 #include <tuple>
 
 #include "engine/base/hash.hpp"
@@ -56,7 +57,7 @@ Simulation::Simulation(const Scene& scene, const std::vector<Schedule>& candidat
 /// A state of another machine begins with a shock that no method resolves: the geometric start settles instead.
 void Simulation::begin_with(const engine::SavedState* saved, const model::StartState* placed) {
     if (saved != nullptr) {
-        const double misfit = start_misfit(*saved, scene_);
+        const double misfit = misfit_of(*saved);
         if (misfit <= start_misfit_tolerance) return take_state(*saved);
         const std::string unfit = unfit_text(misfit);
         if (scene_.parameters.start.settling_time == 0.0)
@@ -70,12 +71,22 @@ void Simulation::begin_with(const engine::SavedState* saved, const model::StartS
         begin_at(model::start_state(scene_.parameters));
 }
 
+double Simulation::misfit_of(const engine::SavedState& saved) {
+    engine::Hash hash;
+    hash.add(std::span<const double>(saved.state)).add(std::span<const std::uint8_t>(saved.phases)).add(settled_scene_text(saved));
+    if (!checked_start_ || checked_start_->hash != hash.value()) checked_start_ = {hash.value(), start_misfit(saved, scene_)};
+    return checked_start_->misfit;
+}
+
 bool Simulation::fits(const Scene& scene) const {
     return scene.run.method == scene_.run.method && model::layout_of(scene.parameters) == workspace_->layout();
 }
 
 void Simulation::reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed) {
-    if (!model::Variator::same_machine(scene_.parameters, scene.parameters)) choice_.reset();
+    if (!model::Variator::same_machine(scene_.parameters, scene.parameters)) {
+        choice_.reset();
+        checked_start_.reset();
+    }
     scene_ = scene;
     integrator_->adopt(scene.parameters);
     counters_ = {};

@@ -121,6 +121,7 @@ private:
     void take_state(const engine::SavedState& saved);
     void begin_with(const engine::SavedState* saved, const model::StartState* placed);
     void begin_at(const model::StartState& start);
+    [[nodiscard]] double misfit_of(const engine::SavedState& saved);
     void rest_at_start();
     void end_settling();
     [[nodiscard]] StepSettings settings_of(const Goal& goal) const;
@@ -136,6 +137,12 @@ private:
     Counters counters_;
     LocalErrorStatistics local_errors_;
     std::vector<std::string> start_differences_;
+    /// Misfit of the last saved start in this machine: cases of a sweep often share both.
+    struct CheckedStart {
+        std::uint64_t hash = 0;  ///< of the saved start
+        double misfit = 0.0;
+    };
+    std::optional<CheckedStart> checked_start_;
     IntegrationState rest_;
     const bool* pause_ = nullptr;
     double paused_wall_ = 0.0;  ///< of the advances since the last that did not end in a pause [s]

@@ -47,6 +47,7 @@ Workspace::Workspace(const model::Parameters& p, const engine::StagePlan& stage_
     step.error_scale.velocity = p.tip.friction.saturation_speed;
     links.accounts.resize(model::account_parts * count);
     tips.phases.assign(model::tips_per_link * count, model::Phase::free);
+    tips.phases_before = tips.phases;
     tips.before.assign(tips.phases.size(), {});
     tips.after.assign(tips.phases.size(), {});
     tips.probes.assign(tips.phases.size() / model::tips_per_link, {});
@@ -130,8 +131,8 @@ std::size_t Workspace::bytes() const noexcept {
     const auto of = [](const auto& vector) { return vector.size() * sizeof(vector[0]); };
     std::size_t doubles = (states.size() + slopes.size() + 1) * static_cast<std::size_t>(layout().size()) + pulleys.tail.size();
     for (const auto& window : windows) doubles += window.size();
-    return doubles * sizeof(double) + of(links.loads) + of(links.sums) + of(links.accounts) + of(tips.phases) + of(tips.before) +
-           of(tips.after) + of(tips.probes) + of(tips.changed) + of(segment_results) + sizeof(*this);
+    return doubles * sizeof(double) + of(links.loads) + of(links.sums) + of(links.accounts) + of(tips.phases) + of(tips.phases_before) +
+           of(tips.before) + of(tips.after) + of(tips.probes) + of(tips.changed) + of(segment_results) + sizeof(*this);
 }
 
 void Workspace::list_touching() noexcept {

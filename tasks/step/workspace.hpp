@@ -65,6 +65,7 @@ struct LinkFields {
 /// Whether tips touch: changed in truncate cycles only (Field::phase), probed in detect cycles (Field::before, after).
 struct TipState {
     std::vector<model::Phase> phases;         ///< [4 links]
+    std::vector<model::Phase> phases_before;  ///< [4 links] before a truncate cycle
     std::vector<model::TipIndicator> before;  ///< [4 links] at the step's start
     std::vector<model::TipIndicator> after;   ///< [4 links] at its end
     std::vector<model::TipProbe> probes;      ///< [links] the same with the links' radii

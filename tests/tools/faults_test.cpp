@@ -38,6 +38,7 @@ const std::map<std::string, std::string> left_out{
     {"extremes", "its smallest group takes 6 s of processor time; it reads and writes no file"},
     {"detail", "needs a settled state of full detail: 1 s of baseline; writes tables as compare does"},
     {"tradeoff", "0.4 s, measured in rounds; reads and writes what compare does"},
+    {"executors", "lists what is compiled in; reads and writes no file"},
     {"granularity", "measured in rounds of every executor; writes tables as profile does"},
     {"tune", "10 s of processor time, measured in rounds; writes tables as compare does, and a scene as settle does a state"}};
 

@@ -145,7 +145,7 @@ TEST_F(Resume, LeavesNoHalfWrittenCheckpointBehind) {
 TEST_F(Resume, SaysWhatIsWrongWithTheFile) {
     EXPECT_EQ(run({"resume", "nothing.h5"}).err, "cvtflow: nothing.h5: No such file or directory\n");
     ASSERT_EQ(run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
-    EXPECT_EQ(run({"resume", "state.h5"}).err, "cvtflow: state.h5: a state, but no checkpoint: it has no integration\n");
+    EXPECT_EQ(run({"resume", "state.h5"}).err, "cvtflow: state.h5: a state, but no checkpoint: it has no integration_scalars\n");
     std::filesystem::create_directory(folder_ / "empty");
     EXPECT_EQ(run({"resume", "empty"}).err, "cvtflow: empty: no sweep has written into it\n");
 }

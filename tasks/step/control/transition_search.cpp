@@ -5,8 +5,7 @@
 
 namespace cvtflow::tasks {
 
-TransitionSearch::TransitionSearch(Workspace& workspace, StepMethod& method)
-    : w_(workspace), method_(method), secant_(method.retakes()), phases_before_(workspace.tips.phases) {}
+TransitionSearch::TransitionSearch(Workspace& workspace, StepMethod& method) : w_(workspace), method_(method), secant_(method.retakes()) {}
 
 void TransitionSearch::prepare_detection() {
     const model::ChainLayout& at = w_.layout();
@@ -75,7 +74,7 @@ bool TransitionSearch::locate() {
 }
 
 void TransitionSearch::prepare_truncation() {
-    std::copy(w_.tips.phases.begin(), w_.tips.phases.end(), phases_before_.begin());
+    std::copy(w_.tips.phases.begin(), w_.tips.phases.end(), w_.tips.phases_before.begin());
     const model::ChainLayout& at = w_.layout();
     w_.interpolant().evaluate(w_.step.theta, at.pulley_begin(), at.size(), w_.cut_state + at.pulley_begin());
     w_.variator.pulleys().motions(w_.cut_state + at.pulley_begin(), w_.pulleys.sheaves);
@@ -87,11 +86,11 @@ void TransitionSearch::truncate(RunObserver& observer, Counters& counters) {
     method_.transition();
     w_.list_touching();
     for (std::size_t tip = 0; tip < w_.tips.phases.size(); ++tip) {
-        if (w_.tips.phases[tip] == phases_before_[tip]) continue;
+        if (w_.tips.phases[tip] == w_.tips.phases_before[tip]) continue;
         const int number = static_cast<int>(tip);
         const int pin = (number / 4 + number / 2 % 2) % w_.layout().links;
         ++counters.detected;
-        observer.transition({w_.step.time, pin, number, phases_before_[tip], w_.tips.phases[tip]});
+        observer.transition({w_.step.time, pin, number, w_.tips.phases_before[tip], w_.tips.phases[tip]});
     }
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 /// The serial part of finding and carrying out transitions: what is done between detect, locate and truncate cycles.
 
-#include <vector>
-
 #include "tasks/step/control/run_observer.hpp"
 #include "tasks/step/step_method.hpp"
 #include "tasks/step/workspace.hpp"
@@ -37,7 +35,6 @@ private:
     StepMethod& method_;
     const bool secant_;  ///< the method retakes steps: slopes are made from the states at both ends
     bool due_ = false;
-    std::vector<model::Phase> phases_before_;  ///< [4 links] before the truncate cycle
 };
 
 }  // namespace cvtflow::tasks

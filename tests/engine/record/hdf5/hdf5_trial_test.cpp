@@ -45,10 +45,10 @@ using Hdf5TrialTest = RecordTest;
 TEST_F(Hdf5TrialTest, TellsWhatBecameOfTheChild) {
     const auto begun = std::chrono::steady_clock::now();
     EXPECT_EQ(verdicts(path("out"), {[] {}, [] { throw std::runtime_error("for the parent to say"); }, [] { std::raise(SIGSEGV); },
-                                            [] {
-                                                while (getpid() != 0) {}
-                                            },
-                                            [] { throw std::bad_alloc(); }}),
+                                     [] {
+                                         while (getpid() != 0) {}
+                                     },
+                                     [] { throw std::bad_alloc(); }}),
               "survived; survived; HDF5 crashes on it; it takes HDF5 too long; HDF5 wants more than 1 GiB for it; ");
     EXPECT_GE(std::chrono::steady_clock::now() - begun, std::chrono::milliseconds(990));  // of processor time
 }
