@@ -150,19 +150,29 @@ SpanMeans RunMeans::span(double from, double to) const {
     return means;
 }
 
-std::string RunMeans::change() const {
+RunMeans::Change RunMeans::change() const {
     const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
-    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
     const bool ratio_drifts = std::abs(last.ratio - first.ratio) > drifts_ratio * std::abs(whole.ratio);
     const bool slip_drifts = std::abs(last.slip - first.slip) > drifts_slip * std::abs(whole.slip) + min_slip;
-    if (ratio_drifts || slip_drifts)
-        return fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio,
-                           percent(first.slip), percent(last.slip));
-    if (pin_period_ > 0.0 && whole.periods < 1.0)
-        return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one", 1e3 * pin_period_);
-    if (std::abs(whole.stored) > takes_energy)
-        return fmt::format("means are over a changing state: what moves has {} {} of the input", whole.stored > 0.0 ? "taken" : "given",
-                           percent(std::abs(whole.stored)));
+    if (ratio_drifts || slip_drifts) return Change::drift;
+    if (pin_period_ > 0.0 && whole.periods < 1.0) return Change::brief;
+    return std::abs(whole.stored) > takes_energy ? Change::energy : Change::none;
+}
+
+std::string RunMeans::text_of(Change change) const {
+    const SpanMeans whole = all(), first = first_fifth(), last = last_fifth();
+    const auto percent = [](double share) { return fmt::format("{:.3g} %", 100.0 * share); };
+    switch (change) {
+        case Change::drift:
+            return fmt::format("means are over a changing state: ratio {:.5g} … {:.5g}, slip {} … {}", first.ratio, last.ratio,
+                               percent(first.slip), percent(last.slip));
+        case Change::brief:
+            return fmt::format("means are over less than the {:.3g} ms in which a pin takes the place of the next one", 1e3 * pin_period_);
+        case Change::energy:
+            return fmt::format("means are over a changing state: what moves has {} {} of the input", whole.stored > 0.0 ? "taken" : "given",
+                               percent(std::abs(whole.stored)));
+        case Change::none: break;
+    }
     return {};
 }
 
@@ -175,7 +185,7 @@ std::array<bool, 8> RunMeans::odd(const EnergyBalance& balance) const {
             last.limited > often,
             last.loose > often,
             !whole.no_load && (impossible(whole.efficiency) || impossible(last.efficiency)),
-            !change().empty() && !stands,
+            change() != Change::none && !stands,
             stands,
             (whole.no_load || (std::isfinite(whole.efficiency) && whole.carried < 1.0)) && !stands,
             unresolved(balance) > resolved_share * balance.loss};
@@ -192,7 +202,7 @@ std::vector<Note> RunMeans::notes(const EnergyBalance& balance, bool pulleys) co
         fmt::format("the slack strand carries no tension ({} of the last fifth)", percent(last.loose)),
         fmt::format("an efficiency of {} ({} in the last fifth) is none: what moves has taken or given energy", percent(whole.efficiency),
                     percent(last.efficiency)),
-        change(),
+        text_of(change()),
         "the machine stands: slip is noise",
         fmt::format("no load: drive and load take {} of what is lost{}", percent(whole.carried),
                     whole.no_load ? ", so there is no efficiency" : ": the efficiency is that of idling"),

@@ -68,8 +68,10 @@ private:
 
     /// Which of note_kinds() there are.
     [[nodiscard]] std::array<bool, 8> odd(const EnergyBalance& balance) const;
-    /// Why means are over a changing state; empty: it is steady.
-    [[nodiscard]] std::string change() const;
+    /// Why means are over a changing state.
+    enum class Change { none, drift, brief, energy };
+    [[nodiscard]] Change change() const;
+    [[nodiscard]] std::string text_of(Change change) const;
     [[nodiscard]] SpanMeans span(double from, double to) const;  ///< from [s], to [s]
     [[nodiscard]] EnergySums energy_at(double time) const;       ///< time [s]
     void halve();
