@@ -5,27 +5,84 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <functional>
+#include <iostream>
+#include <utility>
 
 #include "engine/base/error_text.hpp"
+#include "tests/sample_fixture.hpp"
 #include "tests/tools/batch_fixture.hpp"
+#include "tests/tools/object_forgery_fixture.hpp"
 
 namespace cvtflow::tools {
 namespace {
+
+/// One of our files, and the commands that read it.
+struct Target {
+    std::string file;
+    Forged kind;
+    std::vector<Words> commands;
+};
+
+const Words brief{"--set", "start.settling_time=20us", "--set", "start.ramp_time=10us"};
+const Words once{"--set", "run.max_steps=20", "-q"};
+
+std::vector<Target> targets() {
+    const std::vector<Words> of_record{{"info", "good.h5"},
+                                       {"table", "good.h5", "--rainflow", "ratio"},
+                                       {"table", "good.h5", "--rainflow", "links/tension[*]", "--csv"},
+                                       {"plot", "good.h5"},
+                                       {"plot", "good.h5", "--orders", "-o", "p.csv"},
+                                       {"plot", "good.h5", "--losses"},
+                                       {"plot", "good.h5", "--round"},
+                                       {"report", "good.h5"},
+                                       {"report", "good.h5", "cut.h5"},
+                                       {"export", "good.h5", "--csv", "wide.csv"},
+                                       {"export", "good.h5", "--vtk", "v.pvd"}};
+    const std::vector<Words> of_state{{"info", "state.h5"},
+                                      {"check", "tiny", "--set", "start.state=state.h5"},
+                                      Words{"run", "tiny", "-o", "none", "--set", "start.state=state.h5"} + once,
+                                      Words{"settle", "tiny", "-q", "-o", "again.h5", "--time", "10us", "--set", "start.state=state.h5"}};
+    const std::vector<Words> of_checkpoint{{"info", "cut.checkpoint.h5"},
+                                           Words{"resume", "cut.checkpoint.h5", "-o", "none"} + once,
+                                           Words{"resume", "cut.checkpoint.h5"} + once};
+    const std::vector<Words> of_table{{"table", "out"},
+                                      {"table", "out", "--csv"},
+                                      {"report", "out"},
+                                      {"plot", "out"},
+                                      {"resume", "out", "-q"},
+                                      {"merge", "out"},
+                                      {"batch", "sweep.toml", "-o", "out", "-q"}};
+    return {{"good.h5", Forged::record, of_record},
+            {"state.h5", Forged::state, of_state},
+            {"cut.checkpoint.h5", Forged::state, of_checkpoint},
+            {"out/cases.h5", Forged::table, of_table},
+            {"cut.h5", Forged::record, {{"resume", "cut.checkpoint.h5", "-q"}}},
+            {"shards/shard-0001-of-0002/cases.h5", Forged::table, {{"merge", "shards"}, {"merge", "shards", "--partial"}}}};
+}
 
 /// Forgeries of a record, a state, a checkpoint and a table go through every command that reads them.
 class Forgery : public Sweeps {
 protected:
     Forgery() {
-        const Words brief{"--set", "start.settling_time=20us", "--set", "start.ramp_time=10us", "--until", "40 us"};
-        EXPECT_EQ(run(Words{"run", "tiny", "--settle", "-q", "-o", "good.h5", "--set", "run.state_interval=10us"} + brief).status, 0);
+        EXPECT_EQ(
+            run(Words{"run", "tiny", "--settle", "-q", "-o", "good.h5", "--until", "40 us", "--set", "run.state_interval=10us"} + brief)
+                .status,
+            0);
         EXPECT_EQ(run({"settle", "tiny", "-q", "-o", "state.h5", "--time", "20us", "--set", "start.ramp_time=10us"}).status, 0);
         EXPECT_EQ(run(run_to_be_ended("cut.h5") + Words{"--checkpoint-every", "1 h", "--set", "run.max_steps=3000"}).status, 4);
         write_sweep("\"6 N*m\"");
         EXPECT_EQ(batch().status, 0);
+        for (const char* shard : {"1/2", "2/2"}) EXPECT_EQ(run({"batch", "sweep.toml", "-o", "shards", "--shard", shard}).status, 0);
     }
+    /// A false file made from a good one. @return what is false in it
+    using Forge = std::function<std::string(const std::string& path)>;
     /// Runs the commands on a forged copy of a file, in a folder of its own.
-    void survive(const std::string& good, Forged kind, std::uint64_t seed, const std::vector<Words>& commands);
-    void survive_all(std::uint64_t seeds);
+    void survive(const Target& target, const Forge& forge);
+    /// Drawn changes of contents whose hashes are right, and of structure.
+    void survive_drawn(std::uint64_t seeds);
+    /// `count` of all changes of all objects and attributes, drawn by the commit; all of them if its seed is "all".
+    void survive_objects(std::size_t count);
 
     void expect_survived(const Words& words, const std::string& what);
 };
@@ -47,64 +104,64 @@ void Forgery::expect_survived(const Words& words, const std::string& what) {
 #endif
 }
 
-void Forgery::survive(const std::string& good, Forged kind, std::uint64_t seed, const std::vector<Words>& commands) {
+void Forgery::survive(const Target& target, const Forge& forge) {
     namespace fs = std::filesystem;
-    for (const Words& words : commands) {
+    for (const Words& words : target.commands) {
         fs::remove_all(folder_ / "lair");
         fs::create_directories(folder_ / "lair");
         write("victim.txt", "mine");
-        const std::string name = fs::path(good).filename().string();
-        for (const char* beside : {"good.h5", "cut.h5.part", "cut.h5", "cut.checkpoint.h5"}) {
+        for (const char* beside : {"good.h5", "cut.h5.part", "cut.h5", "cut.checkpoint.h5", "sweep.toml"}) {
             if (exists(beside)) fs::copy_file(folder_ / beside, folder_ / "lair" / beside);
         }
-        if (kind == Forged::table) fs::copy(folder_ / "out", folder_ / "lair/out", fs::copy_options::recursive);
-        const fs::path copy = folder_ / "lair" / (kind == Forged::table ? "out/cases.h5" : name);
-        fs::copy_file(folder_ / good, copy, fs::copy_options::overwrite_existing);
-        const std::string what = good + ", seed " + std::to_string(seed) + ": " + forge(copy.string(), kind, seed);
+        for (const char* folder : {"out", "shards"}) fs::copy(folder_ / folder, folder_ / "lair" / folder, fs::copy_options::recursive);
+        const fs::path copy = folder_ / "lair" / target.file;
+        fs::copy_file(folder_ / target.file, copy, fs::copy_options::overwrite_existing);
+        const std::string what = target.file + ", " + forge(copy.string());
         expect_survived(words, what);
         EXPECT_EQ(read("victim.txt"), "mine") << what;
         if (HasFailure()) break;
     }
 }
 
-void Forgery::survive_all(std::uint64_t seeds) {
-    const std::vector<Words> of_record{{"info", "good.h5"},
-                                       {"table", "good.h5", "--rainflow", "ratio"},
-                                       {"table", "good.h5", "--rainflow", "links/tension[*]", "--csv"},
-                                       {"plot", "good.h5"},
-                                       {"plot", "good.h5", "--orders", "-o", "p.csv"},
-                                       {"plot", "good.h5", "--losses"},
-                                       {"plot", "good.h5", "--round"},
-                                       {"report", "good.h5"},
-                                       {"report", "good.h5", "cut.h5"},
-                                       {"export", "good.h5", "--vtk", "v.pvd"}};
-    const Words once{"--set", "run.max_steps=20", "-q"};
-    const std::vector<Words> of_state{{"info", "state.h5"}, Words{"run", "tiny", "-o", "none", "--set", "start.state=state.h5"} + once};
-    const std::vector<Words> of_checkpoint{{"info", "cut.checkpoint.h5"},
-                                           Words{"resume", "cut.checkpoint.h5", "-o", "none"} + once,
-                                           Words{"resume", "cut.checkpoint.h5"} + once};
-    const std::vector<Words> of_table{{"table", "out"}, {"table", "out", "--csv"}, {"report", "out"},
-                                      {"plot", "out"},  {"resume", "out", "-q"},   {"merge", "out"}};
+void Forgery::survive_drawn(std::uint64_t seeds) {
+    const std::vector<Target> all = targets();
     for (std::uint64_t seed = 0; seed < seeds && !HasFailure(); ++seed) {
-        switch (seed % 5) {
-            case 0: survive("state.h5", Forged::state, seed, of_state); break;
-            case 1: survive("cut.checkpoint.h5", Forged::state, seed, of_checkpoint); break;
-            case 2: survive("out/cases.h5", Forged::table, seed, of_table); break;
-            case 3: survive("cut.h5", Forged::record, seed, {{"resume", "cut.checkpoint.h5", "-q"}}); break;
-            default: survive("good.h5", Forged::record, seed, of_record);
-        }
+        const Target& target = all[seed % all.size()];
+        survive(target, [&](const std::string& path) { return "seed " + std::to_string(seed) + ": " + forge(path, target.kind, seed); });
     }
 }
 
-TEST_F(Forgery, NeitherCrashesNorSwellsACommand) { survive_all(20); }
+void Forgery::survive_objects(std::size_t count) {
+    using Pair = std::pair<const Target*, ObjectForgery>;
+    const std::vector<Target> all = targets();
+    std::vector<Pair> forgeries;
+    for (const Target& target : all) {
+        for (const ObjectForgery& each : forgeries_of((folder_ / target.file).string())) forgeries.emplace_back(&target, each);
+    }
+    const std::vector<Pair> taken = test::sample(forgeries, count, "forgeries");
+    for (const auto& [target, forgery] : taken) {
+        survive(*target, [&](const std::string& path) { return forgery.make(path), forgery.text(); });
+        if (HasFailure()) break;
+    }
+    std::cout << taken.size() << " of " << forgeries.size() << " changes of objects and attributes\n";
+}
+
+TEST_F(Forgery, NeitherCrashesNorSwellsACommand) {
+    survive_drawn(12);
+    survive_objects(12);
+}
 
 using NightlyForgery = Forgery;
 
-/// FORGERIES: how many, for other machines and sanitizers.
-TEST_F(NightlyForgery, NeitherCrashesNorSwellsACommand) {
-    const char* count = std::getenv("FORGERIES");
-    survive_all(count != nullptr ? std::strtoull(count, nullptr, 10) : 5000);
+/// How many, for other machines and sanitizers. @param name  of a variable of the environment
+std::size_t count_of(const char* name, std::size_t otherwise) {
+    const char* count = std::getenv(name);
+    return count != nullptr ? std::strtoull(count, nullptr, 10) : otherwise;
 }
+
+TEST_F(NightlyForgery, OfDrawnContentsNeitherCrashesNorSwellsACommand) { survive_drawn(count_of("FORGERIES", 2000)); }
+
+TEST_F(NightlyForgery, OfEveryObjectNeitherCrashesNorSwellsACommand) { survive_objects(count_of("FORGERIES", 3000)); }
 
 /// One change each, as it was found; the program must say what is wrong.
 class ForgedRecord : public Program {

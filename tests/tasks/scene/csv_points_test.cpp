@@ -52,6 +52,20 @@ TEST_F(CsvPoints, CountFromTheScenesFolderAndForASettingFromTheWorkingOne) {
     EXPECT_EQ(scene.parameters.load.torque, model::TimeTable({0.0, 1.0}, {1.0, 2.0}));
 }
 
+/// A stranger's record or checkpoint contains a scene; it must not make this program read other files.
+TEST_F(CsvPoints, AreNotReadForARecordedScene) {
+    write("drive.csv", "t,M\n0,1\n1,2\n");
+    const std::string text = "[load]\ntorque = {csv = \"drive.csv\"}\n";
+    EXPECT_NO_THROW((void)parse_scene(text, folder_ / "scene.toml", StartState::ignored));
+    try {
+        (void)parse_scene(text, folder_ / "scene.toml", StartState::recorded);
+        FAIL();
+    } catch (const SceneError& error) {
+        EXPECT_STREQ(error.what(),
+                     (folder_ / "scene.toml:2:10: load.torque: a recorded scene has the points of its tables; it names no file").c_str());
+    }
+}
+
 TEST_F(CsvPoints, AreKeptWithTheSceneWithoutTheFile) {
     write("drive.csv", "t,M\n0,1\n0.25,2\n");
     const Scene scene = parse_scene("[load]\ntorque = {csv = \"drive.csv\"}\n", folder_ / "scene.toml");
