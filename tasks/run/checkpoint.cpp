@@ -230,7 +230,7 @@ bool is_record_of(const Checkpoint& checkpoint, const std::string& file) {
 }
 
 Scene scene_of(const Checkpoint& checkpoint) {
-    Scene scene = parse_scene(checkpoint.scene, checkpoint.path, StartState::ignored);
+    Scene scene = parse_scene(checkpoint.scene, checkpoint.path, StartState::recorded);
     scene.text = checkpoint.text;
     return scene;
 }

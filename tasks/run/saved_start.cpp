@@ -41,7 +41,7 @@ const std::string* text_attribute(const engine::SavedState& saved, std::string_v
 /// The scene that a state was settled with, if the state contains it.
 [[nodiscard]] std::optional<Scene> settled_scene(const engine::SavedState& saved, const std::string& place) {
     const std::string* text = text_attribute(saved, "scene");
-    return text == nullptr ? std::nullopt : std::optional(parse_scene(*text, place, StartState::ignored));
+    return text == nullptr ? std::nullopt : std::optional(parse_scene(*text, place, StartState::recorded));
 }
 
 [[nodiscard]] bool same_coordinates(const model::ChainLayout& a, const model::ChainLayout& b) noexcept {

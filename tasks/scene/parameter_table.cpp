@@ -307,7 +307,8 @@ const std::vector<Parameter>& rows() {
      "Clamping and load are raised over this time at the beginning of settling.",
      "model choice", [](Scene& s) -> Slot { return &s.parameters.start.ramp_time; }},
     {"start.state", "", 0, 0, {},
-     "File of a recorded state to start from, relative to the scene file; empty: geometric start.",
+     "File of a recorded state to start from, relative to the scene file; empty: geometric start. "
+     "A state that does not fit this machine (its elastic energy differs by more than 1 %) is not used: the run settles anew.",
      "model choice", [](Scene& s) -> Slot { return &s.state_file; }},
 
     {"run.method", "", 0, 0, {},

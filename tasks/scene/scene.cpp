@@ -87,7 +87,10 @@ void Reading::section(const Entry& entry) {
 void Reading::value(const Parameter& parameter, const Node& node) {
     const std::size_t before = problems_.size();
     given_[parameter.key] = node.position;
-    if (parameter.kind() == Kind::time_table && std::holds_alternative<Node::Table>(node.value))
+    const bool names_file = parameter.kind() == Kind::time_table && std::holds_alternative<Node::Table>(node.value);
+    if (names_file && start_ == StartState::recorded)
+        problem(node.position, fmt::format("{}: a recorded scene has the points of its tables; it names no file", parameter.key));
+    else if (names_file)
         read_csv_points(parameter, node, folder_, scene_, problems_);
     else
         read_value(parameter, node, scene_, problems_);
@@ -99,7 +102,7 @@ void Reading::value(const Parameter& parameter, const Node& node) {
 }
 
 void Reading::resolve_state(const Node& node) {
-    if (start_ == StartState::ignored) scene_.state_file.clear();
+    if (start_ != StartState::required) scene_.state_file.clear();
     if (scene_.state_file.empty()) return;
     const auto file = std::filesystem::absolute(folder_ / scene_.state_file).lexically_normal();
     std::error_code unreadable;

@@ -76,8 +76,10 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-/// What to do with start.state: `ignored` reads a scene whose state file is not there (yet), as one with a geometric start.
-enum class StartState { required, ignored };
+/// What to do with start.state: `ignored` reads a scene whose state file is not there (yet), as one with a geometric start. `recorded`
+/// does the same for the scene in a record, state or checkpoint, and refuses one that names a CSV file: what a file contains does not
+/// decide which other file is read.
+enum class StartState { required, ignored, recorded };
 
 /// Reads and checks a scene file.
 /// @throws SceneError  unreadable file, or any problem in it

@@ -31,7 +31,7 @@ std::optional<tasks::Scene> scene_in(const std::vector<engine::Attribute>& attri
     const std::string text = found == attributes.end() ? "" : value_text(*found);
     if (text.empty() || text.size() > longest_scene) return {};
     try {
-        return tasks::parse_scene(text, "scene", tasks::StartState::ignored);
+        return tasks::parse_scene(text, "scene", tasks::StartState::recorded);
     } catch (const tasks::SceneError&) {
         return {};
     }

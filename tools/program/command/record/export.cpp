@@ -35,7 +35,7 @@ tasks::Scene recorded_scene(const std::string& path, const engine::RunReader& ru
     const auto* text = parameters ? std::get_if<std::string>(&parameters->value) : nullptr;
     if (text == nullptr) throw engine::RecordError(path + ": it does not say which machine it is of");
     try {
-        return tasks::parse_scene(*text, "scene", tasks::StartState::ignored);
+        return tasks::parse_scene(*text, "scene", tasks::StartState::recorded);
     } catch (const tasks::SceneError& error) {
         throw engine::RecordError(fmt::format("{}: its machine cannot be read: {}", path, error.what()));
     }
