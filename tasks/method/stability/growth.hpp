@@ -1,6 +1,7 @@
 #pragma once
 /// How fast the fastest of all disturbances grows in one application of a linear map, by Arnoldi's method.
 
+#include <algorithm>
 #include <complex>
 #include <vector>
 
@@ -12,7 +13,12 @@ struct Growth {
     double factor = 0.0;                  ///< spectral radius; infinite where the map cannot be applied or is not finite [1]
     std::complex<double> multiplier;      ///< the eigenvalue that has it, of positive imaginary part or real
     std::vector<double> real, imaginary;  ///< its eigenvector [size]
+    double uncertainty = 0.0;             ///< residual of the eigenvalue: the map differs by so much from one that has it exactly [1]
     int applications = 0;
+
+    /// The growth that is beyond doubt. Where many multipliers crowd together near 1, an estimate may lie outside all of them; the
+    /// map is not normal, so an estimate counts only if its residual is far smaller than the growth [1]
+    [[nodiscard]] double certain() const noexcept { return uncertainty > 0.1 * (factor - 1.0) ? std::min(factor, 1.0) : factor; }
 };
 
 struct GrowthSettings {
@@ -20,6 +26,7 @@ struct GrowthSettings {
     double from_one = 0.1;  ///< [1]
     int most = 160;         ///< dimension of the Krylov space
     double settled = 1e-4;  ///< change of the factor over the last ten directions
+    int restarts = 3;       ///< with the eigenvector found so far, while growth is found but uncertain
 };
 
 /// The same result every time. @param start first direction; of another length: one that has a share of everything

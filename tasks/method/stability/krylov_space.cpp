@@ -59,7 +59,7 @@ std::vector<std::complex<double>> KrylovSpace::values() const {
     return values;
 }
 
-std::vector<std::complex<double>> KrylovSpace::vector_of(std::complex<double> value) const {
+RitzVector KrylovSpace::vector_of(std::complex<double> value) const {
     const Eigen::Map<const Eigen::MatrixXd> basis(basis_.data(), size_, most_ + 1);
     const Eigen::Map<const Eigen::MatrixXd> hessenberg(hessenberg_.data(), most_ + 1, most_);
     Eigen::MatrixXcd shifted = hessenberg.topLeftCorner(dimension_, dimension_).cast<std::complex<double>>();
@@ -67,8 +67,10 @@ std::vector<std::complex<double>> KrylovSpace::vector_of(std::complex<double> va
     const Eigen::PartialPivLU<Eigen::MatrixXcd> solver(shifted);
     Eigen::VectorXcd x = Eigen::VectorXcd::Ones(dimension_);
     for (int step = 0; step < 2; ++step) x = solver.solve(x.normalized()).eval();
-    const Eigen::VectorXcd vector = basis.leftCols(dimension_) * x.normalized();
-    return {vector.data(), vector.data() + vector.size()};
+    x.normalize();
+    const Eigen::VectorXcd vector = basis.leftCols(dimension_) * x;
+    return {{vector.data(), vector.data() + vector.size()},
+            invariant_ ? 0.0 : hessenberg(dimension_, dimension_ - 1) * std::abs(x[dimension_ - 1])};
 }
 
 }  // namespace cvtflow::tasks

@@ -10,6 +10,12 @@ namespace cvtflow::tasks {
 /// to = map(from), both [size]; false: it cannot be applied.
 using LinearMap = std::function<bool(const double* from, double* to)>;
 
+/// An approximate eigenvector of unit length.
+struct RitzVector {
+    std::vector<std::complex<double>> vector;  ///< [size]
+    double residual = 0.0;                     ///< |map(vector) - value vector|: 0 in an invariant space [1]
+};
+
 /// A Krylov space with its Hessenberg matrix. Grows by one dimension at a time, orthogonalised twice; the same bits every time.
 class KrylovSpace {
 public:
@@ -26,7 +32,7 @@ public:
     /// Ritz values of imaginary part 0 or more [dimension, conjugates left out], in no order; exact in an invariant space.
     [[nodiscard]] std::vector<std::complex<double>> values() const;
     /// The Ritz vector of one of them, by two steps of inverse iteration [size].
-    [[nodiscard]] std::vector<std::complex<double>> vector_of(std::complex<double> value) const;
+    [[nodiscard]] RitzVector vector_of(std::complex<double> value) const;
 
 private:
     const int size_, most_;

@@ -89,7 +89,7 @@ StepLimit predicted_step_limit(const LinearChain& chain, std::string_view method
                 return true;
             },
             beyond.real);
-        if (growth.factor <= 1.0 + growth_factor_tolerance) return true;
+        if (growth.certain() <= 1.0 + growth_factor_tolerance) return true;
         beyond = std::move(growth);
         return false;
     };
@@ -111,7 +111,7 @@ double predicted_growth(const LinearChain& chain, std::string_view method, doubl
                               return true;
                           },
                           {})
-        .factor;
+        .certain();
 }
 
 StepLimit predicted_step_limit(const model::Variator& variator, const model::Parameters& parameters, std::string_view method,

@@ -44,7 +44,7 @@ TEST(KrylovSpace, VectorsBelongToTheirValues) {
     KrylovSpace space(size, size);
     while (!space.full()) ASSERT_TRUE(space.grow(chain_of(size)));
     const std::complex<double> value = space.values().front();
-    const std::vector<std::complex<double>> vector = space.vector_of(value);
+    const std::vector<std::complex<double>> vector = space.vector_of(value).vector;
     std::vector<double> real(size), mapped(size);
     for (std::size_t k = 0; k < size; ++k) real[k] = vector[k].real();
     ASSERT_TRUE(chain_of(size)(real.data(), mapped.data()));
