@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 
 namespace cvtflow::host {
@@ -59,9 +60,30 @@ TEST_F(Package, IsFoundByPkgConfig) {
     const std::string with = "export PKG_CONFIG_PATH=" + config.substr(0, config.size() - 1) + "; ";
     EXPECT_EQ(run(with + "pkg-config --modversion cvtflow"), CVTFLOW_PROJECT_VERSION "\n");
     run(with + CVTFLOW_CC " -std=c11 -Wall -Wextra -pedantic -Werror " + here +
-        "/consumer/main.c -o c $(pkg-config --cflags --libs cvtflow) -Wl,-rpath,$(pkg-config --variable=libdir cvtflow)");
+        "/consumer/main.c -o c $(pkg-config --cflags --libs cvtflow) $(pkg-config --variable=rpath cvtflow)");
     EXPECT_THAT(run("./c"), testing::HasSubstr("648 unknowns")) << "linked as the page of embedding does";
     EXPECT_THAT(run(with + "ls $(pkg-config --variable=scenesdir cvtflow)"), testing::HasSubstr("tiny.toml"));
+}
+
+/// As a reader opens them: pages refer to one another by relative paths.
+TEST_F(Package, HoldsPagesAndExamplesWhoseLinksLead) {
+    install("p");
+    const fs::path pages = folder_ / "p/share/doc/cvtflow";
+    for (const char* file : {"README.md", "docs/tutorial.md", "docs/fmi.md", "model/EQUATIONS.md", "examples/host_threads.cpp",
+                             "examples/python/first_simulation.ipynb", "examples/CMakeLists.txt"})
+        EXPECT_TRUE(fs::exists(pages / file)) << file;
+    EXPECT_FALSE(fs::exists(pages / "docs/site")) << "what makes HTML of the pages";
+    const std::regex link(R"(\]\(([^)#:]+)(#[^)]*)?\))");
+    int links = 0;
+    for (const fs::path& folder : {pages, pages / "docs"}) {
+        for (const fs::directory_entry& page : fs::directory_iterator(folder)) {
+            if (page.path().extension() != ".md" || page.path().filename() == "CONTRIBUTING.md") continue;
+            const std::string text = run("cat '" + page.path().string() + "'");
+            for (std::sregex_iterator found(text.begin(), text.end(), link), end; found != end; ++found, ++links)
+                EXPECT_TRUE(fs::exists(folder / (*found)[1].str())) << page.path() << ": " << (*found)[1];
+        }
+    }
+    EXPECT_GT(links, 60);
 }
 
 /// The scripts of `cmake --install` with another build folder, in which nothing but the program was built.
