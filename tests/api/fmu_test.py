@@ -1,6 +1,9 @@
 """FMUs in an importer that others wrote (FMPy, at CVTFLOW_FMPY). Exit status 77: it is not there."""
 
+import itertools
+import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -16,6 +19,7 @@ try:
     from fmpy.fmi2 import FMU2Slave
     from fmpy.fmi3 import FMU3Slave
     from fmpy.validation import validate_fmu
+    from lxml import etree
 except ImportError as missing:
     print(f"skipped: {missing} (CVTFLOW_FMPY is '{FMPY}')")
     sys.exit(77)
@@ -109,7 +113,13 @@ class Both(unittest.TestCase):
             export(file, version)
             self.assertEqual(validate_fmu(file), [])
             names = {row.name for row in read_model_description(file).modelVariables}
-            self.assertLess({"time", "load_torque", "slip", "efficiency", "tip.friction_coefficient"}, names)
+            self.assertLess({"time", "load_torque", "slip", "efficiency", "shaft_2.speed", "tip.friction_coefficient"}, names)
+            self.assertLess(len(names), 35)
+            export(file, version, "--outputs", "all", "--parameters", "all")
+            self.assertEqual(validate_fmu(file), [])
+            everything = {row.name for row in read_model_description(file).modelVariables}
+            self.assertLess(names, everything)
+            self.assertGreater(len(everything), 120)
 
     def test_they_need_nothing_but_the_c_library(self):
         def needed(file, version):
@@ -131,8 +141,8 @@ class Both(unittest.TestCase):
         def equal(file, version):
             rows = simulate_fmu(file, stop_time=2e-4, step_size=STEP, output_interval=STEP)
             np.testing.assert_array_equal(rows["ratio"], record["ratio"])
-            np.testing.assert_array_equal(rows["shaft_1/angle"], record["shaft_1/angle"])
-            tension = rows["links/tension"] if version == 3 else np.stack([rows[f"links/tension[{k}]"] for k in range(1, 25)], axis=1)
+            np.testing.assert_array_equal(rows["shaft_1.angle"], record["shaft_1/angle"])
+            tension = rows["links.tension"] if version == 3 else np.stack([rows[f"links.tension[{k}]"] for k in range(24)], axis=1)
             np.testing.assert_array_equal(tension, record["links/tension"])
 
         self.both(equal)
@@ -146,8 +156,8 @@ class Both(unittest.TestCase):
                     slave.step(time, length)
                     time += length
                     alone.advance_to(time)
-                    for name in ("ratio", "shaft_1/angle"):
-                        self.assertEqual(slave.get(name), alone.channel(name)[0])
+                    for name in ("ratio", "shaft_1.angle"):
+                        self.assertEqual(slave.get(name), alone.channel(name.replace(".", "/"))[0])
                 slave.free()
 
             self.both(equal)
@@ -276,6 +286,61 @@ class EarlyReturn(unittest.TestCase):
             fmu.freeInstance()
 
 
+class Description(unittest.TestCase):
+    """What importers show."""
+
+    def parts(self, version, *more, environment=None):
+        """Roots of the XML files in an FMU, by their names."""
+        with tempfile.TemporaryDirectory() as folder:
+            command = [PROGRAM, "export-fmu", "tiny", "-o", f"{folder}/one.fmu", "-q", "--fmi", str(version), *more]
+            subprocess.run(command, check=True, env={**os.environ, **(environment or {})})
+            with zipfile.ZipFile(f"{folder}/one.fmu") as file:
+                return {name: etree.fromstring(file.read(name)) for name in file.namelist() if name.endswith(".xml")}
+
+    def test_all_xml_follows_the_schemas_of_the_standard(self):
+        everything = ["--outputs", "all", "--parameters", "all", "--set", "control.enabled=true"]
+        for version, more in itertools.product((2, 3), ([], everything)):
+            for name, root in self.parts(version, *more).items():
+                kind = {"modelDescription.xml": "ModelDescription", "terminalsAndIcons/terminalsAndIcons.xml": "TerminalsAndIcons"}[name]
+                schema = etree.XMLSchema(file=f"{FMPY}/fmpy/schema/fmi{version}/fmi{version}{kind}.xsd")
+                self.assertTrue(schema.validate(root), (version, more, name, schema.error_log))
+
+    def test_names_are_structured_and_unique(self):
+        grammar = re.compile(r"[A-Za-z_]\w*(\[\d+\])?(\.[A-Za-z_]\w*(\[\d+\])?)*")
+        root = self.parts(2, "--outputs", "all", "--set", "control.enabled=true")["modelDescription.xml"]
+        self.assertEqual(root.get("variableNamingConvention"), "structured")
+        names = [row.get("name") for row in root.iter("ScalarVariable")]
+        self.assertEqual([name for name in names if not grammar.fullmatch(name)], [])
+        self.assertEqual(len(names), len(set(names)))
+        self.assertLess({"ratio", "ratio_target"}, set(names))
+        elements = [row.get("name") for row in self.parts(2, "--outputs", "links/tension")["modelDescription.xml"].iter("ScalarVariable")]
+        self.assertLess({"links.tension[0]", "links.tension[23]"}, set(elements))
+
+    def test_numbers_have_their_range_magnitude_and_units(self):
+        root = self.parts(3, "--outputs", "all")["modelDescription.xml"]
+        shown = {(unit.get("name"), row.get("name")): float(row.get("factor")) for unit in root.iter("Unit") for row in unit.iter("DisplayUnit")}
+        self.assertAlmostEqual(shown["rad/s", "rpm"], 60 / (2 * math.pi))
+        rows = {row.get("name"): row.attrib for row in root.iter("Float64")}
+        for row in rows.values():
+            self.assertIn((row.get("unit"), row["displayUnit"]) if "displayUnit" in row else ("rad/s", "rpm"), shown)
+            self.assertGreater(float(row.get("nominal", 1)), 0.0)
+            if row["causality"] in ("input", "parameter"):
+                self.assertLessEqual(float(row["min"]), float(row["start"]))
+                self.assertLessEqual(float(row["start"]), float(row["max"]))
+        self.assertEqual(rows["tip.friction_coefficient"]["nominal"], "0.01")
+        self.assertEqual(float(rows["load_torque"]["start"]), 12.0)
+
+    def test_author_and_date_are_stated(self):
+        plain = self.parts(3)["modelDescription.xml"]
+        self.assertIsNone(plain.get("author"))
+        self.assertRegex(plain.get("generationDateAndTime"), r"^20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ$")  # of the commit
+        stated = self.parts(3, "--author", "A & B", environment={"SOURCE_DATE_EPOCH": "1700000000"})["modelDescription.xml"]
+        self.assertEqual((stated.get("author"), stated.get("generationDateAndTime")), ("A & B", "2023-11-14T22:13:20Z"))
+        wrong = subprocess.run([PROGRAM, "export-fmu", "tiny", "-o", "/dev/null"], capture_output=True, text=True,
+                               env={**os.environ, "SOURCE_DATE_EPOCH": "today"})
+        self.assertNotEqual(wrong.returncode, 0)
+
+
 class Exporting(unittest.TestCase):
     def test_mistakes_have_their_exit_status(self):
         for arguments, status, text in [
@@ -283,6 +348,7 @@ class Exporting(unittest.TestCase):
             (["tiny", "--fmi", "4"], 2, "--fmi"),
             (["tiny", "--outputs", "rato"], 2, 'did you mean "ratio"'),
             (["tiny", "--inputs", "drive_torque"], 2, "the scene has no 'drive_torque'"),
+            (["tiny", "--parameters", "tip.frction_coefficient"], 2, 'did you mean "tip.friction_coefficient"'),
             (["tiny", "-o", "/nowhere/tiny.fmu"], 1, "/nowhere"),
         ]:
             with tempfile.TemporaryDirectory() as folder:

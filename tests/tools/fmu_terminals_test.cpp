@@ -24,9 +24,9 @@ TEST_F(FmuTerminals, GatherInputsAndOutputsByShaft) {
     ASSERT_NE(begin, std::string::npos);
     ASSERT_NE(driven, std::string::npos);
     const std::string first = fmu.substr(begin, driven - begin), second = fmu.substr(driven, fmu.find("</fmiTerminalsAndIcons>") - driven);
-    EXPECT_THAT(first, testing::AllOf(member("shaft_1/speed", "speed"), member("clamping_driving", "clamping_driving"),
+    EXPECT_THAT(first, testing::AllOf(member("shaft_1.speed", "speed"), member("clamping_driving", "clamping_driving"),
                                       member("drive_speed", "drive_speed"), Not(HasSubstr("load_torque")), Not(HasSubstr("ratio"))));
-    EXPECT_THAT(second, testing::AllOf(member("shaft_2/speed", "speed"), member("load_torque", "load_torque"),
+    EXPECT_THAT(second, testing::AllOf(member("shaft_2.speed", "speed"), member("load_torque", "load_torque"),
                                        member("clamping_driven", "clamping_driven"), Not(HasSubstr("shaft_1"))));
 }
 

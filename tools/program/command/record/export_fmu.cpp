@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstring>
@@ -15,6 +16,7 @@
 #include "tools/program/command/command.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/fmu/fmu_variables.hpp"
+#include "tools/program/output/fmu/generation_date.hpp"
 #include "tools/program/output/fmu/model_description.hpp"
 #include "tools/program/output/fmu/terminals.hpp"
 #include "tools/program/output/fmu/zip_file.hpp"
@@ -31,7 +33,7 @@ namespace fs = std::filesystem;
 
 struct FmuArguments {
     SceneArguments scene;
-    std::string output;
+    std::string output, author;
     FmuChoice choice;
     int version = 3;
     bool force = false, quiet = false;
@@ -46,19 +48,34 @@ std::string bytes_of(const fs::path& path) {
     return bytes;
 }
 
-/// What an FMU runs: beside the program as it was built, or in lib/cvtflow or lib/ARCHITECTURE/cvtflow of its installation.
-fs::path fmu_library() {
-    constexpr const char* name = "cvtflow_fmu.so";
+/// A library that an FMU runs, if it is there: beside the program as it was built, or in lib/cvtflow or lib/ARCHITECTURE/cvtflow of its
+/// installation; else empty.
+fs::path fmu_library(const char* name) {
     std::error_code unknown;
     const fs::path folder = fs::canonical("/proc/self/exe", unknown).parent_path(), lib = folder.parent_path() / "lib";
     std::vector<fs::path> places{folder / name, lib / "cvtflow" / name};
     for (const fs::directory_entry& entry : fs::directory_iterator(lib, unknown)) places.push_back(entry.path() / "cvtflow" / name);
-    for (const fs::path& place : places) {
-        if (fs::is_regular_file(place, unknown)) return place;
-    }
-    throw engine::RecordError(fmt::format(
-        "{}: not beside this program nor in lib/cvtflow of its installation (cmake --build build --target cvtflow_fmu; x86-64 only)",
-        name));
+    const auto found =
+        std::find_if(places.begin(), places.end(), [&](const fs::path& place) { return fs::is_regular_file(place, unknown); });
+    return found == places.end() ? fs::path() : *found;
+}
+
+/// The systems that the FMU is for, with their folders in it.
+struct FmuSystem {
+    const char *name, *library, *suffix, *folder_2, *folder_3;
+    fs::path file = {};
+};
+
+std::vector<FmuSystem> fmu_systems() {
+    std::vector<FmuSystem> systems{{"Linux", "cvtflow_fmu.so", ".so", "linux64", "x86_64-linux"},
+                                   {"Windows", "cvtflow_fmu.dll", ".dll", "win64", "x86_64-windows"}};
+    for (FmuSystem& system : systems) system.file = fmu_library(system.library);
+    if (systems[0].file.empty())
+        throw engine::RecordError(fmt::format(
+            "{}: not beside this program nor in lib/cvtflow of its installation (cmake --build build --target cvtflow_fmu; x86-64 only)",
+            systems[0].library));
+    std::erase_if(systems, [](const FmuSystem& system) { return system.file.empty(); });
+    return systems;
 }
 
 /// Letters, digits and underlines of a name, which becomes the library's.
@@ -75,23 +92,27 @@ Simulation settled(const Scene& scene) {
     return simulation;
 }
 
-std::string fmu_bytes(const FmuArguments& arguments, const tasks::Scene& wanted, Simulation& simulation) {
+std::string fmu_bytes(const FmuArguments& arguments, const std::vector<FmuSystem>& systems, const tasks::Scene& wanted,
+                      Simulation& simulation) {
     const bool third = arguments.version == 3;
     const std::vector<FmuVariable> variables = fmu_variables(simulation, arguments.choice, third);
-    const std::string text = simulation.scene().with("start.state=\"\"").text();
+    // The state is inside, and the caller's thread is the only one.
+    const std::string text = simulation.scene().with("start.state=\"\"").with("run.schedule=\"auto\"").text();
     const auto state = simulation.state();
     const std::string state_bytes(reinterpret_cast<const char*>(state.bytes().data()), state.bytes().size());
     const std::string table = variables_text(variables);
-    FmuFacts facts{wanted.name, identifier_of(wanted.name), "", wanted.description, wanted.run.until, wanted.run.output_interval};
-    facts.token = fmt::format(
+    const std::string token = fmt::format(
         "{{{:016x}}}", engine::Hash().add(std::string_view(text)).add(std::string_view(state_bytes)).add(std::string_view(table)).value());
+    const FmuFacts facts{wanted.name,      identifier_of(wanted.name), token, wanted.description, arguments.author, generation_date(),
+                         wanted.run.until, wanted.run.output_interval};
     std::vector<ZipPart> files{
-        {"modelDescription.xml", third ? model_description_3(facts, variables) : model_description_2(facts, variables)},
-        {fmt::format("binaries/{}/{}.so", third ? "x86_64-linux" : "linux64", facts.identifier), bytes_of(fmu_library())},
-        {"resources/scene.toml", text},
-        {"resources/state.bin", state_bytes},
-        {"resources/variables.txt", table},
-    };
+        {"modelDescription.xml", third ? model_description_3(facts, variables) : model_description_2(facts, variables)}};
+    for (const FmuSystem& system : systems)
+        files.push_back({fmt::format("binaries/{}/{}{}", third ? system.folder_3 : system.folder_2, facts.identifier, system.suffix),
+                         bytes_of(system.file)});
+    files.push_back({"resources/scene.toml", text});
+    files.push_back({"resources/state.bin", state_bytes});
+    files.push_back({"resources/variables.txt", table});
     const std::string terminals = third ? terminals_text(variables) : "";  // 2.0 has none
     if (!terminals.empty()) files.push_back({"terminalsAndIcons/terminalsAndIcons.xml", terminals});
     return zip_file(files);
@@ -105,11 +126,14 @@ ExitStatus export_fmu(const FmuArguments& arguments) {
     for (const std::string& notice : {loaded.notice, replaced}) {
         if (!notice.empty() && !arguments.quiet) print_error(notice);
     }
+    const std::vector<FmuSystem> systems = fmu_systems();
     Simulation simulation = settled(Scene::parse(tasks::write_scene(loaded.scene), loaded.scene.path.string()));
-    write_text(file, fmu_bytes(arguments, loaded.scene, simulation));
+    write_text(file, fmu_bytes(arguments, systems, loaded.scene, simulation));
     for (const std::string& notice : simulation.notices()) print_error(notice);
     if (!arguments.quiet)
-        fmt::print("{}: FMI {}.0 for co-simulation, {}\n", file, arguments.version, size_text(static_cast<double>(fs::file_size(file))));
+        fmt::print("{}: FMI {}.0 for co-simulation, {}, {}\n", file, arguments.version,
+                   systems.size() == 2 ? "Linux and Windows" : "Linux only (no cvtflow_fmu.dll: docs/fmi.md)",
+                   size_text(static_cast<double>(fs::file_size(file))));
     return simulation.energy().reliable ? ExitStatus::finished : ExitStatus::unreliable;
 }
 
@@ -128,19 +152,23 @@ Action declare_export_fmu(CLI::App& app) {
     app.add_option("--inputs", arguments->choice.inputs, "Inputs by name, separated by commas (default: all that the scene has)")
         ->type_name("NAME,...")
         ->delimiter(',');
-    app.add_option("--outputs", arguments->choice.outputs, "Channels, separated by commas (default: all of one number)")
+    app.add_option("--outputs", arguments->choice.outputs, "Channels, separated by commas, or all (default: a dozen)")
         ->type_name("CHANNEL,...")
         ->delimiter(',');
+    app.add_option("--parameters", arguments->choice.parameters,
+                   "Keys of the machine, separated by commas, or all (default: a dozen); the others stay as exported")
+        ->type_name("KEY,...")
+        ->delimiter(',');
+    app.add_option("--author", arguments->author, "Author in the model description (default: none)")->type_name("NAME");
     declare_shortcut(app, arguments->scene, "--method", "run.method", "NAME");
     declare_shortcut(app, arguments->scene, "--step", "run.step", "TIME");
     declare_fresh_start(app, arguments->scene);
     app.add_flag("-q,--quiet", arguments->quiet, "Print nothing but errors");
     app.footer(
         "The FMU needs no library but C's. It begins with the scene's state, or the settled one, and runs on its caller's thread with the "
-        "bits "
-        "of cvtflow run.\nNumbers of the machine are parameters; an instance in which one is changed settles anew. docs/fmi.md tells what "
-        "the "
-        "standard offers and this does not.\n\n" +
+        "bits of cvtflow run.\nAn instance in which a parameter is changed settles again. docs/fmi.md lists what FMI offers and this FMU "
+        "does "
+        "not.\n\n" +
         std::string(exit_status_help));
     return [arguments] { return export_fmu(*arguments); };
 }

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <set>
+#include <map>
+#include <variant>
 
 #include "engine/base/provenance.hpp"
 #include "tasks/scene/toml/units.hpp"
@@ -12,10 +13,19 @@ namespace cvtflow::tools {
 
 namespace {
 
-std::string number(double value) { return fmt::format("{:.17g}", value); }
+std::string number(double value) { return fmt::format("{}", value); }  // reads back as the same double
 
-/// ` unit="N*m"`; nothing for pure numbers.
-std::string unit_attribute(const FmuVariable& row) { return row.unit == "1" ? "" : fmt::format(" unit=\"{}\"", html(row.unit)); }
+/// ` name="value"`; nothing for an empty one.
+std::string attribute(const char* name, const std::string& value) {
+    return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, html(value));
+}
+
+/// Unit, the one to display, range and order of magnitude; nothing for what a variable does not have. Pure numbers have no unit.
+std::string type_attributes(const FmuVariable& row) {
+    std::string text = attribute("unit", row.unit == "1" ? "" : row.unit) + attribute("displayUnit", row.display_unit);
+    if (row.min) text += attribute("min", number(*row.min)) + attribute("max", number(*row.max));
+    return text + (row.nominal > 0.0 ? attribute("nominal", number(row.nominal)) : "");
+}
 
 /// Of units of channels, too, which scenes do not know.
 tasks::Dimension dimension_of(const std::string& unit) {
@@ -24,18 +34,22 @@ tasks::Dimension dimension_of(const std::string& unit) {
     return tasks::dimension_of(unit);
 }
 
-/// Units in use with their exponents of kg, m, s, rad; those with halves go without.
+/// Units in use with their exponents of kg, m, s, rad, and what people use; those with halves go without exponents.
 std::string unit_definitions(const std::vector<FmuVariable>& variables) {
-    std::set<std::string> names;
+    std::map<std::string, std::string> display_units;
     for (const FmuVariable& row : variables) {
-        if (row.unit != "1") names.insert(row.unit);
+        if (row.unit != "1") display_units[row.unit] = row.display_unit;
     }
     std::string text = "  <UnitDefinitions>\n";
-    for (const std::string& name : names) {
+    for (const auto& [name, display] : display_units) {
         const tasks::Dimension d = dimension_of(name);
         text += fmt::format("    <Unit name=\"{}\">", html(name));
         if ((d.mass | d.length | d.time | d.angle) % 2 == 0)
             text += fmt::format("<BaseUnit kg=\"{}\" m=\"{}\" s=\"{}\" rad=\"{}\"/>", d.mass / 2, d.length / 2, d.time / 2, d.angle / 2);
+        if (!display.empty()) {
+            const double size = std::get<tasks::Quantity>(tasks::parse_quantity("1 " + display)).value;
+            text += fmt::format("<DisplayUnit name=\"{}\" factor=\"{}\"/>", html(display), number(1.0 / size));
+        }
         text += "</Unit>\n";
     }
     return text + "  </UnitDefinitions>\n";
@@ -44,8 +58,9 @@ std::string unit_definitions(const std::vector<FmuVariable>& variables) {
 std::string head(const FmuFacts& facts, const char* version, const char* token) {
     return fmt::format(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"{}\" modelName=\"{}\" {}=\"{}\" description=\"{}\" "
-        "generationTool=\"cvtflow {}\" variableNamingConvention=\"flat\">\n",
-        version, html(facts.name), token, facts.token, html(facts.description), engine::current_provenance().version);
+        "generationTool=\"cvtflow {}\"{}{} variableNamingConvention=\"structured\">\n",
+        version, html(facts.name), token, facts.token, html(facts.description), engine::current_provenance().version,
+        attribute("author", facts.author), attribute("generationDateAndTime", facts.date));
 }
 
 std::string middle(const FmuFacts& facts, const std::vector<FmuVariable>& variables) {
@@ -79,8 +94,8 @@ std::string model_description_2(const FmuFacts& facts, const std::vector<FmuVari
     std::string unknowns;
     for (std::size_t index = 0; index < variables.size(); ++index) {
         const FmuVariable& row = variables[index];
-        text +=
-            fmt::format("    <ScalarVariable {}><Real{}{}/></ScalarVariable>\n", causality(row), start_attribute(row), unit_attribute(row));
+        text += fmt::format("    <ScalarVariable {}><Real{}{}/></ScalarVariable>\n", causality(row), start_attribute(row),
+                            type_attributes(row));
         if (row.kind == "output") unknowns += fmt::format("      <Unknown index=\"{}\"/>\n", index + 1);
     }
     return text + fmt::format(
@@ -100,7 +115,7 @@ std::string model_description_3(const FmuFacts& facts, const std::vector<FmuVari
     std::string outputs, initial;
     for (const FmuVariable& row : variables) {
         const std::string dimension = row.width > 1 ? fmt::format("<Dimension start=\"{}\"/>", row.width) : "";
-        text += fmt::format("    <Float64 {}{}{}>{}</Float64>\n", causality(row), start_attribute(row), unit_attribute(row), dimension);
+        text += fmt::format("    <Float64 {}{}{}>{}</Float64>\n", causality(row), start_attribute(row), type_attributes(row), dimension);
         if (row.kind != "output") continue;
         outputs += fmt::format("    <Output valueReference=\"{}\"/>\n", row.reference);
         initial += fmt::format("    <InitialUnknown valueReference=\"{}\"/>\n", row.reference);

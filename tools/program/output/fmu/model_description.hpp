@@ -13,6 +13,8 @@ struct FmuFacts {
     std::string identifier;          ///< of the library inside: a name in C
     std::string token;               ///< that tells this FMU from others
     std::string description;         ///< one line
+    std::string author;              ///< empty: not stated
+    std::string date;                ///< of generation, UTC, ISO 8601; empty: unknown
     double until = 0.0, step = 0.0;  ///< of the default experiment [s]
 };
 

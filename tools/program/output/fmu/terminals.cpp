@@ -30,10 +30,10 @@ constexpr Terminal terminals[] = {{"shaft_1", "The driving shaft."}, {"shaft_2",
 std::string member_name(const FmuVariable& variable, std::string_view terminal) {
     if (variable.kind == "input") {
         const auto* found = std::find_if(std::begin(shaft_of_inputs), std::end(shaft_of_inputs),
-                                         [&](const ShaftOfInput& row) { return row.input == variable.name; });
+                                         [&](const ShaftOfInput& row) { return row.input == variable.source; });
         return found != std::end(shaft_of_inputs) && found->shaft == terminal ? variable.name : "";
     }
-    const std::string group = std::string(terminal) + "/";
+    const std::string group = std::string(terminal) + ".";
     return variable.kind == "output" && variable.name.starts_with(group) ? variable.name.substr(group.size()) : "";
 }
 
