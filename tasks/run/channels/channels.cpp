@@ -33,7 +33,7 @@ Channel::Read list(List Observation::*member) {
 
 /// Of the instant where no output lies before it.
 void efficiency(const Instant& now, double* out) {
-    *out = now.workspace.energy.efficiency();
+    *out = now.workspace.energy.efficiency(now.observation.time);
     if (std::isfinite(*out)) return;
     EnergySums powers;
     powers.loss = now.observation.account.loss;
@@ -42,10 +42,7 @@ void efficiency(const Instant& now, double* out) {
     if (!std::isfinite(*out)) *out = 0.0;
 }
 Channel::Read chain_torque(std::size_t shaft) {
-    return [shaft](const Instant& now, double* out) {
-        *out = now.workspace.energy.chain_torque()[shaft];
-        if (!std::isfinite(*out)) *out = now.observation.chain_torque[shaft];
-    };
+    return [shaft](const Instant& now, double* out) { *out = now.chain_torque(shaft); };
 }
 void thrust_ratio(const Instant& now, double* out) {
     const Observation& o = now.observation;
@@ -185,6 +182,11 @@ const Channel table[] = {
 };
 
 }  // namespace
+
+double Instant::chain_torque(std::size_t shaft) const noexcept {
+    const double mean = workspace.energy.chain_torque(observation.time, workspace.shaft_momentum())[shaft];
+    return std::isfinite(mean) ? mean : observation.chain_torque[shaft];
+}
 
 std::span<const Channel> channels() {
     static const std::vector<Channel> all = [] {

@@ -20,6 +20,9 @@ struct Instant {
     const Counters& counters;
     int followed_pin;
     model::Observer& observer;  ///< of the observation: evaluates forces where a channel needs them
+
+    /// Of the chain on the sheaves of shaft 0 or 1: mean since the last output, of the instant where there is none before [N·m].
+    [[nodiscard]] double chain_torque(std::size_t shaft) const noexcept;
 };
 
 struct Channel {

@@ -59,8 +59,7 @@ Channel::Read safety_factor(std::size_t shaft) {
     return [shaft](const Instant& now, double* out) {
         const model::TipCoefficients& tip = now.workspace.variator.chain().coefficients().tip;
         const model::Observation& o = now.observation;
-        const double mean = now.workspace.energy.chain_torque()[shaft];
-        const double torque = std::abs(std::isfinite(mean) ? mean : o.chain_torque[shaft]);
+        const double torque = std::abs(now.chain_torque(shaft));
         const double bearable = 2.0 * tip.friction.coefficient * o.clamping[shaft] * o.radius[shaft] / tip.cosine;
         *out = bearable < largest_safety * torque ? bearable / torque : largest_safety;
     };

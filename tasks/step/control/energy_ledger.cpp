@@ -194,10 +194,7 @@ EnergySums EnergyLedger::sums(double time) const noexcept {
 }
 
 void EnergyLedger::output(double time, const std::array<double, 2>& momentum) noexcept {
-    for (std::size_t k = 0; k < 2 && m_.outputs > 0.0; ++k) {
-        const double gained = momentum[k] - m_.momentum_output[k], given = m_.impulse[k] - m_.impulse_output[k];
-        m_.chain_torque[k] = (gained - given) / (time - m_.output_time);
-    }
+    if (m_.outputs > 0.0) m_.chain_torque = torque_since_output(time, momentum);
     m_.impulse_output = m_.impulse;
     m_.momentum_output = momentum;
     m_.output_time = time;
@@ -205,33 +202,60 @@ void EnergyLedger::output(double time, const std::array<double, 2>& momentum) no
     remember(sums(time));
 }
 
-/// Keeps what is needed of the last pin period, and looks back over it.
+std::array<double, 2> EnergyLedger::torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept {
+    std::array<double, 2> torque{};
+    for (std::size_t k = 0; k < 2; ++k) {
+        const double gained = momentum[k] - m_.momentum_output[k], given = m_.impulse[k] - m_.impulse_output[k];
+        torque[k] = (gained - given) / (time - m_.output_time);
+    }
+    return torque;
+}
+
+EnergySums& EnergyLedger::past(double number) noexcept {
+    return m_.past[static_cast<std::size_t>(std::fmod(m_.past_begin + number, past_size))];
+}
+
+const EnergySums& EnergyLedger::past(double number) const noexcept {
+    return m_.past[static_cast<std::size_t>(std::fmod(m_.past_begin + number, past_size))];
+}
+
+/// Forgets what lies more than a pin period back, but for the last such output, and keeps this one.
 void EnergyLedger::remember(const EnergySums& now) noexcept {
-    const auto entry = [&](double number) -> EnergySums& {
-        return m_.past[static_cast<std::size_t>(std::fmod(m_.past_begin + number, past_size))];
-    };
-    while (m_.past_count > 1.0 && now.time - entry(1.0).time >= m_.pin_period) {
-        m_.past_begin = std::fmod(m_.past_begin + 1.0, past_size);
-        m_.past_count -= 1.0;
-    }
-    if (m_.past_count > 0.0) {
-        const double start = now.time - m_.pin_period;
-        m_.last = now;
-        m_.before_last = m_.past_count > 1.0 && entry(0.0).time < start ? EnergySums::between(entry(0.0), entry(1.0), start) : entry(0.0);
-    }
+    const double forgotten = period_begin(now.time);
+    m_.past_begin = std::fmod(m_.past_begin + forgotten, past_size);
+    m_.past_count -= forgotten;
     const bool crowded =
-        m_.past_count > 0.0 && now.time - entry(m_.past_count - 1.0).time < m_.pin_period / static_cast<double>(past_per_period);
+        m_.past_count > 0.0 && now.time - past(m_.past_count - 1.0).time < m_.pin_period / static_cast<double>(past_per_period);
     if (crowded || m_.past_count >= static_cast<double>(past_size)) return;
-    entry(m_.past_count) = now;
+    past(m_.past_count) = now;
     m_.past_count += 1.0;
 }
 
-std::array<double, 2> EnergyLedger::chain_torque() const noexcept {
+double EnergyLedger::outputs_before(double time) const noexcept {
+    return m_.past_count > 0.0 && past(m_.past_count - 1.0).time >= time ? m_.past_count - 1.0 : m_.past_count;
+}
+
+double EnergyLedger::period_begin(double time) const noexcept {
+    const double count = outputs_before(time);
+    double first = 0.0;
+    while (first + 1.0 < count && time - past(first + 1.0).time >= m_.pin_period) first += 1.0;
+    return first;
+}
+
+std::array<double, 2> EnergyLedger::chain_torque(double time, const std::array<double, 2>& momentum) const noexcept {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    if (m_.outputs > 0.0 && time > m_.output_time) return torque_since_output(time, momentum);
     return m_.outputs > 1.0 ? m_.chain_torque : std::array{unknown, unknown};
 }
 
-double EnergyLedger::efficiency() const noexcept { return m_.last.efficiency_since(m_.before_last); }
+double EnergyLedger::efficiency(double time) const noexcept {
+    const double count = outputs_before(time);
+    if (count == 0.0) return std::numeric_limits<double>::quiet_NaN();
+    const double first = period_begin(time), start = time - m_.pin_period;
+    const EnergySums& before = past(first);
+    const bool inside = first + 1.0 < count && before.time < start;
+    return sums(time).efficiency_since(inside ? EnergySums::between(before, past(first + 1.0), start) : before);
+}
 
 void EnergyLedger::save(std::vector<double>& memory) const {
     static_assert(std::is_trivially_copyable_v<Memory> && sizeof(Memory) % sizeof(double) == 0);

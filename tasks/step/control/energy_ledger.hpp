@@ -84,12 +84,13 @@ public:
     [[nodiscard]] double suspicion() const noexcept;
     [[nodiscard]] bool reliable() const noexcept { return suspicion() <= 1.0; }
 
-    /// Mean torque of the chain on the sheaves of each shaft between the last two outputs: their change of momentum less the outside's
-    /// impulse [N·m]. Not a number before the second output.
-    [[nodiscard]] std::array<double, 2> chain_torque() const noexcept;
-    /// 1 - losses/input over the last whole pin period up to the last output, over less where a run has not lasted so long; not a number
-    /// before the second output.
-    [[nodiscard]] double efficiency() const noexcept;
+    /// Mean torque of the chain on the sheaves of each shaft since the output before `time`, which is now: their change of momentum less
+    /// the outside's impulse [N·m]. Not a number at the first output and before. It changes nothing: where a host reads has no effect.
+    /// @param time [s]   @param momentum of the shafts now [N·m·s]
+    [[nodiscard]] std::array<double, 2> chain_torque(double time, const std::array<double, 2>& momentum) const noexcept;
+    /// 1 - losses/input over the last whole pin period up to now, over less where a run has not lasted so long; not a number at the first
+    /// output and before. time: now [s]
+    [[nodiscard]] double efficiency(double time) const noexcept;
 
     /// For checkpoints: goes on bit for bit.
     void save(std::vector<double>& memory) const;
@@ -106,7 +107,13 @@ private:
     };
     [[nodiscard]] EnergyBalance balance_since(const Span& span) const noexcept;
     [[nodiscard]] Span here() const noexcept;
+    [[nodiscard]] std::array<double, 2> torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept;
     void remember(const EnergySums& now) noexcept;
+    [[nodiscard]] EnergySums& past(double number) noexcept;  ///< output `number` of those kept, the oldest is 0
+    [[nodiscard]] const EnergySums& past(double number) const noexcept;
+    [[nodiscard]] double outputs_before(double time) const noexcept;  ///< of those kept; time [s]
+    /// Number of the last output kept that lies a pin period or more before `time` [s]; 0 where none does.
+    [[nodiscard]] double period_begin(double time) const noexcept;
     void close_window() noexcept;
 
     /// Numbers only: saved and loaded as they lie.
@@ -120,7 +127,6 @@ private:
         std::array<double, 2> impulse, impulse_output, momentum_output;  ///< [N·m·s]
         std::array<double, 2> chain_torque;                              ///< [N·m]
         double outputs, output_time;                                     ///< [1, s]
-        EnergySums last, before_last;                                    ///< ends of the pin period that efficiency() is about
         Span all, part;
         double worst, doubt;  ///< doubt: 1 while samples lie close [1]
         double judged_from;   ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]
