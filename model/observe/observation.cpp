@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "model/basis/portable_math.hpp"
+#include "model/observe/creep.hpp"
 
 namespace cvtflow::model {
 
@@ -154,8 +155,23 @@ void Observer::observe_pulleys(double t, const double* state, const Phase* phase
         o.chain_torque[k] = forces[2 * k][5] + forces[2 * k + 1][5];
     }
     o.ratio = o.speed[0] / o.speed[1];
-    const double grip = o.speed[0] * o.pin_speed[1];
-    o.slip = grip != 0.0 ? 1.0 - o.pin_speed[0] * o.speed[1] / grip : 0.0;
+    observe_slip(state, phases);
+}
+
+/// A pulley that no tip holds turns freely.
+void Observer::observe_slip(const double* state, const Phase* phases) noexcept {
+    Observation& o = observation_;
+    const Creep creep = observe_creep(variator_.chain(), state, scratch_.sheaves, phases);
+    for (std::size_t k = 0; k < 2; ++k) o.free_speed[k] = o.speed[k] + (creep.hold[k] > 0.0 ? creep.drag[k] / creep.hold[k] : 0.0);
+    const auto against = [&](const std::array<double, 2>& pins) {
+        const double geared = o.speed[0] * pins[1];
+        return geared != 0.0 ? 1.0 - pins[0] * o.speed[1] / geared : 0.0;
+    };
+    o.slip = against(o.pin_speed);
+    o.friction_slip = against(o.free_speed);
+    o.creep_power = creep.power;
+    const double brought = std::max(0.0, o.work[0]) + std::max(0.0, o.work[1]);
+    o.loss_slip = brought > 0.0 ? o.creep_power / brought : 0.0;
 }
 
 double Observer::kinetic(const double* state) const noexcept {

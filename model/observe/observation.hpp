@@ -30,8 +30,12 @@ struct Observation {
     bool control_limited = false;             ///< a controller asks for more than its authority
     double ratio = 0.0;                       ///< ω_1/ω_2 [1]
     std::array<double, 2> pin_speed{};        ///< mean angular speed about the shaft's axis of the pins that touch [rad/s]
-    double slip = 0.0;         ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together [1]
-    double chain_speed = 0.0;  ///< mean of |velocity| of the rear halves [m/s]
+    std::array<double, 2> free_speed{};       ///< at which friction would put no torque on the shaft: pins weighted by it [rad/s]
+    double slip = 0.0;           ///< 1 - (Ω_1/ω_1)(ω_2/Ω_2), Ω: pin_speed; creep or slip of the contacts on both pulleys together [1]
+    double friction_slip = 0.0;  ///< 1 - (Ω°_1/ω_1)(ω_2/Ω°_2), Ω°: free_speed; zero without torque [1]
+    double creep_power = 0.0;    ///< lost by tips that slide along the circumference, ≥ 0 [W]
+    double loss_slip = 0.0;      ///< creep_power over the power of those shafts that bring any; 0 where none does [1]
+    double chain_speed = 0.0;    ///< mean of |velocity| of the rear halves [m/s]
     double tight = 0.0, slack = 0.0;  ///< mean tension of the strand at y > 0, at y < 0 (a ring: mean of all in both) [N]
     int touching = 0;                 ///< tips that are not free
     double deepest = 0.0;             ///< deepest penetration of a tip [m]
@@ -55,6 +59,7 @@ private:
     void observe_pulleys(double t, const double* state, const Phase* phases) noexcept;  ///< t [s], state [unknowns]
     void observe_strands(const double* state, const Phase* phases) noexcept;            ///< state [unknowns]
     void observe_radii(const double* state, const Phase* phases) noexcept;              ///< state [unknowns]
+    void observe_slip(const double* state, const Phase* phases) noexcept;               ///< after the pulleys; state [unknowns]
     [[nodiscard]] double kinetic(const double* state) const noexcept;                   ///< state [unknowns]
 
     const Variator& variator_;

@@ -81,6 +81,9 @@ void RunMeans::add(const model::Observation& now, const EnergySums& sums, double
     bin.limited += now.control_limited ? 1.0 : 0.0;
     bin.loose += now.slack <= 0.0 ? 1.0 : 0.0;
     bin.turning += 0.5 * (std::abs(now.speed[0]) + std::abs(now.speed[1]));
+    bin.friction_slip += now.friction_slip;
+    bin.creep += now.creep_power;
+    bin.brought += std::max(0.0, now.work[0]) + std::max(0.0, now.work[1]);
     bin.energy = sums;
     pin_period_ = pin_period;
 }
@@ -94,6 +97,9 @@ void RunMeans::Bin::add(const Bin& other) noexcept {
     limited += other.limited;
     loose += other.loose;
     turning += other.turning;
+    friction_slip += other.friction_slip;
+    creep += other.creep;
+    brought += other.brought;
 }
 
 /// Twice as many outputs in each.
@@ -126,6 +132,8 @@ SpanMeans RunMeans::span(double from, double to) const {
     for (std::size_t k = begin; k < end; ++k) sum.add(bins_[k]);
     means.ratio = sum.ratio / sum.outputs;
     means.slip = sum.slip / sum.outputs;
+    means.friction_slip = sum.friction_slip / sum.outputs;
+    means.loss_slip = sum.brought > 0.0 ? sum.creep / sum.brought : 0.0;
     means.tight = sum.tight / sum.outputs;
     means.slack = sum.slack / sum.outputs;
     means.limited = sum.limited / sum.outputs;

@@ -17,6 +17,8 @@ namespace cvtflow::tasks {
 struct SpanMeans {
     double begin = 0.0, end = 0.0;    ///< [s]
     double ratio = 0.0, slip = 0.0;   ///< [1]
+    double friction_slip = 0.0;       ///< [1]
+    double loss_slip = 0.0;           ///< power lost by creep over the power of shafts that bring any; 0 where none does [1]
     double tight = 0.0, slack = 0.0;  ///< [N]
     double limited = 0.0;             ///< share of outputs at which a controller had reached its authority
     double loose = 0.0;               ///< share of outputs at which the slack strand carried no tension
@@ -59,6 +61,8 @@ private:
         double ratio = 0.0, slip = 0.0, tight = 0.0, slack = 0.0, limited = 0.0,
                loose = 0.0;    ///< sums of ratio, slip, limited, loose [1] and of tensions [N]
         double turning = 0.0;  ///< sum of speeds [rad/s]
+        double friction_slip = 0.0, creep = 0.0,
+               brought = 0.0;  ///< sums of bench slip [1] and of powers: lost by creep, brought by shafts [W]
         EnergySums energy;
 
         /// The sums of another one too; time and energies stay.

@@ -126,6 +126,15 @@ const Channel table[] = {
      .description =
          "creep of the contacts on both pulleys: 1 - (pins/shaft on the driving side) (shaft/pins on the driven side), angular speeds",
      .read = scalar(&O::slip)},
+    {.name = "friction_slip",
+     .unit = "1",
+     .description =
+         "slip that friction makes: against the speeds of shafts on which it would put no torque; zero without torque, of its sign",
+     .read = scalar(&O::friction_slip)},
+    {.name = "loss_slip",
+     .unit = "1",
+     .description = "power lost by tips that slide along the circumference over the power of those shafts that bring any; never negative",
+     .read = scalar(&O::loss_slip)},
     {.name = "efficiency",
      .unit = "1",
      .description = "1 - losses/input over the last whole pin period (input: works of those inputs that brought energy)",

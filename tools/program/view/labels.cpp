@@ -15,7 +15,7 @@ namespace {
 bool in_percent(const std::string& name, const std::string& unit) {
     if (!unit.empty() && unit != "1") return false;
     const std::string last = name.substr(name.rfind('/') + 1);
-    return last.starts_with("slip") || last.starts_with("efficiency") || last == "creep";
+    return last.find("slip") != std::string::npos || last.starts_with("efficiency") || last == "creep";
 }
 
 /// "N*m" -> "N·m".
