@@ -130,15 +130,21 @@ std::vector<Plot> efficiency_plots(const Granularity& result) {
 Plot granularity_plot(const Granularity& result) {
     Plot plot;
     plot.title = "Shortest tasks with half of the efficiency: METG(50 %)";
-    plot.subtitle = conditions(result);
+    plot.subtitle = conditions(result) + "; triangles: at most this, the shortest tasks measured were long enough";
     plot.x = {"tasks per level", Scale::logarithmic, 1.0, {}, {}};
     plot.y = {"METG(50 %) [us]", Scale::logarithmic, 1.0, {}, {}};
+    std::vector<Series> bounds;
     for (const std::string& executor : result.executors()) {
-        Series series{executor, {}, Mark::dot, line_of_curve(plot.series.size()), ""};
-        for (const int tasks : result.tasks())
-            series.points.push_back({static_cast<double>(tasks), 1e6 * effective_granularity(result.curve(executor, tasks))});
+        Series series{executor, {}, Mark::dot, line_of_curve(plot.series.size()), palette(plot.series.size())};
+        Series bound{"", {}, Mark::triangle, Line::none, series.colour};
+        for (const int tasks : result.tasks()) {
+            const std::vector<GranularityPoint> curve = result.curve(executor, tasks);
+            (all_effective(curve) ? bound : series).points.push_back({static_cast<double>(tasks), 1e6 * effective_granularity(curve)});
+        }
         plot.series.push_back(std::move(series));
+        if (!bound.points.empty()) bounds.push_back(std::move(bound));
     }
+    plot.series.insert(plot.series.end(), bounds.begin(), bounds.end());
     return plot;
 }
 

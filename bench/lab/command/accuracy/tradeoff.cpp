@@ -184,7 +184,7 @@ Action declare_tradeoff(CLI::App& app) {
         ->type_name("CHOICE");
     CLI::Option* detail = app.get_option("--detail")->expected(0, 1);
     declare_output(app, arguments->output);
-    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(
         "Errors are relative, Euclidean, over all tips (links) and outputs. front: no other is both faster and more exact.\n"
         "METHOD@auto: automatic steps; their wall time is that over 4 ms. Whatever is on the front or would be recommended, the cheapest "

@@ -107,7 +107,7 @@ Action declare_pin_entry(CLI::App& app) {
     app.add_option("--pin", arguments->pin, "Pin to look at")->type_name("N")->check(CLI::NonNegativeNumber);
     declare_fresh_start(app, arguments->scene);
     declare_output(app, arguments->output);
-    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(pin_entry_explanation);
     return [arguments] { return pin_entry(*arguments); };
 }

@@ -138,7 +138,7 @@ Action declare_spectrum(CLI::App& app) {
     app.add_flag("--attribute", arguments->attribute,
                  "Tell which contacts make which eigenvalues, and what ten times their saturation speeds do");
     declare_output(app, arguments->output);
-    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(spectrum_explanation);
     return [arguments] { return spectrum(*arguments); };
 }

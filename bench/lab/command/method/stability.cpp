@@ -173,7 +173,7 @@ Action declare_stability(CLI::App& app) {
     app.add_option("--step", arguments->step, "Step of the map in seconds")->type_name("SECONDS")->check(CLI::PositiveNumber);
     app.add_flag("--all", arguments->all, "All eigenvalues instead of those at the edge");
     declare_output(app, arguments->output);
-    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(stability_explanation);
     return [arguments] { return stability(*arguments); };
 }

@@ -104,7 +104,7 @@ Action declare_granularity(CLI::App& app) {
         ->capture_default_str();
     app.add_flag("--pin", options.pin, "Each thread on one processor");
     declare_output(app, arguments->output);
-    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(granularity_explanation);
     return [arguments] { return granularity(*arguments); };
 }

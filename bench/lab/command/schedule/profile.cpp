@@ -243,7 +243,7 @@ Action declare_profile(CLI::App& app) {
         ->check(CLI::Range(0, 1024))
         ->default_str("0,1,2");
     declare_waits_and_files(app, *arguments);
-    app.add_flag("-q,--quiet", arguments->quiet, "No progress");
+    app.add_flag("-q,--quiet", arguments->quiet, "No progress; results are printed all the same");
     app.footer(profile_explanation);
     return [arguments] { return profile(*arguments); };
 }
