@@ -94,7 +94,7 @@ double AutoStep::damped_step(double time, const double* state, const model::Phas
 
 void AutoStep::restart() noexcept {
     bound_.forget();
-    looked_ = begun_ = -1e300;
+    looked_ = begun_ = damped_at_ = -1e300;
     stable_ = 0.0;
     damped_ = forever;
     evaluations_ = 0;
@@ -104,7 +104,11 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
     if (begun_ == -1e300) begun_ = time;
     if (time - looked_ >= std::min(look_interval, looked_ - begun_) * (1.0 - 1e-9)) {
         evaluations_ += bound_.estimate_at_rest(time, state, phases);
-        if (time == begun_) damped_ = damped_step(time, state, phases);  // it depends on the machine, hardly on its state
+        // Contacts damp more the more they bear; what they bear hardly changes once a run has settled.
+        if (time == begun_ || time - begun_ >= std::max(look_interval, 2.0 * (damped_at_ - begun_)) * (1.0 - 1e-9)) {
+            damped_ = damped_step(time, state, phases);
+            damped_at_ = time;
+        }
         looked_ = time;
         const auto within = [](double reach, double extent) { return extent > 0.0 ? reach / extent : forever; };
         stable_ = std::min({within(reach_.oscillation, bound_.imaginary()), within(reach_.decay, bound_.real()), damped_});
@@ -114,18 +118,19 @@ double AutoStep::longest(double time, const double* state, const model::Phase* p
 }
 
 void AutoStep::save(std::vector<double>& memory) const {
-    memory.assign({looked_, begun_, stable_, damped_, static_cast<double>(evaluations_)});
+    memory.assign({looked_, begun_, stable_, damped_, damped_at_, static_cast<double>(evaluations_)});
     bound_.save(memory);
 }
 
 void AutoStep::load(std::span<const double> memory) {
     restart();
     if (memory.empty()) return;
-    const auto own = pop_front(memory, 4);
-    looked_ = own[0];
-    begun_ = own[1];
-    stable_ = own[2];
-    damped_ = own[3];
+    const auto numbers = pop_front(memory, 5);
+    looked_ = numbers[0];
+    begun_ = numbers[1];
+    stable_ = numbers[2];
+    damped_ = numbers[3];
+    damped_at_ = numbers[4];
     evaluations_ = pop_integer(memory, 0, std::numeric_limits<int>::max());
     (void)bound_.load(memory);
 }

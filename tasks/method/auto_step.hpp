@@ -61,6 +61,7 @@ private:
     std::vector<SpectralBound> damped_parts_;                  ///< of it
     double damped_ = std::numeric_limits<double>::infinity();  ///< longest stable step without friction [s]
     double looked_ = -1e300, begun_ = -1e300;                  ///< when [s]
+    double damped_at_ = -1e300;                                ///< when damped_ was found [s]
     double stable_ = 0.0;                                      ///< the longest stable step found [s]
     long evaluations_ = 0;
 };
