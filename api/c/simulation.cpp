@@ -74,6 +74,10 @@ double cvtflow_time(const cvtflow_simulation* simulation) {
     return ask(simulation, 0.0, [](const Simulation& s) { return s.time(); });
 }
 
+const char* cvtflow_method(const cvtflow_simulation* simulation) {
+    return ask(simulation, "", [](const Simulation& s) { return s.method().c_str(); });
+}
+
 double cvtflow_step_length(const cvtflow_simulation* simulation) {
     return ask(simulation, 0.0, [](const Simulation& s) { return s.step_length(); });
 }

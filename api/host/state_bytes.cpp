@@ -93,7 +93,7 @@ std::uint64_t fingerprint(const tasks::Scene& scene) {
     const tasks::RunSettings defaults;
     plain.name = plain.description = plain.state_file = "";
     plain.run = defaults;
-    plain.run.method = scene.run.method;
+    plain.run.method = method_of(scene);
     plain.run.step = scene.run.step;
     plain.run.output_interval = scene.run.output_interval;
     return engine::Hash().add(std::string_view(tasks::write_scene(plain))).value();

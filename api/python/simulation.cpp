@@ -149,6 +149,9 @@ void bind_time(Class& type) {
         .def_property_readonly(
             "time", [](const Stepper& self) { return self.simulation.time(); }, "Time [s]; a start that has to settle begins below 0.")
         .def_property_readonly(
+            "method", [](const Stepper& self) { return self.simulation.method(); },
+            "The method of its steps, never \"auto\": what run.method = \"auto\" is with this scene.")
+        .def_property_readonly(
             "step_length", [](const Stepper& self) { return self.simulation.step_length(); },
             "Length of a step that no transition cuts [s].")
         .def("advance_to", &advance_to, py::arg("time"),

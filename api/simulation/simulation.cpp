@@ -39,6 +39,7 @@ Simulation Simulation::copy() const {
 
 const Scene& Simulation::scene() const noexcept { return impl_->scene(); }
 double Simulation::time() const noexcept { return impl_->simulation().time(); }
+const std::string& Simulation::method() const noexcept { return impl_->simulation().method_name(); }
 double Simulation::step_length() const noexcept {
     const api::FloatingDefaults defaults;
     return impl_->step_length();

@@ -121,7 +121,7 @@ std::string Simulation::Impl::advice(tasks::FaultKind kind) const {
     using tasks::FaultKind;
     if (kind != FaultKind::non_finite && kind != FaultKind::blow_up && kind != FaultKind::penetration && kind != FaultKind::left_sheave)
         return "";
-    const std::string& method = data().run.method;
+    const std::string& method = simulation_.method_name();
     const double stable =
         tasks::largest_stable_step(simulation_.variator(), method, simulation_.time(), simulation_.state(), simulation_.phases());
     if (!(stable > 0.0 && std::isfinite(stable))) return "";
@@ -225,7 +225,7 @@ tasks::FrozenStart Simulation::Impl::present() const {
 
 double Simulation::Impl::largest_stable_step() {
     const Scope scope(*this, Scope::As::visitor);
-    return tasks::predicted_step_limit(simulation_.variator(), data().parameters, data().run.method, present()).step;
+    return tasks::predicted_step_limit(simulation_.variator(), data().parameters, simulation_.method_name(), present()).step;
 }
 
 double Simulation::Impl::step_length() const noexcept {

@@ -12,7 +12,6 @@
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/saved_start.hpp"
 #include "tasks/schedule/schedule.hpp"
-#include "tasks/step/control/longest_step.hpp"
 
 namespace cvtflow::tasks {
 
@@ -96,7 +95,7 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
         const Simulation simulation(scene, Schedule{});
         if (simulation.needs_settling()) return;
         const double stable =
-            predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, frozen_start(simulation)).step;
+            predicted_step_limit(simulation.variator(), scene.parameters, simulation.method_name(), frozen_start(simulation)).step;
         result.stable_step = result.stable_step > 0.0 ? std::min(result.stable_step, stable) : stable;
         result.beyond = std::max(result.beyond, scene.run.step / stable);
     } catch (const std::exception&) {
@@ -109,7 +108,8 @@ void judge_step(const Scene& scene, BatchEstimate& result) {
 double step_wall(const Scene& scene, double seconds, std::string& untried) {
     try {
         const double time = scene.run.until + (fitting_start(scene) == nullptr ? scene.parameters.start.settling_time : 0.0);
-        const long most = std::max(2L, std::lround(time / scene.run.step.value_or(longest_automatic_step(scene.parameters.detail.pins))));
+        const long most =
+            std::max(2L, std::lround(time / scene.run.step.value_or(longest_automatic_step(method_of(scene), scene.parameters))));
         TrialPace pace;
         const auto begin = std::chrono::steady_clock::now();
         const auto spent = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };

@@ -27,6 +27,10 @@ struct MethodReach {
 /// sees to it by itself (methods that choose among polynomials).
 [[nodiscard]] MethodReach reach_of(std::string_view method);
 
+/// The longest step that is ever chosen for a method where steps are automatic: what the error of its friction allows (decisions 75, 96)
+/// [s].
+[[nodiscard]] double longest_automatic_step(std::string_view method, const model::Parameters& parameters);
+
 class AutoStep final : public StepChoice {
 public:
     /// Share of the stable step that is taken. The spectrum is found from below, to some per cent, and moves between two looks; friction
@@ -39,6 +43,7 @@ public:
     /// `variator`, that of `parameters` or of the same machine, must outlive it. Takes all its memory here.
     AutoStep(const model::Variator& variator, const model::Parameters& parameters, std::string_view method);
 
+    [[nodiscard]] double longest() const noexcept override { return longest_; }
     void restart() noexcept override;
     /// Looks at the spectrum if the last look is too old. time [s], state [unknowns]
     [[nodiscard]] double longest(double time, const double* state, const model::Phase* phases) noexcept override;
@@ -56,6 +61,7 @@ private:
     [[nodiscard]] double damped_step(double time, const double* state, const model::Phase* phases) noexcept;
 
     MethodReach reach_;
+    double longest_;  ///< of all steps [s]
     SpectralBound bound_;
     std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
     std::vector<SpectralBound> damped_parts_;                  ///< of it

@@ -137,15 +137,19 @@ bool may_estimate_error(std::string_view method) {
     return !plan || plan->error.has_value();
 }
 
-bool takes_pins(std::string_view method, model::PinDetail pins) {
-    const MethodProgram* program = find_program(method);
-    return pins == model::PinDetail::halves || program == nullptr || program->whole_pins;
+std::string_view missing_halves(const model::Parameters& parameters) noexcept {
+    return parameters.detail.pins == model::PinDetail::halves ? "" : "detail.pins = \"halves\"";
 }
 
-std::string needs_halves(std::string_view method) { return fmt::format("method '{}' needs detail.pins = \"halves\"", method); }
+std::string objection_to(std::string_view method, const model::Parameters& parameters) {
+    const MethodProgram* program = find_program(method);
+    const std::string_view missing = program == nullptr ? "" : program->missing(parameters);
+    return missing.empty() ? "" : fmt::format("method '{}' needs {}", method, missing);
+}
 
 std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace) {
-    if (!takes_pins(method, workspace.parameters.detail.pins)) throw std::invalid_argument(needs_halves(method));
+    if (const std::string objection = objection_to(method, workspace.parameters); !objection.empty())
+        throw std::invalid_argument(objection);
     if (const MethodProgram* program = find_program(method)) return program->make(workspace);
     const auto plan = engine::make_method(method);
     if (!plan) throw std::invalid_argument(no_method(method));

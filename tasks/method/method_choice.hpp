@@ -24,6 +24,10 @@ public:
     using std::invalid_argument::invalid_argument;
 };
 
+/// The longest automatic step with pin halves [s]. What friction leaves of a step is of first order (2 us: slip off by 1 to 3 % on one
+/// machine in twenty of `cvtflow-lab lottery`).
+inline constexpr double usual_longest_step = 1.5e-6;
+
 /// A method that is a program: what `list methods` says of it, the slots it needs, and how it is made.
 struct MethodProgram {
     std::string name, description, source;
@@ -38,11 +42,15 @@ struct MethodProgram {
     std::function<ProgramStability()> stability = {};
     /// What its step makes of small disturbances (tasks/method/stability/step_map.hpp).
     std::function<std::unique_ptr<StepMap>(const LinearChain& chain)> linear = {};
-    bool estimates_error = false;  ///< of a step: StepMethod::error_power() is not 0
-    /// Whether it takes whole pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved for in
-    /// slips are made for halves, whose depend on one.
-    bool whole_pins = true;
+    double longest_step = usual_longest_step;  ///< that is chosen where steps are automatic, with pin halves [s]
+    bool estimates_error = false;              ///< of a step: StepMethod::error_power() is not 0
+    /// What it needs that parameters do not have, as a setting; empty: it takes them.
+    std::string_view (*missing)(const model::Parameters& parameters) = [](const model::Parameters&) { return std::string_view(); };
 };
+
+/// Of methods that do not take whole pins, whose accelerations depend on three neighbours each side: exact Jacobians and friction solved
+/// for in slips are made for halves, whose depend on one.
+[[nodiscard]] std::string_view missing_halves(const model::Parameters& parameters) noexcept;
 
 /// All programs, each under a name of its own.
 [[nodiscard]] const std::vector<MethodProgram>& method_programs();
@@ -66,9 +74,9 @@ struct MethodProgram {
 /// Whether steps of the method come with an estimate of their error, so that it can be reported or decide (run.step_control). A member of a
 /// family is made to look. @return true also if there is no such method
 [[nodiscard]] bool may_estimate_error(std::string_view method);
-/// Whether the method can be used with such pins, and what to say where not. @return true also if there is no such method
-[[nodiscard]] bool takes_pins(std::string_view method, model::PinDetail pins);
-[[nodiscard]] std::string needs_halves(std::string_view method);
+/// Why the method cannot be used with these parameters: "method 'leapfrog-be' needs detail.pins = "halves""; empty: it can, or there is no
+/// such method.
+[[nodiscard]] std::string objection_to(std::string_view method, const model::Parameters& parameters);
 /// The method at work on a workspace made with plan_for(method). @throws std::invalid_argument for unknown names, and as
 /// MethodProgram::make
 [[nodiscard]] std::unique_ptr<StepMethod> make_step_method(std::string_view method, Workspace& workspace);

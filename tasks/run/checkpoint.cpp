@@ -36,9 +36,10 @@ void add_combination(const std::vector<engine::Term>& terms, engine::Hash& hash)
 }
 
 std::string hash_of_method(const Scene& scene) {
-    const auto plan = plan_for(scene.run.method);
+    const auto plan = plan_for(method_of(scene));
     if (!plan) return "none";
     engine::Hash hash;
+    hash.add(std::string_view(plan->name));
     for (const auto& stage : plan->stages) {
         add_combination(stage.states, hash);
         add_combination(stage.slopes, hash);
@@ -250,7 +251,7 @@ void require_same(const std::string& path, const Checkpoint& checkpoint, const S
     }
     const auto written_by = [&] { return fmt::format("written by {}, this is {}", checkpoint.program, program_text()); };
     if (lines.empty() && checkpoint.method_hash != hash_of_method(scene)) {
-        lines.push_back(fmt::format("  the method {} has other coefficients; {}", scene.run.method, written_by()));
+        lines.push_back(fmt::format("  the method {} is another one, or has other coefficients; {}", method_of(scene), written_by()));
     }
     if (lines.empty() && checkpoint.slope_hash != hash_of_slope(checkpoint.integration, variator)) {
         lines.push_back(fmt::format("  the model gives other accelerations at the checkpoint's state; {}", written_by()));

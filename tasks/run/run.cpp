@@ -15,7 +15,6 @@
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/method/stability/step_search.hpp"
 #include "tasks/run/run_recorder.hpp"
-#include "tasks/step/control/longest_step.hpp"
 
 namespace cvtflow::tasks {
 
@@ -94,19 +93,18 @@ void restore(const Checkpoint& from, Simulation& simulation, RunRecorder& record
 /// is not enough, the growth of this one step decides, and its limit is searched for only where it is beyond: ten times the work.
 void warn_if_unstable(const Scene& scene, const RunOptions& options, const Simulation& simulation, RunReport& report) {
     if (scene.run.step.automatic()) return;  // what chooses it knows the limit
-    AutoStep advice(simulation.variator(), scene.parameters, scene.run.method);
-    const double automatic = std::min(longest_automatic_step(simulation.workspace().parameters.detail.pins),
-                                      advice.longest(simulation.time(), simulation.state(), simulation.phases().data()));
+    AutoStep advice(simulation.variator(), scene.parameters, simulation.method_name());
+    const double automatic = advice.longest(simulation.time(), simulation.state(), simulation.phases().data());
     report.stable_step = advice.stable_step();
     report.step = scene.run.step;
     if (!report.beyond_stability()) return;
     const LinearChain chain(simulation.variator(), scene.parameters, frozen_start(simulation));
-    report.stable_step = predicted_growth(chain, scene.run.method, report.step) <= 1.0 + growth_factor_tolerance
+    report.stable_step = predicted_growth(chain, simulation.method_name(), report.step) <= 1.0 + growth_factor_tolerance
                              ? report.step
-                             : predicted_step_limit(chain, scene.run.method).step;
+                             : predicted_step_limit(chain, simulation.method_name()).step;
     if (!report.beyond_stability() || !options.notice) return;
     options.notice(fmt::format("run.step = {:.3g} s is beyond what {} is stable for here ({:.3g} s): run.step = \"auto\" takes {:.3g} s",
-                               report.step, scene.run.method, report.stable_step, automatic));
+                               report.step, simulation.method_name(), report.stable_step, automatic));
 }
 
 /// Settling, if the start needs it, and the run.
@@ -136,7 +134,7 @@ RunReport run_scene(const Scene& scene, const RunOptions& options) {
     if (options.from != nullptr) require_same(options.checkpoint, *options.from, scene, simulation.variator());
     RunRecorder recorder(scene, simulation, options);
     RunReport report;
-    report.method = scene.run.method;
+    report.method = simulation.method_name();
     report.step_setting = scene.run.step;
     report.step_control = scene.run.step_control;
     report.tolerance = scene.run.tolerance;

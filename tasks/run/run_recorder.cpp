@@ -50,7 +50,7 @@ std::vector<engine::Attribute> attributes_of_run(const Scene& scene, const std::
     attributes.push_back({"scene", scene.name});
     attributes.push_back({"scene_text", scene.text});
     attributes.push_back({"parameters", write_scene(scene)});
-    attributes.push_back({"method", scene.run.method});
+    attributes.push_back({"method", method_of(scene)});
     attributes.push_back({"step", scene.run.step});
     attributes.push_back({"seed", static_cast<std::int64_t>(scene.run.seed)});
     return attributes;

@@ -16,7 +16,6 @@
 #include "tasks/run/saved_start.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/schedule/auto_schedule.hpp"
-#include "tasks/step/control/longest_step.hpp"
 
 namespace cvtflow::tasks {
 
@@ -33,7 +32,7 @@ std::unique_ptr<Integrator> integrator_of(const Scene& scene, const std::vector<
     if (scene.run.step_control != StepControl::fixed && integrator->method().error_power() == 0) {
         throw SimulationError(
             fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
-                        scene.run.method));
+                        integrator->method_name()));
     }
     return integrator;
 }
@@ -79,7 +78,7 @@ double Simulation::misfit_of(const engine::SavedState& saved) {
 }
 
 bool Simulation::fits(const Scene& scene) const {
-    return scene.run.method == scene_.run.method && model::layout_of(scene.parameters) == workspace_->layout();
+    return method_of(scene) == method_name() && model::layout_of(scene.parameters) == workspace_->layout();
 }
 
 void Simulation::reset(const Scene& scene, const engine::SavedState* saved, const model::StartState* placed) {
@@ -163,8 +162,7 @@ Fault Simulation::drive(StepController& controller) {
 }
 
 double Simulation::automatic_step() const {
-    return std::min(longest_automatic_step(scene_.parameters.detail.pins),
-                    AutoStep(workspace_->variator, scene_.parameters, scene_.run.method).longest(time_, state(), phases().data()));
+    return AutoStep(workspace_->variator, scene_.parameters, method_name()).longest(time_, state(), phases().data());
 }
 
 StepSettings Simulation::settings_of(const Goal& goal) const {
@@ -227,7 +225,7 @@ void Simulation::rest_at_start() {
     if (!scene_.run.step.automatic())
         choice_.reset();
     else if (choice_ == nullptr)
-        choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, scene_.run.method);
+        choice_ = std::make_unique<AutoStep>(w.variator, scene_.parameters, method_name());
     workspace_->energy.restart(integrator_->method().observation_stride());
     rest_.started = false;
     rest_.settling = needs_settling_;
@@ -276,7 +274,7 @@ engine::SavedState Simulation::saved_state() const {
     for (const model::Phase phase : phases()) saved.phases.push_back(static_cast<std::uint8_t>(phase));
     const std::string text = write_scene(scene_);
     saved.fingerprint = engine::Hash().add(std::string_view(text)).hex();
-    saved.attributes = {{"scene", text}, {std::string(suspicion_attribute), suspicion()}};
+    saved.attributes = {{"scene", text}, {"method", method_name()}, {std::string(suspicion_attribute), suspicion()}};
     return saved;
 }
 

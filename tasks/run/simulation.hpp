@@ -104,6 +104,8 @@ public:
     [[nodiscard]] double automatic_step() const;
     /// Likewise, if the scene asks for errors.
     [[nodiscard]] const LocalErrorStatistics& local_errors() const noexcept { return local_errors_; }
+    /// The method of its steps: run.method, or what that is where it is "auto".
+    [[nodiscard]] const std::string& method_name() const noexcept { return integrator_->method_name(); }
     /// What its step method has to say of its work; empty: nothing.
     [[nodiscard]] std::string method_report() const { return integrator_->method().report(); }
     /// Step in use in the last run [s].

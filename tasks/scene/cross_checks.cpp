@@ -152,13 +152,13 @@ Violation segments_have_links(const Scene& scene) {
 
 Violation method_exists(const Scene& scene) {
     if (scene.run.method.empty()) return "run.method: the name is empty";
-    if (may_be_method(scene.run.method)) return {};  // numbers of a family are looked at when the method is made
+    if (may_be_method(method_of(scene))) return {};  // numbers of a family are looked at when the method is made
     return "run.method: " + no_method(scene.run.method);
 }
 
-Violation method_takes_pins(const Scene& scene) {
-    if (takes_pins(scene.run.method, scene.parameters.detail.pins)) return {};
-    return "run.method: " + needs_halves(scene.run.method);
+Violation method_takes_machine(const Scene& scene) {
+    const std::string objection = objection_to(method_of(scene), scene.parameters);
+    return objection.empty() ? Violation{} : "run.method: " + objection;
 }
 
 Violation assembly_takes_pins(const Scene& scene) {
@@ -167,9 +167,9 @@ Violation assembly_takes_pins(const Scene& scene) {
 }
 
 Violation method_estimates_error(const Scene& scene) {
-    if (scene.run.step_control == StepControl::fixed || may_estimate_error(scene.run.method)) return {};
+    if (scene.run.step_control == StepControl::fixed || may_estimate_error(method_of(scene))) return {};
     return fmt::format("run.step_control: '{}' makes no estimate of its error, its steps can only be \"fixed\" (cvtflow list methods)",
-                       scene.run.method);
+                       method_of(scene));
 }
 
 Violation channels_exist(const Scene& scene) {
@@ -210,7 +210,7 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.followed_pin", "chain.pins"}, followed_pin_exists},
         {{"run.segments", "chain.pins"}, segments_have_links},
         {{"run.method"}, method_exists},
-        {{"run.method", "detail.pins"}, method_takes_pins},
+        {{"run.method", "detail.pins", "detail.friction"}, method_takes_machine},
         {{"run.assembly", "detail.pins"}, assembly_takes_pins},
         {{"run.step_control", "run.method"}, method_estimates_error},
         {{"record.channels"}, channels_exist},

@@ -312,8 +312,8 @@ const std::vector<Parameter>& rows() {
      "model choice", [](Scene& s) -> Slot { return &s.state_file; }},
 
     {"run.method", "", 0, 0, {},
-     "Integration method, a name from the catalogue. "
-     "The default takes a twentieth of rk4's time at an error of 1e-4 to 6e-4 (axial forces).",
+     "Integration method, a name from the catalogue; auto: by detail and friction law, leapfrog-sweep for pin halves with the piecewise "
+     "law, otherwise leapfrog-chebyshev (cvtflow list methods).",
      "model choice", [](Scene& s) -> Slot { return &s.run.method; }},
     {"run.step", "s", 1e-12, 1e-2, {},
      "Time step, the longest one if the error decides (run.step_control); "

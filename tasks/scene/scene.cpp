@@ -12,6 +12,7 @@
 
 #include "engine/base/error_text.hpp"
 #include "engine/base/spelling.hpp"
+#include "tasks/method/automatic_method.hpp"
 #include "tasks/scene/cross_checks.hpp"
 #include "tasks/scene/csv/csv_points.hpp"
 #include "tasks/scene/parameter_table.hpp"
@@ -173,6 +174,8 @@ void read_setting(Reading& reading, const std::string& setting, Position positio
 }
 
 }  // namespace
+
+std::string method_of(const Scene& scene) { return std::string(resolved_method(scene.run.method, scene.parameters)); }
 
 Scene read_scene(const std::filesystem::path& path, StartState start) { return parse_scene(read_toml_text(path), path, start); }
 

@@ -37,8 +37,8 @@ struct AutoNumber {
 
 /// How a scene is integrated and what is recorded.
 struct RunSettings {
-    std::string method = "leapfrog-chebyshev";  ///< name in the catalogue of methods
-    AutoNumber step;  ///< fixed or longest [s]; automatic: as long as the method is stable and good at the state at hand
+    std::string method = "auto";  ///< name in the catalogue of methods, or auto: see method_of()
+    AutoNumber step;              ///< fixed or longest [s]; automatic: as long as the method is stable and good at the state at hand
     StepControl step_control = StepControl::fixed;
     double tolerance = 1.0;         ///< of local errors, in units of ErrorScale [1]
     double until = 5e-3;            ///< [s]
@@ -127,6 +127,9 @@ struct DetailPreset {
 /// Sets the dials of a preset. Keeps the friction law, its smoothing and stick_slip, and pulleys = "absent".
 /// @throws SceneError  unknown preset
 void apply_detail(Scene& scene, std::string_view preset);
+
+/// The method that a simulation of the scene takes: a name of the catalogue (tasks/method/automatic_method.hpp).
+[[nodiscard]] std::string method_of(const Scene& scene);
 
 /// The scene as TOML with every key: what a run used, whatever file, presets and settings it came from. parse_scene reads it back equal.
 [[nodiscard]] std::string write_scene(const Scene& scene);

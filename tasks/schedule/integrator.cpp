@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "tasks/method/automatic_method.hpp"
+
 namespace cvtflow::tasks {
 
 namespace {
@@ -17,9 +19,9 @@ std::unique_ptr<StepMethod> method_of(const std::string& name, Workspace& worksp
 
 }  // namespace
 
-Integrator::Integrator(const model::Parameters& parameters, std::string method, const std::vector<Schedule>& candidates,
+Integrator::Integrator(const model::Parameters& parameters, std::string_view method, const std::vector<Schedule>& candidates,
                        const ChooserOptions& options, engine::StampRecorder* recorder)
-    : name_(std::move(method)),
+    : name_(resolved_method(method, parameters)),
       workspace_(parameters, required_plan(name_), Partition::equal(parameters.chain.pins, candidates.front().segments)),
       method_(method_of(name_, workspace_)),
       runner_(workspace_, *method_, candidates, options, recorder) {}

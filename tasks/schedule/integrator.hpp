@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tasks/method/method_choice.hpp"
@@ -14,9 +15,10 @@ namespace cvtflow::tasks {
 
 class Integrator {
 public:
-    /// @param method a name of the catalogue   @param candidates as for ScheduleRunner, the first one's segments to begin with
+    /// @param method a name of the catalogue, or "auto": resolved here, once   @param candidates as for ScheduleRunner, the first one's
+    /// segments to begin with
     /// @throws MethodRefused, and std::invalid_argument as the executors' make
-    Integrator(const model::Parameters& parameters, std::string method, const std::vector<Schedule>& candidates = {Schedule{}},
+    Integrator(const model::Parameters& parameters, std::string_view method, const std::vector<Schedule>& candidates = {Schedule{}},
                const ChooserOptions& options = {}, engine::StampRecorder* recorder = nullptr);
     Integrator(const Integrator&) = delete;
     Integrator& operator=(const Integrator&) = delete;
@@ -25,6 +27,7 @@ public:
     [[nodiscard]] const Workspace& workspace() const noexcept { return workspace_; }
     [[nodiscard]] StepMethod& method() noexcept { return *method_; }
     [[nodiscard]] const StepMethod& method() const noexcept { return *method_; }
+    /// Of the catalogue, never "auto".
     [[nodiscard]] const std::string& method_name() const noexcept { return name_; }
     [[nodiscard]] const ScheduleRunner& runner() const noexcept { return runner_; }
 

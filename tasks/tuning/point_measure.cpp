@@ -173,8 +173,8 @@ const PointRun* PointMeasure::reference(double agreement) {
         off = largest(errors(references_[2.0 * share], now));
         if (!(off <= agreement)) continue;
         agreement_ = off;
-        reference_text_ = fmt::format("{}, {} at {:g} of its automatic step; twice that is off by {}", finest_, RunSettings{}.method, share,
-                                      percent_of(off));
+        reference_text_ = fmt::format("{}, {} at {:g} of its automatic step; twice that is off by {}", finest_,
+                                      method_of(chosen_scene(point_.scene, {finest_, RunSettings{}.method}, 0.0)), share, percent_of(off));
         objection_.clear();
         return reference_ = &now;
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/tuning/tuner.hpp"
@@ -67,10 +68,9 @@ std::vector<std::string> joined_by_reason(const std::vector<std::pair<std::strin
 void Tuner::find_methods() {
     methods_ = settings_.methods;
     if (!methods_.empty()) return;
-    const std::string usual = RunSettings{}.method;
     if (settings_.same_everywhere) {
-        methods_ = {usual};
-        left_out_ = {fmt::format("all methods but {}: which of them is cheapest depends on the machine", usual)};
+        methods_ = {RunSettings{}.method};
+        left_out_ = {"all methods but the automatic choice: which of them is cheapest depends on the machine"};
         return;
     }
     say("methods");
@@ -93,7 +93,8 @@ void Tuner::find_methods() {
     std::vector<std::string> dear;
     for (const auto& [seconds, name] : costs) {
         const double over = seconds / costs.front().first;
-        const bool taken = name == usual || (methods_.size() < max_methods && over <= method_reach);
+        const bool usual = std::ranges::any_of(automatic_choices(), [&](const AutomaticChoice& row) { return row.method == name; });
+        const bool taken = usual || (methods_.size() < max_methods && over <= method_reach);
         if (taken)
             methods_.push_back(name);
         else
@@ -111,6 +112,7 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
             require_going_on();
             TunedChoice base;
             base.choice = {level, method};
+            base.choice.method = method_of(chosen_scene(scene_, base.choice, 0.0));
             try {
                 const PointRun run = points_.front().trial(base.choice, cost_trial);
                 base.work = run.work;

@@ -112,6 +112,7 @@ static void check_equations(cvtflow_simulation* simulation) {
     CHECK(cvtflow_input_set(simulation, CVTFLOW_RATIO, 1.0, NULL) == CVTFLOW_ARGUMENT);
     CHECK(cvtflow_largest_stable_step(simulation, &step, NULL) == CVTFLOW_OK && step > 1e-9 && step < 1e-5);
     CHECK(fabs(cvtflow_step_length(simulation) - 1e-7) < 1e-20);
+    CHECK(strcmp(cvtflow_method(simulation), "rk4") == 0 && strcmp(cvtflow_method(NULL), "") == 0);
     free(out);
 }
 

@@ -34,6 +34,8 @@ TEST(HostTime, KnowsTheLargestStableStepOfProgramsToo) {
     EXPECT_GT(leapfrog.largest_stable_step(), 1e-6);
     EXPECT_LT(leapfrog.largest_stable_step(), 2.0 / (2.0 * 3.14159 * 1e5));
     EXPECT_TRUE(std::isinf(trapezoidal.largest_stable_step()));
+    EXPECT_EQ(leapfrog.method(), "leapfrog-chebyshev");
+    EXPECT_EQ(Simulation(tiny({"run.method=auto"})).method(), "leapfrog-sweep");
 }
 
 }  // namespace

@@ -21,6 +21,7 @@ TEST_F(Hashes, AreTheSameForEveryVariantOfTheCLibrary) {
     const std::vector<std::vector<std::string>> variants{
         {"--method", "rk4"},
         {"--method", "leapfrog-chebyshev"},
+        {"--method", "leapfrog-sweep"},
         {"--method", "leapfrog-be"},
         {"--method", "dumka3"},
         {"--method", "rkc"},

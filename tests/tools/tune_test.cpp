@@ -31,7 +31,7 @@ TEST_F(Tune, WritesASceneThatRunsWithWhatItChose) {
                 AllOf(HasSubstr("tiny: accuracy 20 %, at 1 operating point\n"), ContainsRegex("\n  chosen  .* errors times 2 are"),
                       HasSubstr("left out            methods that are so many times as dear as ")));
     EXPECT_THAT(read("tiny.tuned.toml"),
-                AllOf(HasSubstr("# tiny for an accuracy of 20 %: "), HasSubstr("#   start: full, leapfrog-chebyshev at ")));
+                AllOf(HasSubstr("# tiny for an accuracy of 20 %: "), HasSubstr("#   start: full, leapfrog-sweep at ")));
     EXPECT_THAT(read("tiny.tuned.svg"), HasSubstr("<svg"));
     const auto json = nlohmann::json::parse(read("out/tune_tiny.json"));
     const auto& chosen = json["choices"][std::size_t(json["chosen"])];

@@ -154,6 +154,8 @@ CVTFLOW_API cvtflow_code cvtflow_create(const cvtflow_scene* scene, const cvtflo
 CVTFLOW_API cvtflow_code cvtflow_copy(const cvtflow_simulation* from, cvtflow_simulation** copy, cvtflow_message* message);
 CVTFLOW_API void cvtflow_destroy(cvtflow_simulation* simulation); /* NULL is allowed */
 
+/* The method of its steps, never "auto"; lives as long as the simulation. */
+CVTFLOW_API const char* cvtflow_method(const cvtflow_simulation* simulation);
 CVTFLOW_API double cvtflow_time(const cvtflow_simulation* simulation);        /* [s] */
 CVTFLOW_API double cvtflow_step_length(const cvtflow_simulation* simulation); /* [s] */
 CVTFLOW_API cvtflow_code cvtflow_advance_to(cvtflow_simulation* simulation, double time, cvtflow_message* message);

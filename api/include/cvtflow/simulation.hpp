@@ -114,6 +114,8 @@ public:
     [[nodiscard]] const Scene& scene() const noexcept;
     /// [s]. A geometric start that has to settle begins at -start.settling_time: advance_to(0) settles it.
     [[nodiscard]] double time() const noexcept;
+    /// The method of its steps, never "auto": what run.method = "auto" is with this scene.
+    [[nodiscard]] const std::string& method() const noexcept;
     /// Length of a step that no transition cuts [s].
     [[nodiscard]] double step_length() const noexcept;
 

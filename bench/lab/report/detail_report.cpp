@@ -132,8 +132,10 @@ std::vector<DetailOutcome> measure_all(const DetailArguments& arguments, const s
     const DetailMeasure measure(arguments, scene);
     std::vector<DetailOutcome> outcomes;
     for (const DetailVariant& variant : detail_variants(arguments.all)) {
-        if (!tasks::takes_pins(arguments.method, variant.pins)) {
-            print_error(fmt::format("{}: {}: left out: {}", scene, variant.name(), tasks::needs_halves(arguments.method)));
+        model::Parameters pins;
+        pins.detail.pins = variant.pins;
+        if (const std::string objection = tasks::objection_to(arguments.method, pins); !objection.empty()) {
+            print_error(fmt::format("{}: {}: left out: {}", scene, variant.name(), objection));
             continue;
         }
         outcomes.push_back(measure.measure(variant, outcomes.empty() ? 0.0 : outcomes.front().ratio));

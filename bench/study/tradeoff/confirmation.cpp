@@ -86,11 +86,12 @@ Confirmed Confirmation::judged(const LongRun& run) const {
 
 double Confirmation::stable_step(std::span<const std::string> settings) {
     const Scene scene = with_outputs(scene_, settings_.interval, settings);
-    const auto known = stable_.find(scene.run.method);
+    const std::string method = method_of(scene);
+    const auto known = stable_.find(method);
     if (known != stable_.end()) return known->second;
     double step = std::numeric_limits<double>::infinity();
-    for (const LinearChain& end : ends_) step = std::min(step, predicted_step_limit(end, scene.run.method).step);
-    return stable_[scene.run.method] = step;
+    for (const LinearChain& end : ends_) step = std::min(step, predicted_step_limit(end, method).step);
+    return stable_[method] = step;
 }
 
 bool Confirmation::beyond_stability(std::span<const std::string> settings) {
@@ -111,7 +112,7 @@ void Confirmation::take_reference() {
     FrozenStart begin, end;
     reference_ = run(settings_.reference, &begin, &end);
     reference_text_ =
-        fmt::format("{} at {:.3g} s", with_outputs(scene_, settings_.interval, settings_.reference).run.method, reference_.step);
+        fmt::format("{} at {:.3g} s", method_of(with_outputs(scene_, settings_.interval, settings_.reference)), reference_.step);
     if (reference_.fault)
         throw SimulationError(
             fmt::format("{}: the reference of the confirmation did not get through: {}", scene_.name, reference_.fault.message()));

@@ -190,7 +190,7 @@ private:
         }
         if (sweep_.accuracy.target > 0.0 && sweep_.start == StartMode::shared)
             problems_.push_back({{}, "accuracy: start.mode \"shared\" has cases begin where none of them has settled; write \"settle\""});
-        if (!plan_for(sweep_.scene.run.method))
+        if (!plan_for(method_of(sweep_.scene)))
             problems_.push_back({{}, fmt::format("run.method: there is no method {}", toml_text(sweep_.scene.run.method))});
     }
 

@@ -46,7 +46,7 @@ constexpr NewtonVariant variants[] = {
             .solves = "1 an iteration, for the whole state",
             .stability = trapezoidal_stability,
             .linear = trapezoidal_step,
-            .whole_pins = false};
+            .missing = missing_halves};
 }
 
 [[nodiscard]] MethodProgram linearly_implicit(const LinearPlan& plan) {
@@ -62,7 +62,7 @@ constexpr NewtonVariant variants[] = {
             .solves = std::to_string(stages) + " a step, for the whole state",
             .stability = [&plan] { return linear_stability(plan); },
             .linear = [&plan](const LinearChain& chain) { return implicit_step(chain, plan); },
-            .whole_pins = false};
+            .missing = missing_halves};
 }
 
 }  // namespace

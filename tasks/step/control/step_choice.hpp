@@ -10,13 +10,12 @@ namespace cvtflow::tasks {
 
 class StepChoice {
 public:
-    /// Longest step that is ever chosen [s]: the step grid starts from it. What friction leaves of a step is of first order (2 us: slip off
-    /// by 1 to 3 % on one machine in twenty of `cvtflow-lab lottery`).
-    static constexpr double longest_step = 1.5e-6;
     /// Longest time between two questions [s].
     static constexpr double ask_interval = 125e-6;
 
     virtual ~StepChoice() = default;
+    /// Longest step that is ever chosen [s]: the step grid starts from it.
+    [[nodiscard]] virtual double longest() const noexcept = 0;
     /// Longest step at a state [s]. @param time [s] @param state [layout.size()] @param phases [4 links]
     [[nodiscard]] virtual double longest(double time, const double* state, const model::Phase* phases) noexcept = 0;
     /// A new integration begins.

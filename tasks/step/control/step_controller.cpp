@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "tasks/step/control/input_points.hpp"
-#include "tasks/step/control/longest_step.hpp"
 #include "tasks/step/integration_state.hpp"
 #include "tasks/step/stage_method.hpp"
 
@@ -28,14 +27,14 @@ constexpr double min_gain = 1.05;
 }
 
 /// With the error in charge, the grid is that of outputs.
-[[nodiscard]] StepGrid grid_of(const StepSettings& settings, model::PinDetail pins) noexcept {
+[[nodiscard]] StepGrid grid_of(const StepSettings& settings) noexcept {
     StepGrid grid;
     grid.begin = settings.begin;
     grid.output_interval = settings.output_interval;
     const bool free = settings.control == StepControl::error;
     if (settings.automatic() && !free)
         grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
-    grid.divide(free ? settings.output_interval : settings.automatic() ? longest_automatic_step(pins) : step_by_hand(settings));
+    grid.divide(free ? settings.output_interval : settings.automatic() ? settings.choice->longest() : step_by_hand(settings));
     return grid;
 }
 
@@ -57,7 +56,7 @@ StepController::StepController(Workspace& workspace, std::unique_ptr<StepMethod>
       settings_(settings),
       observer_(observer),
       cancel_(cancel),
-      grid_(grid_of(settings, workspace.parameters.detail.pins)),
+      grid_(grid_of(settings)),
       errors_(workspace, method_, settings),
       transitions_(workspace, method_),
       integration_(integrate()) {
@@ -78,7 +77,7 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
       settings_(settings),
       observer_(observer),
       cancel_(cancel),
-      grid_(grid_of(settings, workspace.parameters.detail.pins)),
+      grid_(grid_of(settings)),
       errors_(workspace, method_, settings),
       transitions_(workspace, method_),
       outputs_(from.outputs),
@@ -208,7 +207,7 @@ void StepController::plan_step() {
 
 /// Length of automatic steps, at the start of a leg: shorter as soon as needed, longer only if the gain is worth it.
 void StepController::choose_step() {
-    const double longest = std::min(method_.longest_step(longest_automatic_step(w_.parameters.detail.pins)),
+    const double longest = std::min(method_.longest_step(settings_.choice->longest()),
                                     settings_.choice->longest(w_.step.time, w_.states[0], w_.tips.phases.data()));
     StepGrid next = grid_;
     next.divide(longest);

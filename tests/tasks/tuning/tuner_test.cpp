@@ -90,7 +90,8 @@ TEST(Tuner, LeavesOutMethodsWhereALevelOfDetailDoesNotTakeThem) {
                            [&](const TunedChoice& made) { return made.choice.detail == detail && made.choice.method == method; });
     };
     EXPECT_TRUE(tried("fine", "leapfrog-sdirk2"));
-    EXPECT_TRUE(tried("coarse", RunSettings{}.method));
+    EXPECT_TRUE(tried("coarse", "leapfrog-chebyshev")) << "what auto is for whole pins";
+    EXPECT_TRUE(tried("fine", "leapfrog-sweep"));
     EXPECT_FALSE(tried("coarse", "leapfrog-sdirk2"));
     EXPECT_TRUE(result.chosen);
 }

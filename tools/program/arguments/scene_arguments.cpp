@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "engine/base/spelling.hpp"
+#include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
@@ -89,7 +90,7 @@ void apply_preset(tasks::Scene& scene, const std::string& preset) {
 }  // namespace
 
 void require_method(const std::string& method) {
-    if (tasks::plan_for(method)) return;
+    if (method == tasks::automatic_method || tasks::plan_for(method)) return;
     throw UsageError(tasks::no_method(method));
 }
 
@@ -97,10 +98,10 @@ namespace {
 
 /// What a family of methods does not have is known when the method is made.
 void require_member(const tasks::Scene& scene, const std::string& own_method, const SceneArguments& arguments) {
-    const std::string& method = scene.run.method;
+    const std::string method = tasks::method_of(scene);
     if (tasks::plan_for(method)) return;
     const std::string problem = scene.method_place + "run.method: " + tasks::no_method(method);
-    if (method == own_method) throw tasks::SceneError(problem);
+    if (scene.run.method == own_method) throw tasks::SceneError(problem);
     throw UsageError(in_words_given(problem, arguments));
 }
 

@@ -11,7 +11,6 @@
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/spectral_bound.hpp"
 #include "tasks/run/simulation.hpp"
-#include "tasks/step/control/longest_step.hpp"
 #include "tasks/step/frozen_start.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/text/method_text.hpp"
@@ -72,7 +71,7 @@ ExitStatus fit(const FitArguments& arguments) {
         throw tasks::SceneError(
             fmt::format("{}: the start is not settled, its spectrum would mean nothing (cvtflow settle)", loaded.scene.name));
     const tasks::FrozenStart start = tasks::frozen_start(simulation);
-    const double step = loaded.scene.run.step.value_or(tasks::longest_automatic_step(loaded.scene.parameters.detail.pins));
+    const double step = loaded.scene.run.step.value_or(tasks::longest_automatic_step(simulation.method_name(), loaded.scene.parameters));
     fmt::print("{}: polynomial for steps of {}\n", loaded.scene.name, time_text(step));
     const FitExtent extent = arguments.eigenvalues ? extent_by_eigenvalues(simulation.variator(), start)
                                                    : extent_by_power_iteration(simulation.variator(), start);

@@ -86,7 +86,7 @@ ExitStatus local_error(const LocalErrorArguments& arguments) {
     if (!loaded.notice.empty()) print_error(loaded.notice);
     std::vector<std::string> methods = arguments.methods;
     for (const std::string& method : methods) require_method(method);
-    if (methods.empty()) methods.push_back(scene.run.method);
+    if (methods.empty()) methods.push_back(tasks::method_of(scene));
     const tasks::FrozenStart start = settled_start(scene, arguments.scene.settle, "its errors");
     std::vector<ErrorCurve> curves;
     for (const std::string& method : methods) {

@@ -12,7 +12,6 @@
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
-#include "tasks/step/control/longest_step.hpp"
 #include "tools/program/arguments/scene_arguments.hpp"
 #include "tools/program/guard.hpp"
 #include "tools/program/output/output_folder.hpp"
@@ -78,9 +77,9 @@ std::optional<StepLimit> limit_of(const SpectrumResult& result, const model::Var
 /// hid a growth or made one (up to five times too short).
 std::optional<tasks::StepLimit> program_limit_of(const tasks::Scene& scene, const model::Variator& variator,
                                                  const tasks::FrozenStart& start, const Teller& tell) {
-    if (tasks::find_program(scene.run.method) == nullptr) return {};
-    tell(fmt::format("largest stable step of {}", scene.run.method));
-    return tasks::predicted_step_limit(variator, scene.parameters, scene.run.method, start);
+    if (tasks::find_program(tasks::method_of(scene)) == nullptr) return {};
+    tell(fmt::format("largest stable step of {}", tasks::method_of(scene)));
+    return tasks::predicted_step_limit(variator, scene.parameters, tasks::method_of(scene), start);
 }
 
 ExitStatus spectrum(const SpectrumArguments& arguments) {
@@ -95,8 +94,8 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
     result.friction = model::friction_law_names[static_cast<std::size_t>(scene.parameters.detail.friction)];
     result.time = start.time;
     result.touching = touching_tips(start);
-    result.method = scene.run.method;
-    result.step = scene.run.step.value_or(tasks::longest_automatic_step(scene.parameters.detail.pins));
+    result.method = tasks::method_of(scene);
+    result.step = scene.run.step.value_or(tasks::longest_automatic_step(result.method, scene.parameters));
     find_values(result, variator, start, arguments.extremal, tell);
     result.limit = limit_of(result, variator, start, tell);
     result.program_limit = program_limit_of(scene, variator, start, tell);

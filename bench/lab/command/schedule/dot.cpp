@@ -49,11 +49,11 @@ int cycle_named(const engine::TaskGraph& graph, const std::string& name, const s
 
 ExitStatus dot(const DotArguments& arguments) {
     const tasks::Scene scene = load_scene(arguments.scene).scene;
-    tasks::Workspace workspace(scene.parameters, *tasks::plan_for(scene.run.method),
+    tasks::Workspace workspace(scene.parameters, *tasks::plan_for(tasks::method_of(scene)),
                                tasks::Partition::equal(scene.parameters.chain.pins, std::max(1, scene.run.segments)));
-    const std::unique_ptr<tasks::StepMethod> method = tasks::make_step_method(scene.run.method, workspace);
+    const std::unique_ptr<tasks::StepMethod> method = tasks::make_step_method(tasks::method_of(scene), workspace);
     const engine::TaskGraph graph = tasks::step_graph(workspace, {.kind = scene.run.assembly}, method.get());
-    fmt::print("{}", engine::to_dot(graph, cycle_named(graph, arguments.cycle, scene.run.method)));
+    fmt::print("{}", engine::to_dot(graph, cycle_named(graph, arguments.cycle, tasks::method_of(scene))));
     return ExitStatus::finished;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "tasks/method/friction/kick_record.hpp"
@@ -26,25 +25,36 @@ constexpr double ahead = 0.5;
 /// Steps whose lengths differ by less have the same length; the time is rounded.
 constexpr double same_length = 1e-6;
 
-/// Two at the usual saturation speeds. A force is late by what a sweep has not followed, and that does not shrink with the speed at which
-/// it saturates: two sweeps at a tenth of the speeds have twice the error of tips, five the same.
-[[nodiscard]] int sweeps_for(const model::Parameters& parameters) {
+/// Sweeps of a step: two at the usual saturation speeds. A force is late by what a sweep has not followed, and that does not shrink with
+/// the speed at which it saturates: two sweeps at a tenth of the speeds have twice the error of tips, five the same.
+constexpr double min_sweeps = 2.0, max_sweeps = 12.0, power_of_slowness = 0.4;
+
+[[nodiscard]] double wanted_sweeps(const model::Parameters& parameters) {
     const model::Parameters usual;
     const double slowness = std::max({usual.tip.friction.saturation_speed / parameters.tip.friction.saturation_speed,
                                       usual.joint.friction.saturation_speed / parameters.joint.friction.saturation_speed,
                                       usual.plate.friction.saturation_speed / parameters.plate.friction.saturation_speed});
-    constexpr double least = 2.0, most = 12.0, power = 0.4;
-    return static_cast<int>(std::ceil(std::clamp(least * std::pow(slowness, power) - 0.1, least, most)));
+    return min_sweeps * std::pow(slowness, power_of_slowness) - 0.1;
+}
+
+[[nodiscard]] int sweeps_for(const model::Parameters& parameters) {
+    return static_cast<int>(std::ceil(std::clamp(wanted_sweeps(parameters), min_sweeps, max_sweeps)));
 }
 
 }  // namespace
 
+std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept {
+    if (parameters.detail.pins != model::PinDetail::halves) return "detail.pins = \"halves\"";
+    return parameters.detail.friction == model::FrictionLaw::piecewise ? "" : "detail.friction = \"piecewise\"";
+}
+
+bool sweeps_suit(const model::Parameters& parameters) {
+    return missing_for_sweeps(parameters).empty() && !parameters.detail.stick_slip && wanted_sweeps(parameters) <= max_sweeps;
+}
+
 template <class Number>
 SweepLeapfrog<Number>::SweepLeapfrog(Workspace& workspace)
-    : w_(workspace), frame_(workspace), system_(workspace), sweeps_(sweeps_for(workspace.parameters)) {
-    if (workspace.parameters.detail.friction != model::FrictionLaw::piecewise)
-        throw std::invalid_argument("method 'leapfrog-sweep' needs detail.friction = \"piecewise\"");
-}
+    : w_(workspace), frame_(workspace), system_(workspace), sweeps_(sweeps_for(workspace.parameters)) {}
 
 template <class Number>
 void SweepLeapfrog<Number>::add_tasks(engine::TaskGraph& graph) {

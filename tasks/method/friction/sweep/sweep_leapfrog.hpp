@@ -11,6 +11,7 @@
 
 #include <array>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "tasks/method/friction/leapfrog_frame.hpp"
@@ -18,6 +19,12 @@
 #include "tasks/step/step_method.hpp"
 
 namespace cvtflow::tasks {
+
+/// What sweeps need that parameters do not have, as a setting: pin halves, and a friction law without a rounded corner. Empty: nothing.
+[[nodiscard]] std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept;
+/// Whether sweeps are the automatic choice: parameters have what they need, tips have no phases stick and slip (whose losses were not
+/// compared), and friction does not saturate at so low a speed that more sweeps would be needed than a step has.
+[[nodiscard]] bool sweeps_suit(const model::Parameters& parameters);
 
 /// @tparam Number of velocities inside the step: double or float
 template <class Number>
@@ -28,7 +35,7 @@ public:
     /// Sweeps of a step without a step before.
     static constexpr int first_sweeps = 30;
 
-    /// @throws std::invalid_argument for a friction law with a rounded corner
+    /// For parameters with nothing missing_for_sweeps().
     explicit SweepLeapfrog(Workspace& workspace);
 
     [[nodiscard]] NextCycle begin() override;

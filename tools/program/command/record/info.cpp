@@ -82,9 +82,10 @@ std::string state_text(const std::string& path, const engine::SavedState& saved)
     if (!scene) return text + field("settled with", "a scene that this program cannot read");
     text += field("settled with", fmt::format("scene {}, {} pins", scene->name, scene->parameters.chain.pins));
     text += field("", detail_text(*scene));
-    text += field("", fmt::format("{} with step {}, {} of settling", scene->run.method,
-                                  scene->run.step.automatic() ? "auto" : time_text(scene->run.step),
-                                  time_text(scene->parameters.start.settling_time)));
+    const std::string method = text_of(saved.attributes, "method", tasks::method_of(*scene));
+    text +=
+        field("", fmt::format("{} with step {}, {} of settling", method, scene->run.step.automatic() ? "auto" : time_text(scene->run.step),
+                              time_text(scene->parameters.start.settling_time)));
     return text;
 }
 

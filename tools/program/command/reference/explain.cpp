@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "tasks/batch/sweep/sweep_keys.hpp"
+#include "tasks/method/automatic_method.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/parameter_table.hpp"
@@ -36,16 +37,18 @@ std::string step_lines(const tasks::Scene& scene) {
     const tasks::Simulation simulation(scene);
     if (simulation.needs_settling()) return "  stable:   known once it has settled (cvtflow settle)\n";
     const tasks::StepLimit limit =
-        tasks::predicted_step_limit(simulation.variator(), scene.parameters, scene.run.method, tasks::frozen_start(simulation));
+        tasks::predicted_step_limit(simulation.variator(), scene.parameters, simulation.method_name(), tasks::frozen_start(simulation));
     const std::string chosen = scene.run.step.automatic()
                                    ? fmt::format("  auto is:  {} at the start\n", time_text(simulation.automatic_step()))
                                    : std::string(scene.run.step > limit.step ? "  warning:  run.step is beyond\n" : "");
-    return fmt::format("  stable:   {} with {} up to {}\n{}", scene.name, scene.run.method, tasks::text_of(limit), chosen);
+    return fmt::format("  stable:   {} with {} up to {}\n{}", scene.name, simulation.method_name(), tasks::text_of(limit), chosen);
 }
 
 std::string scene_lines(const std::string& key, const tasks::Scene& scene) {
     const tasks::Parameter& parameter = *tasks::find_parameter(key);
     std::string text = fmt::format("  here:     {} in {}\n", tasks::readable_value(parameter, scene), scene.name);
+    if (key == "run.method" && scene.run.method == tasks::automatic_method)
+        text += fmt::format("  auto is:  {}\n", tasks::method_of(scene));
     if (key == "run.step" || key == "run.method") text += step_lines(scene);
     return text;
 }

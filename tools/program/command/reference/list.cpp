@@ -9,6 +9,7 @@
 #include "engine/base/spelling.hpp"
 #include "engine/executor/runtimes.hpp"
 #include "engine/method/catalogue.hpp"
+#include "tasks/method/automatic_method.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/run/channels/channels.hpp"
 #include "tasks/scene/parameter_table.hpp"
@@ -31,9 +32,8 @@ struct Choice {
 };
 
 constexpr std::array choices{
-    Choice{"leapfrog-chebyshev", "the default: one evaluation of all forces a step, friction in stages of its own; automatic steps"},
-    Choice{"leapfrog-chebyshev-double", "the default with friction in double precision, to see that single precision changes nothing"},
-    Choice{"leapfrog-rkc", "as the default, with smaller errors of friction in short steps"},
+    Choice{"leapfrog-sweep", "one evaluation of all forces a step, friction solved for contact by contact; needs pin halves"},
+    Choice{"leapfrog-chebyshev", "one evaluation of all forces a step, friction in stages of its own; every detail and friction law"},
     Choice{"dumka3", "explicit, steps by local error (run.step_control = \"error\"); chooses its stages by the spectrum"},
     Choice{"dumka3-p5", "explicit with fixed steps, 2 us at full detail: no splitting of friction, a sixth of the cost of rk4"},
     Choice{"rk4", "the reference: order 4, 45 ns or less at full detail"},
@@ -41,8 +41,12 @@ constexpr std::array choices{
 
 std::string methods() {
     Table table({{"method"}, {"used for"}});
+    table.add({std::string(tasks::automatic_method), "the default: a method by detail and friction law, as listed below"});
     for (const Choice& choice : choices) table.add({choice.method, choice.reason});
-    return table.text() + "\nAll methods, with stages and order: cvtflow list methods --all.\n";
+    std::string automatic;
+    for (const tasks::AutomaticChoice& row : tasks::automatic_choices()) automatic += fmt::format("\n  {}: {}", row.method, row.machines);
+    return table.text() + "\nauto is the first of these that suits:" + automatic + "\n" +
+           "\nAll methods, with stages and order: cvtflow list methods --all.\n";
 }
 
 std::string all_methods() {
