@@ -27,6 +27,9 @@ CVTFLOW_SAME(CVTFLOW_LOAD_TORQUE, Input::load_torque);
 CVTFLOW_SAME(CVTFLOW_DRIVE_TORQUE, Input::drive_torque);
 CVTFLOW_SAME(CVTFLOW_DRIVE_SPEED, Input::drive_speed);
 CVTFLOW_SAME(CVTFLOW_RATIO, Input::ratio);
+CVTFLOW_SAME(CVTFLOW_LOAD_SPEED, Input::load_speed);
+CVTFLOW_SAME(CVTFLOW_LOAD_ANGLE, Input::load_angle);
+CVTFLOW_SAME(CVTFLOW_DRIVE_ANGLE, Input::drive_angle);
 #undef CVTFLOW_SAME
 
 extern "C" {

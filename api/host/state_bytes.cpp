@@ -11,7 +11,7 @@ namespace cvtflow::api {
 
 namespace {
 
-constexpr std::string_view magic = "CVTFLOW3";
+constexpr std::string_view magic = "CVTFLOW4";
 
 [[noreturn]] void reject(const char* why) { throw Error(ErrorCode::state, std::string("saved state: ") + why); }
 
@@ -77,9 +77,13 @@ template <class Stream, class Record>
 void visit(Stream& stream, Record& record) {
     auto& held = record.held;
     stream(record.fingerprint);
-    for (auto* value : {&held.driving, &held.driven, &held.load_torque, &held.drive_torque, &held.drive_speed, &held.ratio}) stream(*value);
-    stream(held.since);
-    stream(held.angle);
+    for (auto* value :
+         {&held.driving, &held.driven, &held.load_torque, &held.drive_torque, &held.drive_speed, &held.load_speed, &held.ratio})
+        stream(*value);
+    for (auto& reference : held.reference) {
+        for (auto* number : {&reference.since, &reference.angle, &reference.zero}) stream(*number);
+    }
+    stream(held.coupled);
     auto field = [&](const char* /*name*/, auto& value) { stream(value); };
     tasks::visit_fields(record.integration, field);
 }

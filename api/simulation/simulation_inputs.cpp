@@ -22,7 +22,7 @@ inline namespace v0 {
 
 namespace {
 
-/// An input: its name, its key in scenes, whose range holds for it, and what a scene must have for it.
+/// An input: its name, its key in scenes, whose range holds for it, and what a scene must have for it. Angles of far ends have no key.
 struct InputRow {
     const char* name;
     const char* key;
@@ -30,12 +30,21 @@ struct InputRow {
     const model::TimeTable& (*table)(const model::Parameters&);
     bool (*present)(const model::Parameters&);
     const char* needs;
+    int turns = none;  ///< shaft whose reference it turns, by a speed, or by an angle where `held` is nullptr
+
+    static constexpr int none = -1;
+    [[nodiscard]] bool is_angle() const noexcept { return held == nullptr; }
 };
+constexpr double largest_angle = 1e9;  // [rad]
 
 using P = model::Parameters;
 [[nodiscard]] bool always(const P&) { return true; }
 [[nodiscard]] bool by_torque(const P& p) { return p.drive.mode == model::DriveMode::torque; }
-[[nodiscard]] bool by_speed(const P& p) { return p.drive.mode == model::DriveMode::speed; }
+[[nodiscard]] bool by_speed(const P& p) { return p.drive.mode != model::DriveMode::torque; }
+[[nodiscard]] bool by_coupling(const P& p) { return p.drive.mode == model::DriveMode::coupling; }
+[[nodiscard]] bool loaded_by_torque(const P& p) { return p.load.mode == model::LoadMode::torque; }
+[[nodiscard]] bool loaded_by_speed(const P& p) { return p.load.mode != model::LoadMode::torque; }
+[[nodiscard]] bool loaded_by_coupling(const P& p) { return p.load.mode == model::LoadMode::coupling; }
 [[nodiscard]] bool controlled(const P& p) { return p.control.enabled && p.control.quantity == model::ControlledQuantity::ratio; }
 
 constexpr InputRow input_rows[] = {
@@ -44,13 +53,17 @@ constexpr InputRow input_rows[] = {
     {"clamping_driven", "clamping.driven", &model::HeldInputs::driven,
      [](const P& p) -> const model::TimeTable& { return p.clamping.driven; }, always, ""},
     {"load_torque", "load.torque", &model::HeldInputs::load_torque, [](const P& p) -> const model::TimeTable& { return p.load.torque; },
-     always, ""},
+     loaded_by_torque, "load.mode = \"torque\""},
     {"drive_torque", "drive.torque", &model::HeldInputs::drive_torque, [](const P& p) -> const model::TimeTable& { return p.drive.torque; },
      by_torque, "drive.mode = \"torque\""},
     {"drive_speed", "drive.speed", &model::HeldInputs::drive_speed, [](const P& p) -> const model::TimeTable& { return p.drive.speed; },
-     by_speed, "drive.mode = \"speed\""},
+     by_speed, "drive.mode = \"speed\" or \"coupling\"", 0},
     {"ratio", "control.ratio", &model::HeldInputs::ratio, [](const P& p) -> const model::TimeTable& { return p.control.ratio; }, controlled,
      "control.enabled = true and control.quantity = \"ratio\""},
+    {"load_speed", "load.speed", &model::HeldInputs::load_speed, [](const P& p) -> const model::TimeTable& { return p.load.speed; },
+     loaded_by_speed, "load.mode = \"speed\" or \"coupling\"", 1},
+    {"load_angle", "load_angle", nullptr, nullptr, loaded_by_coupling, "load.mode = \"coupling\"", 1},
+    {"drive_angle", "drive_angle", nullptr, nullptr, by_coupling, "drive.mode = \"coupling\"", 0},
 };
 
 [[nodiscard]] const InputRow& input_row(Input input) {
@@ -68,11 +81,25 @@ constexpr InputRow input_rows[] = {
     return row;
 }
 
+/// @throws Error (argument); value [unit of the input]
+void require_in_range(const InputRow& row, double value) {
+    if (row.is_angle()) {
+        if (!(std::abs(value) <= largest_angle)) throw Error(ErrorCode::argument, std::string(row.name) + ": beyond 1e9 rad");
+        return;
+    }
+    const tasks::Parameter& range = *tasks::find_parameter(row.key);
+    if (value >= range.min && value <= range.max) return;
+    throw Error(ErrorCode::argument, std::string(row.key) + ": " + tasks::number_text(value) + " is outside [" +
+                                         tasks::number_text(range.min) + ", " + tasks::number_text(range.max) + "] " +
+                                         std::string(range.unit));
+}
+
 }  // namespace
 
 InputInfo input_info(Input input) {
     return api::entered(ErrorCode::internal, [&] {
         const InputRow& row = input_row(input);
+        if (row.is_angle()) return InputInfo{row.name, "rad", "Angle that the far end of the coupling has turned since t = 0."};
         const tasks::Parameter& key = *tasks::find_parameter(row.key);
         return InputInfo{row.name, key.unit, key.meaning};
     });
@@ -86,26 +113,31 @@ void Simulation::Impl::hold(const model::HeldInputs& held) {
 void Simulation::Impl::set_input(Input input, double value) {
     const Scope scope(*this, Scope::As::visitor);
     const InputRow& row = input_row(input, data());
-    const tasks::Parameter& range = *tasks::find_parameter(row.key);
-    if (!(value >= range.min && value <= range.max)) {
-        throw Error(ErrorCode::argument, std::string(row.key) + ": " + tasks::number_text(value) + " is outside [" +
-                                             tasks::number_text(range.min) + ", " + tasks::number_text(range.max) + "] " +
-                                             std::string(range.unit));
-    }
+    require_in_range(row, value);
     const model::PulleyModel& pulleys = simulation_.variator().pulleys();
     model::HeldInputs held = pulleys.held();
-    if (input == Input::drive_speed) {  // the reference angle goes on from where it is
-        held.angle = pulleys.reference_angle(simulation_.time());
-        held.since = simulation_.time();
+    if (row.turns != InputRow::none) {  // the reference turns on from where it is
+        const double now = simulation_.time();
+        model::ReferenceAngle& reference = held.reference[static_cast<std::size_t>(row.turns)];
+        if (row.is_angle() && !held.coupled) throw Error(ErrorCode::argument, std::string(row.name) + ": the coupling acts from t = 0 on");
+        reference.angle = row.is_angle() ? reference.zero + value : pulleys.reference_angle(now, row.turns);
+        reference.since = now;
     }
-    held.*row.held = value;
+    if (!row.is_angle()) held.*row.held = value;
     hold(held);
     simulation_.inputs_changed();
 }
 
 double Simulation::Impl::input(Input input) const {
     const InputRow& row = input_row(input, data());
-    const auto& held = simulation_.variator().pulleys().held().*row.held;
+    const model::PulleyModel& pulleys = simulation_.variator().pulleys();
+    if (row.is_angle()) {
+        const bool acts = pulleys.held().coupled;
+        return acts ? pulleys.reference_angle(simulation_.time(), row.turns) -
+                          pulleys.held().reference[static_cast<std::size_t>(row.turns)].zero
+                    : 0.0;
+    }
+    const auto& held = pulleys.held().*row.held;
     return held ? *held : row.table(data().parameters).at(std::max(simulation_.time(), 0.0));
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "model/basis/portable_math.hpp"
 
@@ -32,11 +31,8 @@ void PulleyModel::adopt(const Parameters& p) {
     narrowing_ = 0.5 * portable_cos(p.tip.angle) / portable_sin(p.tip.angle);
     inertia_.clear();
     supports_.clear();
-    const double polar = pulley_.shaft_polar_inertia + 2.0 * pulley_.sheave_polar_inertia + drive_.inertia;
-    const double frequency = 2.0 * std::numbers::pi * drive_.governor_frequency;
-    governor_stiffness_ = polar * frequency * frequency;
-    governor_damping_ = 2.0 * polar * frequency;
-    reference_speed_ = drive_.mode == DriveMode::speed ? drive_.speed.largest_magnitude() : control_.reference_speed;
+    add_holders();
+    reference_speed_ = drive_.mode != DriveMode::torque ? drive_.speed.largest_magnitude() : control_.reference_speed;
     add_controllers();
     if (size_ != 0) add_inertia();
     if (!elastic()) return;

@@ -24,16 +24,32 @@ struct Inputs {
     bool control_limited = false;  ///< a controller asks for more than its authority
 };
 
+/// Angle of what holds a shaft by its speed: φ_ref(t) = angle + ∫ω_ref from `since` to t.
+struct ReferenceAngle {
+    double since = 0.0;  ///< [s]
+    double angle = 0.0;  ///< [rad]
+    double zero = 0.0;   ///< φ_ref when a coupling took over: hosts count its far end from there [rad]
+    bool operator==(const ReferenceAngle&) const = default;
+};
+
+/// A coupling at one instant.
+struct CouplingState {
+    double twist = 0.0, rate = 0.0;  ///< φ_ref - φ [rad], its rate [rad/s]
+    double energy = 0.0;             ///< ½ k twist² [J]
+    double damping = 0.0;            ///< c [N·m·s/rad]
+};
+
 /// Inputs that somebody has set by hand: a value in place of the scene's table, from then on.
 struct HeldInputs {
-    std::optional<double> driving;       ///< S_1 [N]
-    std::optional<double> driven;        ///< S_2 [N]
-    std::optional<double> load_torque;   ///< against the travel of shaft 2 [N·m]
-    std::optional<double> drive_torque;  ///< drive mode torque [N·m]
-    std::optional<double> drive_speed;   ///< drive mode speed [rad/s]; the reference angle goes on from `angle` at `since`
-    double since = 0.0;                  ///< [s]
-    double angle = 0.0;                  ///< [rad]
-    std::optional<double> ratio;         ///< of ratio control [1]
+    std::optional<double> driving;              ///< S_1 [N]
+    std::optional<double> driven;               ///< S_2 [N]
+    std::optional<double> load_torque;          ///< against the travel of shaft 2 [N·m]
+    std::optional<double> drive_torque;         ///< drive mode torque [N·m]
+    std::optional<double> drive_speed;          ///< drive modes speed and coupling [rad/s]; the reference angle goes on from reference[0]
+    std::optional<double> load_speed;           ///< load modes speed and coupling [rad/s]; the reference angle goes on from reference[1]
+    std::optional<double> ratio;                ///< of ratio control [1]
+    std::array<ReferenceAngle, 2> reference{};  ///< of the shafts
+    bool coupled = false;                       ///< whether couplings, and load mode speed, have taken over (PulleyModel::couple)
     bool operator==(const HeldInputs&) const = default;
 };
 
@@ -62,9 +78,15 @@ public:
     /// Puts values in place of tables; between steps only.
     void hold(const HeldInputs& held) noexcept { held_ = held; }
     [[nodiscard]] const HeldInputs& held() const noexcept { return held_; }
-    /// What the governor of mode speed wants at time t: angle and speed of shaft 1. t [s]
-    [[nodiscard]] double reference_angle(double t) const noexcept;
-    [[nodiscard]] double reference_speed(double t) const noexcept;  ///< t [s]
+    /// Angle and speed of what holds shaft 0 or 1 at time t: of a governor's reference, or of a coupling's far end. t [s]
+    [[nodiscard]] double reference_angle(double t, int shaft) const noexcept;
+    [[nodiscard]] double reference_speed(double t, int shaft) const noexcept;  ///< t [s]
+    /// Couplings, and load mode speed, take over: with the twist that carries the torque that acts at this instant. Before, shaft 1 is held
+    /// by the governor of mode speed and shaft 2 by load.torque. t [s], tail as inputs()
+    void couple(double t, const double* tail) noexcept;
+    /// Whether a coupling acts on shaft 0 or 1; its state, zero where none does. t [s], block [unknowns of the pulleys]
+    [[nodiscard]] bool coupled(int shaft) const noexcept;
+    [[nodiscard]] CouplingState coupling(double t, const double* block, int shaft) const noexcept;
     /// Slope [v | acceleration] of the pulleys' block. Losses and energies are added to the account if there is one.
     void slope(const double* block, const Inputs& inputs, const SheaveForces& chain, double* slope, Account* account) const noexcept;
     [[nodiscard]] WorkRates works(const double* block, const Inputs& inputs) const noexcept;  ///< block [unknowns of the pulleys]
@@ -112,6 +134,13 @@ private:
     void add_clamping(const double* block, const Inputs& inputs, double* force, Account* account) const noexcept;
     void add_chain(const SheaveForces& chain, double* force) const noexcept;          ///< force [N, N·m]
     [[nodiscard]] double drive_torque(double t, const double* block) const noexcept;  ///< t [s], block [unknowns of the pulleys]
+    /// By what holds a shaft by its angle and speed [N·m]. t [s], block [unknowns of the pulleys]
+    [[nodiscard]] double holding_torque(const Spring& by, double t, const double* block, int shaft) const noexcept;
+    [[nodiscard]] double resisting_torque(double t, const double* block) const noexcept;  ///< against shaft 2; t [s], block as above
+    [[nodiscard]] const TimeTable& speed_table(int shaft) const noexcept { return shaft == 0 ? drive_.speed : load_.speed; }
+    [[nodiscard]] const std::optional<double>& held_speed(int shaft) const noexcept {
+        return shaft == 0 ? held_.drive_speed : held_.load_speed;
+    }
     /// [N]. table: S_2(t) [N], load: M [N·m], block [unknowns of the pulleys]
     [[nodiscard]] double driven_clamping(double table, double load, const double* block) const noexcept;
     /// One of the machine's controllers: what it holds, by which clamping force, and its gains.
@@ -121,6 +150,7 @@ private:
         double proportional = 0.0, integral = 0.0, authority = 0.0;  ///< [N, N/s, N]
     };
     void add_controllers();
+    void add_holders();
     /// Error of what a controller holds [1]; `built_up` is the force of its shaft without its proportional part [N].
     [[nodiscard]] double control_error(const Governing& by, double now, double load, double built_up, const double* block) const noexcept;
     [[nodiscard]] BearingLoad sprung_bearing(const double* block, int shaft) const noexcept;  ///< block [unknowns of the pulleys]
@@ -142,7 +172,8 @@ private:
     double narrowing_;             ///< 1/(2 tan β), loss of running radius per opening of the groove [1]
     std::vector<double> inertia_;  ///< diagonal [kg, kg·m²]
     std::vector<Support> supports_;
-    double governor_stiffness_, governor_damping_, reference_speed_;  ///< [N·m/rad, N·m·s/rad, rad/s]
+    std::array<Spring, 2> governor_, holder_;  ///< of each shaft: as in mode speed; as its mode has it once couplings have taken over
+    double reference_speed_;                   ///< [rad/s]
 };
 
 }  // namespace cvtflow::model

@@ -33,7 +33,8 @@ enum class PulleyDetail { elastic, rigid, absent };
 enum class FrictionLaw { piecewise, smoothed };
 inline constexpr std::array<std::string_view, 2> friction_law_names{"piecewise", "smoothed"};
 enum class JointLaw { linear, palmgren };
-enum class DriveMode { speed, torque };
+enum class DriveMode { speed, torque, coupling };
+enum class LoadMode { torque, speed, coupling };
 enum class ControlledQuantity { ratio, slip, safety };
 /// What a second controller holds, by S_2 beside ratio control by S_1.
 enum class DrivenControl { none, slip, safety };
@@ -133,20 +134,33 @@ struct Pulley {
     bool operator==(const Pulley&) const = default;
 };
 
+/// Torsional spring and damper between a shaft and what turns beyond it.
+struct Coupling {
+    double stiffness = 1000.0;  ///< k [N·m/rad]
+    double damping = 2.0;       ///< c [N·m·s/rad]
+    bool operator==(const Coupling&) const = default;
+};
+
 struct Drive {
     DriveMode mode = DriveMode::speed;
-    TimeTable speed{209.43951023931953};  ///< ω_ref of shaft 1 [rad/s]
+    TimeTable speed{209.43951023931953};  ///< ω_ref of shaft 1, or of what drives it through the coupling [rad/s]
     TimeTable torque{0.0};                ///< T_1, mode torque [N·m]
     double governor_frequency = 200.0;    ///< f_g [Hz]
     double inertia = 0.0;                 ///< added to shaft 1 [kg·m²]
+    Coupling coupling;                    ///< of mode coupling
     bool operator==(const Drive&) const = default;
 };
 
+/// Before t = 0 `torque` acts in every mode; then the modes speed and coupling take over without a jump of the torque.
 struct Load {
-    TimeTable torque{150.0};  ///< M, against the travel of shaft 2 [N·m]
-    double linear = 0.0;      ///< b, added per speed of shaft 2 [N·m·s/rad]
-    double quadratic = 0.0;   ///< c, added per its speed squared, with its sign [N·m·s²/rad²]
-    double inertia = 0.0;     ///< added to shaft 2 [kg·m²]
+    LoadMode mode = LoadMode::torque;
+    TimeTable torque{150.0};            ///< M, against the travel of shaft 2 [N·m]
+    TimeTable speed{0.0};               ///< ω_ref of shaft 2, or of what turns beyond the coupling [rad/s]
+    double governor_frequency = 200.0;  ///< of mode speed [Hz]
+    Coupling coupling;                  ///< of mode coupling
+    double linear = 0.0;                ///< b, added per speed of shaft 2 [N·m·s/rad]
+    double quadratic = 0.0;             ///< c, added per its speed squared, with its sign [N·m·s²/rad²]
+    double inertia = 0.0;               ///< added to shaft 2 [kg·m²]
     bool operator==(const Load&) const = default;
 };
 

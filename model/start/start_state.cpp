@@ -165,7 +165,7 @@ struct StartPlan {
         if (!radii) throw std::invalid_argument("start: the chain does not close around the pulleys at the wanted ratio");
         plan.radii = *radii;
         plan.path_of = [=](double r) { return PitchPath(BeltRadii{r, ratio * r}, a); };
-        plan.turning = p.drive.mode == DriveMode::speed ? p.drive.speed.at(0.0) : p.control.reference_speed;
+        plan.turning = p.drive.mode != DriveMode::torque ? p.drive.speed.at(0.0) : p.control.reference_speed;
     }
     const double speed = plan.radii.driving * plan.turning;
     plan.pretension = link_mass(p) / plan.mean_pitch * speed * speed;

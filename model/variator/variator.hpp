@@ -35,6 +35,8 @@ public:
 
     /// Puts values in place of the inputs' tables; between steps only.
     void hold(const HeldInputs& held) noexcept { pulleys_.hold(held); }
+    /// Couplings take over (PulleyModel::couple). t [s], tail [unknowns behind the links]
+    void couple(double t, const double* tail) noexcept { pulleys_.couple(t, tail); }
 
     /// Groups of links whose reactions are added up first: sums do not depend on who adds which group.
     [[nodiscard]] int sums() const noexcept { return (layout().links + links_per_sum - 1) / links_per_sum; }

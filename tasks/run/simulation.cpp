@@ -222,6 +222,7 @@ void Simulation::end_settling() {
 
 void Simulation::rest_at_start() {
     const Workspace& w = *workspace_;
+    couple();
     if (!scene_.run.step.automatic())
         choice_.reset();
     else if (choice_ == nullptr)
@@ -254,6 +255,7 @@ void Simulation::restore(const IntegrationState& from) {
     w.list_touching();
     integrator_->method().restart();
     w.energy.load(from.energy, integrator_->method().observation_stride());
+    restore_couplings(from.couplings);
     rest_ = from;
     needs_settling_ = from.settling;
     time_ = from.time;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -125,6 +126,8 @@ private:
     void begin_at(const model::StartState& start);
     [[nodiscard]] double misfit_of(const engine::SavedState& saved);
     void rest_at_start();
+    void couple();
+    void restore_couplings(std::span<const double> numbers);  ///< IntegrationState::couplings [none or 6]
     void end_settling();
     [[nodiscard]] StepSettings settings_of(const Goal& goal) const;
     [[nodiscard]] Fault drive(StepController& controller);

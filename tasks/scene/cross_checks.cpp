@@ -114,8 +114,22 @@ Violation control_has_speed(const Scene& scene) {
     const auto& drive = scene.parameters.drive;
     const auto& control = scene.parameters.control;
     if (!control.enabled || control.quantity != model::ControlledQuantity::ratio) return {};
-    if (drive.mode != DriveMode::speed || drive.speed.largest_magnitude() > 0.0) return {};
+    if (drive.mode == DriveMode::torque || drive.speed.largest_magnitude() > 0.0) return {};
     return "control.enabled: the error of control is relative to drive.speed, which is 0 throughout";
+}
+
+Violation load_has_speed(const Scene& scene) {
+    const auto& load = scene.parameters.load;
+    if (load.mode == model::LoadMode::torque || load.speed.largest_magnitude() > 0.0) return {};
+    return "load.mode: \"speed\" and \"coupling\" need load.speed, which is 0 throughout";
+}
+
+Violation couplings_have_pulleys(const Scene& scene) {
+    const auto& p = scene.parameters;
+    const bool couples = p.drive.mode == DriveMode::coupling || p.load.mode != model::LoadMode::torque;
+    if (!couples || p.detail.pulleys != PulleyDetail::absent) return {};
+    return fmt::format("{}.mode: couplings need pulleys, but detail.pulleys is \"absent\"",
+                       p.drive.mode == DriveMode::coupling ? "drive" : "load");
 }
 
 Violation controllers_differ(const Scene& scene) {
@@ -204,6 +218,8 @@ std::span<const CrossCheck> cross_checks() {
         {{"start.ramp_time", "start.settling_time", "start.layout"}, ramp_within_settling},
         {{"control.enabled", "detail.pulleys"}, control_has_pulleys},
         {{"control.enabled", "control.quantity", "drive.speed", "drive.mode"}, control_has_speed},
+        {{"load.mode", "load.speed"}, load_has_speed},
+        {{"drive.mode", "load.mode", "detail.pulleys"}, couplings_have_pulleys},
         {{"control.driven", "control.quantity", "control.enabled"}, controllers_differ},
         {{"run.output_interval", "run.step"}, outputs_take_steps},
         {{"run.state_interval", "run.output_interval"}, states_take_outputs},

@@ -54,6 +54,9 @@ const char* IntegrationState::unsound() const noexcept {
     visit_fields(*this, check);
     if (check.reason != nullptr) return check.reason;
     if (!std::isfinite(time)) return "its time is not finite";
+    const auto finite = [](double value) { return std::isfinite(value); };
+    if ((!couplings.empty() && couplings.size() != 6) || !std::all_of(couplings.begin(), couplings.end(), finite))
+        return "its couplings have no valid reference";
     if (!started) return nullptr;
     const auto is_length = [](double value) { return std::isfinite(value) && value > 0.0; };
     if (!std::isfinite(begin) || !is_length(output_interval) || !(std::isfinite(step) && step >= 0.0) || grid_steps == 0)

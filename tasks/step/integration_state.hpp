@@ -31,7 +31,8 @@ struct IntegrationState {
     double settling_residual = 0.0;           ///< relative residual of the energy balance then
     std::vector<double> energy;               ///< works, losses and balance so far (EnergyLedger) [what EnergyLedger::save() wrote]
     std::vector<double> step_choice;          ///< what the choice of the step remembers; empty for steps given by hand [what save() wrote]
-    std::vector<double> method;  ///< what else a method remembers from step to step; empty for one-step methods [what save() wrote]
+    std::vector<double> couplings;  ///< [6] reference angles of both shafts since couplings took over: since, angle, zero; empty: not yet
+    std::vector<double> method;     ///< what else a method remembers from step to step; empty for one-step methods [what save() wrote]
 
     bool operator==(const IntegrationState&) const = default;
     /// Reason why this state is invalid for every scene (counts, lengths, phases); nullptr if valid.
@@ -65,6 +66,7 @@ void visit_fields(State& state, Visitor& visitor) {
     visitor("method", state.method);
     visitor("energy", state.energy);
     visitor("step_choice", state.step_choice);
+    visitor("couplings", state.couplings);
 }
 
 }  // namespace cvtflow::tasks

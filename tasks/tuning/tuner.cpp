@@ -19,16 +19,28 @@ constexpr double gained_by_halving = 4.0;  ///< at most, by a method of second o
 
 double seconds_since(WallClock::time_point then) { return std::chrono::duration<double>(WallClock::now() - then).count(); }
 
+/// An operating point begins anew with its inputs held, which a far end that turns on by itself does not allow.
+void require_held_inputs(const Scene& scene) {
+    const model::Parameters& p = scene.parameters;
+    if (p.drive.mode != model::DriveMode::coupling && p.load.mode == model::LoadMode::torque) return;
+    throw SceneError(
+        fmt::format("{}: drive.mode \"coupling\" and load.mode \"speed\" and \"coupling\" cannot be tuned; tune with "
+                    "load.mode = \"torque\" and the torque that acts, and use the result here",
+                    scene.name));
+}
+
 }  // namespace
 
 Tuner::Tuner(const Scene& scene, TuneSettings settings, const engine::Cancellation& cancel)
     : scene_(scene), settings_(std::move(settings)), cancel_(cancel), finest_(detail_presets().back().name) {
+    require_held_inputs(scene);
     outputs_ = tuned_outputs(settings_.outputs, scene.parameters.detail.pulleys != model::PulleyDetail::absent);
     for (const OperatingPoint& point : points_of(scene, settings_.times)) points_.emplace_back(point, finest_, outputs_, cancel);
 }
 
 Tuner::Tuner(const Sweep& sweep, TuneSettings settings, const engine::Cancellation& cancel)
     : scene_(sweep.scene), settings_(std::move(settings)), cancel_(cancel), finest_(detail_presets().back().name) {
+    require_held_inputs(sweep.scene);
     settings_.same_everywhere = true;
     outputs_ = tuned_outputs(sweep.scalars);
     for (const long number : corner_cases(sweep)) points_.emplace_back(point_of_case(sweep, number), finest_, outputs_, cancel);

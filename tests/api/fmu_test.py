@@ -286,6 +286,27 @@ class EarlyReturn(unittest.TestCase):
             fmu.freeInstance()
 
 
+class Vehicle(unittest.TestCase):
+    """The example of a vehicle behind shaft 2, coupled every millisecond."""
+
+    EXAMPLE = str(Path(__file__).resolve().parents[2] / "examples/python/vehicle.py")
+
+    def run_example(self, *words):
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([FMPY, os.environ.get("PYTHONPATH", "")])}
+        done = subprocess.run([sys.executable, self.EXAMPLE, *words], capture_output=True, text=True, env=environment)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_as_fmu_it_is_what_it_is_in_this_process(self):
+        with tempfile.TemporaryDirectory() as folder:
+            scene, file = f"{folder}/vehicle.toml", f"{folder}/vehicle.fmu"
+            command = self.run_example("--scene", scene).split()
+            self.assertEqual(command[:3], ["cvtflow", "export-fmu", scene])
+            outputs = command[command.index("--outputs") + 1]
+            subprocess.run([PROGRAM, "export-fmu", scene, "-o", file, "-q", "--outputs", outputs], check=True)
+            self.assertEqual(self.run_example("5", "--fmu", file), self.run_example("5"))
+
+
 class Description(unittest.TestCase):
     """What importers show."""
 

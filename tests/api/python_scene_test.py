@@ -85,7 +85,7 @@ class Scenes(unittest.TestCase):
         self.assertEqual((key.unit, key.range, key.table), ("N*m", (-1e5, 1e5), True))
         self.assertIn("shaft 2", key.help)
         self.assertEqual(key.default, cvtflow.Scene()["load.torque"])
-        self.assertEqual(keys["drive.mode"].choices, ["speed", "torque"])
+        self.assertEqual(keys["drive.mode"].choices, ["speed", "torque", "coupling"])
         self.assertIsNone(keys["drive.mode"].range)
         self.assertEqual(list(tiny().keys("clamping.")), [name for name in keys if name.startswith("clamping.")])
         for shown in [repr(keys), keys._repr_html_(), repr(key)]:
@@ -188,7 +188,7 @@ class Faces(unittest.TestCase):
             (simulation, ["cvtflow.Simulation of tiny at -0.000299 s", "unknowns"]),
             (cvtflow.Threads.own(2), ["cvtflow.Threads", "count=2"]),
             (cvtflow.Scene.keys()["run.until"], ["cvtflow.KeyInfo run.until", "default 0.005 s, 1e-09 to 10000 s; The run"]),
-            (cvtflow.Scene.keys()["drive.mode"], ["default speed, one of speed, torque; Shaft 1"]),
+            (cvtflow.Scene.keys()["drive.mode"], ["default speed, one of speed, torque, coupling; Shaft 1"]),
             (simulation.state(), [f"cvtflow.State: {len(simulation.state().bytes())} bytes"]),
         ]:
             for part in parts:

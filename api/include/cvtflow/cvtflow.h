@@ -74,10 +74,13 @@ typedef struct cvtflow_options {
 typedef enum cvtflow_input {
     CVTFLOW_CLAMPING_DRIVING = 0, /* S_1 [N] */
     CVTFLOW_CLAMPING_DRIVEN = 1,  /* S_2 [N] */
-    CVTFLOW_LOAD_TORQUE = 2,      /* [N m] */
+    CVTFLOW_LOAD_TORQUE = 2,      /* [N m], load.mode = "torque" */
     CVTFLOW_DRIVE_TORQUE = 3,     /* [N m], drive.mode = "torque" */
-    CVTFLOW_DRIVE_SPEED = 4,      /* [rad/s], drive.mode = "speed" */
-    CVTFLOW_RATIO = 5             /* [1], control.enabled */
+    CVTFLOW_DRIVE_SPEED = 4,      /* [rad/s], of shaft 1, drive.mode = "speed", or of the far end, "coupling" */
+    CVTFLOW_RATIO = 5,            /* [1], control.enabled */
+    CVTFLOW_LOAD_SPEED = 6,       /* [rad/s], of shaft 2, load.mode = "speed", or of the far end, "coupling" */
+    CVTFLOW_LOAD_ANGLE = 7,       /* [rad], turned by the far end since t = 0, load.mode = "coupling" */
+    CVTFLOW_DRIVE_ANGLE = 8       /* [rad], turned by the far end since t = 0, drive.mode = "coupling" */
 } cvtflow_input;
 
 typedef struct cvtflow_counters {

@@ -200,7 +200,8 @@ double Instant::chain_torque(std::size_t shaft) const noexcept {
 std::span<const Channel> channels() {
     static const std::vector<Channel> all = [] {
         std::vector<Channel> rows(std::begin(table), std::end(table));
-        for (const auto more : {energy_channels(), force_channels()}) rows.insert(rows.end(), more.begin(), more.end());
+        for (const auto more : {energy_channels(), force_channels(), coupling_channels()})
+            rows.insert(rows.end(), more.begin(), more.end());
         return rows;
     }();
     return all;

@@ -44,7 +44,7 @@ struct Channel {
     }
 };
 
-/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp.
+/// All there are: those of channels.cpp, of energy_channels.cpp, and those on demand of force_channels.cpp and coupling_channels.cpp.
 [[nodiscard]] std::span<const Channel> channels();
 
 /// What of the catalogue a record has: the usual ones and those that `names` ask for, where the machine has them.
@@ -53,6 +53,9 @@ struct Channel {
 
 /// Energies, losses and works, their balance, counts of the run.
 [[nodiscard]] std::span<const Channel> energy_channels();
+
+/// Couplings of the shafts, on demand.
+[[nodiscard]] std::span<const Channel> coupling_channels();
 
 /// Forces and figures of merit that a record has on demand.
 [[nodiscard]] std::span<const Channel> force_channels();

@@ -105,8 +105,23 @@ void EnergyLedger::step(const model::Variator& variator, double begin, const dou
     for (std::size_t k = 0; k < done.size(); ++k) m_.work[k] += done[k];
     m_.impulse[0] += (end - begin) * mean.drive_torque;
     m_.impulse[1] += (end - begin) * mean.load_torque;
+    couple(pulleys, begin, from, end, to, mean);
     inputs_ = after;
     known_ = true;
+}
+
+/// A torque k u + c u' that is linear over the step does the work ½k(u₁² - u₀²) + c (u₀' + u₁')/2 (u₁ - u₀) on a twist u: the first part is
+/// stored, the second one lost.
+void EnergyLedger::couple(const model::PulleyModel& pulleys, double begin, const double* from, double end, const double* to,
+                          const model::Inputs& mean) noexcept {
+    const std::array<double, 2> torque{mean.drive_torque, mean.load_torque};
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        if (!pulleys.coupled(shaft)) continue;
+        const auto k = static_cast<std::size_t>(shaft);
+        const model::CouplingState before = pulleys.coupling(begin, from, shaft), after = pulleys.coupling(end, to, shaft);
+        m_.couplings.work[k] += torque[k] * (pulleys.reference_angle(end, shaft) - pulleys.reference_angle(begin, shaft));
+        m_.couplings.dissipated[k] += 0.5 * after.damping * (before.rate + after.rate) * (after.twist - before.twist);
+    }
 }
 
 void EnergyLedger::inputs_changed(double time) noexcept {

@@ -92,6 +92,14 @@ public:
     /// output and before. time: now [s]
     [[nodiscard]] double efficiency(double time) const noexcept;
 
+    /// Of the couplings of both shafts so far: work of their far ends, and what they have dissipated.
+    struct Couplings {
+        std::array<double, 2> work{}, dissipated{};  ///< [J]
+    };
+    [[nodiscard]] const Couplings& couplings() const noexcept { return m_.couplings; }
+    /// Of drive and load on their shafts so far [N·m·s].
+    [[nodiscard]] const std::array<double, 2>& impulse() const noexcept { return m_.impulse; }
+
     /// For checkpoints: goes on bit for bit.
     void save(std::vector<double>& memory) const;
     /// memory [what save() wrote]
@@ -109,6 +117,8 @@ private:
     [[nodiscard]] Span here() const noexcept;
     [[nodiscard]] std::array<double, 2> torque_since_output(double time, const std::array<double, 2>& momentum) const noexcept;
     void remember(const EnergySums& now) noexcept;
+    void couple(const model::PulleyModel& pulleys, double begin, const double* from, double end, const double* to,
+                const model::Inputs& mean) noexcept;         ///< begin, end [s], from, to [unknowns behind the links]
     [[nodiscard]] EnergySums& past(double number) noexcept;  ///< output `number` of those kept, the oldest is 0
     [[nodiscard]] const EnergySums& past(double number) const noexcept;
     [[nodiscard]] double outputs_before(double time) const noexcept;  ///< of those kept; time [s]
@@ -126,7 +136,8 @@ private:
         model::WorkRates work, work_sampled;
         std::array<double, 2> impulse, impulse_output, momentum_output;  ///< [N·m·s]
         std::array<double, 2> chain_torque;                              ///< [N·m]
-        double outputs, output_time;                                     ///< [1, s]
+        Couplings couplings;
+        double outputs, output_time;  ///< [1, s]
         Span all, part;
         double worst, doubt;  ///< doubt: 1 while samples lie close [1]
         double judged_from;   ///< windows that begin earlier are not remembered: settling (t < 0) forgets how it began [s]

@@ -23,10 +23,12 @@ double next_input_point(const model::Parameters& p, const model::HeldInputs& hel
     const auto look = [&](const model::TimeTable& table, bool in_use) {
         if (in_use) next = std::min(next, next_point(table, now));
     };
-    const bool by_speed = p.drive.mode == model::DriveMode::speed, controlled = p.control.enabled;
-    look(p.drive.speed, by_speed && !held.drive_speed);
-    look(p.drive.torque, !by_speed && !held.drive_torque);
-    look(p.load.torque, !held.load_torque);
+    const bool by_torque = p.drive.mode == model::DriveMode::torque, loaded = p.load.mode == model::LoadMode::torque;
+    const bool controlled = p.control.enabled;
+    look(p.drive.speed, !by_torque && !held.drive_speed);
+    look(p.drive.torque, by_torque && !held.drive_torque);
+    look(p.load.torque, loaded && !held.load_torque);
+    look(p.load.speed, !loaded && !held.load_speed);
     look(p.clamping.driving, !held.driving);
     look(p.clamping.driven, !held.driven);
     look(p.control.ratio, controlled && !held.ratio);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <span>
 #include <string_view>
 
@@ -92,7 +93,7 @@ const tasks::Parameter* key_of_input(std::string_view name) {
 std::vector<FmuVariable> inputs(const Simulation& simulation, const Names& wanted) {
     std::vector<FmuVariable> rows;
     Names names;
-    for (int number = 0; number <= static_cast<int>(Input::ratio); ++number) {
+    for (int number = 0; number <= static_cast<int>(Input::drive_angle); ++number) {
         const auto input = static_cast<Input>(number);
         const InputInfo info = input_info(input);
         try {
@@ -105,7 +106,9 @@ std::vector<FmuVariable> inputs(const Simulation& simulation, const Names& wante
         if (info.name == "ratio") rows.back().name = "ratio_target";  // an output has its name
         if (const tasks::Parameter* key = key_of_input(info.name)) add_range(rows.back(), *key);
     }
-    const Names kept = chosen("--inputs", wanted, names, names, {});
+    std::vector<std::string_view> usual;  // an importer that sets every input would hold an angle at its start value
+    std::copy_if(names.begin(), names.end(), std::back_inserter(usual), [](const std::string& name) { return !name.ends_with("_angle"); });
+    const Names kept = chosen("--inputs", wanted, names, names, usual);
     std::erase_if(rows, [&](const FmuVariable& row) { return !is_in(kept, row.source); });
     return rows;
 }

@@ -1,0 +1,56 @@
+/// A host that couples a vehicle: the far end's speed and angle as inputs, the torque's impulse back.
+
+#include <cmath>
+
+#include "host_fixture.hpp"
+
+namespace cvtflow::host {
+namespace {
+
+Scene coupled() { return tiny({"load.mode=coupling", "load.speed=209 rad/s", "load.coupling_stiffness=200 N*m/rad"}); }
+
+TEST(HostCouplings, FarEndsAreInputs) {
+    Simulation simulation(coupled());
+    EXPECT_EQ(simulation.input(Input::load_speed), 209.0);
+    EXPECT_EQ(error_of([&] { simulation.set_input(Input::load_angle, 0.0); }), "load_angle: the coupling acts from t = 0 on");
+    simulation.advance_to(0.0);
+    EXPECT_EQ(simulation.input(Input::load_angle), 0.0);
+    simulation.set_input(Input::load_speed, 150.0);
+    simulation.advance_to(2e-5);
+    EXPECT_NEAR(simulation.input(Input::load_angle), 150.0 * simulation.time(), 1e-12);
+    const double torque = simulation.channel("shaft_2/torque")[0];
+    simulation.set_input(Input::load_angle, simulation.input(Input::load_angle) + 0.01);
+    EXPECT_NEAR(simulation.channel("shaft_2/torque")[0], torque + 200.0 * 0.01, 1e-9);
+}
+
+TEST(HostCouplings, ImpulseIsTheMeanTorqueOverAnExchange) {
+    Simulation simulation(coupled());
+    simulation.advance_to(0.0);
+    const double before = simulation.channel("shaft_2/impulse")[0], work = simulation.channel("shaft_2/coupling_work")[0];
+    simulation.set_input(Input::load_speed, 205.0);
+    simulation.advance_to(5e-5);
+    const double given = simulation.channel("shaft_2/impulse")[0] - before;
+    EXPECT_LT(given, 0.0);  // a load brakes
+    EXPECT_NEAR(simulation.channel("shaft_2/coupling_work")[0] - work, 205.0 * given, 1e-9 * std::abs(205.0 * given));
+}
+
+TEST(HostCouplings, ACopyContinuesBitForBit) {
+    Simulation simulation(coupled());
+    simulation.advance_to(1e-5);
+    simulation.set_input(Input::load_speed, 205.0);
+    simulation.advance_to(1.3e-5);
+    Simulation copy = simulation.copy();
+    for (Simulation* one : {&simulation, &copy}) one->advance_to(4e-5);
+    EXPECT_EQ(copy.hash(), simulation.hash());
+}
+
+TEST(HostCouplings, InputsOfOtherModesAreRefused) {
+    Simulation coupling(coupled()), plain(tiny());
+    EXPECT_EQ(error_of([&] { coupling.set_input(Input::load_torque, 5.0); }), "load.torque: needs load.mode = \"torque\"");
+    EXPECT_EQ(error_of([&] { plain.set_input(Input::load_speed, 5.0); }), "load.speed: needs load.mode = \"speed\" or \"coupling\"");
+    EXPECT_EQ(error_of([&] { plain.set_input(Input::drive_angle, 5.0); }), "drive_angle: needs drive.mode = \"coupling\"");
+    EXPECT_EQ(code_of([&] { Simulation other(tiny({"load.mode=speed"})); }), ErrorCode::scene);
+}
+
+}  // namespace
+}  // namespace cvtflow::host

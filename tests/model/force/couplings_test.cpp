@@ -1,0 +1,117 @@
+/// What turns beyond a shaft: couplings of both shafts, and the governor of shaft 2. (model/EQUATIONS.md section 8)
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "model/variator/variator.hpp"
+
+namespace cvtflow::model {
+namespace {
+
+/// Shafts that turn at 200 and 180 rad/s and stand at 3 and 2 rad.
+std::vector<double> turning(const PulleyModel& pulleys) {
+    std::vector<double> block(static_cast<std::size_t>(2 * pulleys.size()));
+    const double speed[] = {200.0, 180.0}, angle[] = {3.0, 2.0};
+    for (int shaft = 0; shaft < 2; ++shaft) {
+        block[static_cast<std::size_t>(pulleys.rotation(shaft))] = angle[shaft];
+        block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(shaft))] = speed[shaft];
+    }
+    return block;
+}
+
+Parameters coupled() {
+    Parameters p;
+    p.drive.mode = DriveMode::coupling;
+    p.drive.speed = TimeTable(201.0);
+    p.drive.coupling = {500.0, 3.0};
+    p.load.mode = LoadMode::coupling;
+    p.load.torque = TimeTable(60.0);
+    p.load.linear = 0.1;
+    p.load.speed = TimeTable(179.0);
+    p.load.coupling = {400.0, 2.0};
+    return p;
+}
+
+TEST(Couplings, TakeOverWithoutAJumpOfTheTorque) {
+    for (const LoadMode mode : {LoadMode::coupling, LoadMode::speed}) {
+        Parameters p = coupled();
+        p.load.mode = mode;
+        PulleyModel pulleys(p);
+        const auto block = turning(pulleys);
+        const Inputs before = pulleys.inputs(0.0, block.data());
+        EXPECT_NEAR(before.load_torque, -78.0, 1e-12) << "until then load.torque acts";
+        pulleys.couple(0.0, block.data());
+        const Inputs after = pulleys.inputs(0.0, block.data());  // angles of 1 rad times stiffnesses of up to 1e5 N·m/rad, rounded
+        EXPECT_NEAR(after.drive_torque, before.drive_torque, 1e-9);
+        EXPECT_NEAR(after.load_torque, before.load_torque, 1e-9);
+        EXPECT_EQ(after.clamping, before.clamping);
+    }
+}
+
+TEST(Couplings, ActBySpringAndDamper) {
+    PulleyModel pulleys(coupled());
+    auto block = turning(pulleys);
+    pulleys.couple(0.0, block.data());
+    const double carried = pulleys.inputs(0.0, block.data()).load_torque, twist = pulleys.coupling(0.0, block.data(), 1).twist;
+    block[static_cast<std::size_t>(pulleys.rotation(1))] += 0.01;
+    block[static_cast<std::size_t>(pulleys.size() + pulleys.rotation(1))] += 5.0;
+    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).load_torque, carried - 400.0 * 0.01 - 2.0 * 5.0, 1e-9);
+    const double later = pulleys.inputs(1e-3, block.data()).load_torque;  // the far end has turned on
+    EXPECT_NEAR(later, carried - 400.0 * 0.01 - 2.0 * 5.0 + 400.0 * 0.179, 1e-9);
+    const CouplingState now = pulleys.coupling(0.0, block.data(), 1);
+    EXPECT_NEAR(now.twist, twist - 0.01, 1e-12);
+    EXPECT_NEAR(now.rate, 179.0 - 185.0, 1e-12);
+    EXPECT_NEAR(now.energy, 200.0 * now.twist * now.twist, 1e-12);
+}
+
+TEST(Couplings, FarEndsTurnOnFromWhereTheyAreWhenAHostSetsTheirSpeed) {
+    PulleyModel pulleys(coupled());
+    const auto block = turning(pulleys);
+    pulleys.couple(0.0, block.data());
+    HeldInputs held = pulleys.held();
+    held.reference[1].angle = pulleys.reference_angle(2e-3, 1);
+    held.reference[1].since = 2e-3;
+    held.load_speed = 150.0;
+    const double before = pulleys.reference_angle(2e-3, 1);
+    pulleys.hold(held);
+    EXPECT_EQ(pulleys.reference_angle(2e-3, 1), before);
+    EXPECT_NEAR(pulleys.reference_angle(3e-3, 1), before + 0.15, 1e-12);
+    EXPECT_EQ(pulleys.reference_speed(3e-3, 1), 150.0);
+}
+
+TEST(Couplings, ModeSpeedHoldsShaftTwoByAGovernorOfItsOwnInertia) {
+    Parameters p = coupled();
+    p.load.mode = LoadMode::speed;
+    p.load.inertia = 0.3;
+    p.load.governor_frequency = 50.0;
+    PulleyModel pulleys(p);
+    auto block = turning(pulleys);
+    pulleys.couple(0.0, block.data());
+    const double before = pulleys.inputs(0.0, block.data()).load_torque;
+    block[static_cast<std::size_t>(pulleys.rotation(1))] += 1e-4;
+    const double polar = p.pulley.shaft_polar_inertia + 2.0 * p.pulley.sheave_polar_inertia + 0.3, omega = 2.0 * std::numbers::pi * 50.0;
+    EXPECT_NEAR(pulleys.inputs(0.0, block.data()).load_torque, before - 1e-4 * polar * omega * omega, 1e-8);
+    EXPECT_FALSE(pulleys.coupled(1)) << "a governor stores nothing";
+    EXPECT_TRUE(pulleys.coupled(0));
+}
+
+/// The torque of the safety factor and of clamping by torque is the one that acts.
+TEST(Couplings, ClampingByTorqueFollowsTheTorqueOfTheCoupling) {
+    Parameters p = coupled();
+    p.clamping.safety = 1.5;
+    p.clamping.driven = TimeTable(0.0);
+    PulleyModel pulleys(p);
+    auto block = turning(pulleys);
+    pulleys.couple(0.0, block.data());
+    const Inputs before = pulleys.inputs(0.0, block.data());
+    block[static_cast<std::size_t>(pulleys.rotation(1))] += 78.0 / 400.0;  // twice the torque
+    const Inputs after = pulleys.inputs(0.0, block.data());
+    EXPECT_NEAR(after.load_torque, -156.0, 1e-9);
+    EXPECT_NEAR(after.clamping[1], 2.0 * before.clamping[1], 1e-6);
+}
+
+}  // namespace
+}  // namespace cvtflow::model

@@ -1,0 +1,101 @@
+/// Shafts that are coupled to far ends: their energy, and that a run continues bit for bit.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tasks/run/simulation.hpp"
+#include "tasks/tuning/tuner.hpp"
+
+namespace cvtflow::tasks {
+namespace {
+
+SilentObserver silent;
+const engine::Cancellation uncancelled;
+
+/// Both shafts through couplings; the far end of shaft 2 slows down from 1 ms on.
+Scene coupled_scene() {
+    Scene scene = read_scene(std::string(CVTFLOW_SOURCE_DIR) + "/scenes/tiny.toml");
+    const std::vector<std::string> settings{"start.settling_time=1 ms",
+                                            "start.ramp_time=0.5 ms",
+                                            "run.step=50 ns",
+                                            "drive.mode=coupling",
+                                            "drive.coupling_stiffness=300 N*m/rad",
+                                            "load.mode=coupling",
+                                            "load.coupling_stiffness=200 N*m/rad",
+                                            "load.coupling_damping=0.5 N*m*s/rad",
+                                            "load.speed=[[0, 209], [0.1e-3, 209], [0.4e-3, 200]]"};
+    set_values(scene, settings);
+    return scene;
+}
+
+void run(Simulation& simulation, double until) {
+    Fault fault;
+    if (simulation.needs_settling()) fault = simulation.advance({.until = 0.0}, silent, uncancelled);
+    if (!fault) fault = simulation.advance({.until = until}, silent, uncancelled);
+    ASSERT_FALSE(fault) << fault.message();
+}
+
+const double* pulleys_of(const Simulation& simulation) { return simulation.state() + simulation.workspace().layout().pulley_begin(); }
+
+TEST(SimulationCouplings, TheirEnergyBalanceClosesToRounding) {
+    Simulation simulation(coupled_scene());
+    run(simulation, 0.0);
+    double stored[2];
+    for (int shaft = 0; shaft < 2; ++shaft)
+        stored[shaft] = simulation.variator().pulleys().coupling(0.0, pulleys_of(simulation), shaft).energy;
+    run(simulation, 1e-3);
+    const EnergyLedger& energy = simulation.energy();
+    const EnergySums sums = energy.sums(simulation.time());
+    for (std::size_t k = 0; k < 2; ++k) {
+        const int shaft = static_cast<int>(k);
+        const double now = simulation.variator().pulleys().coupling(simulation.time(), pulleys_of(simulation), shaft).energy;
+        const double far = energy.couplings().work[k], lost = energy.couplings().dissipated[k];
+        EXPECT_GT(lost, 0.0) << shaft;
+        EXPECT_NEAR(far, sums.work[k] + (now - stored[k]) + lost, 1e-9 * std::abs(far)) << shaft;  // sums over 20,000 steps
+    }
+    EXPECT_TRUE(energy.reliable());
+}
+
+TEST(SimulationCouplings, AFarEndThatSlowsDownBrakesTheShaft) {
+    Simulation simulation(coupled_scene());
+    run(simulation, 0.0);
+    const auto torque = [&] { return simulation.variator().pulleys().inputs(simulation.time(), pulleys_of(simulation)).load_torque; };
+    const double before = torque();
+    EXPECT_LT(before, 0.0);
+    run(simulation, 4e-4);
+    EXPECT_LT(torque(), before - 1.0);  // damper: 0.5 N·m·s/rad times 9 rad/s; the spring twists on
+}
+
+TEST(SimulationCouplings, ContinueBitForBitFromAnIntegrationState) {
+    const Scene scene = coupled_scene();
+    Simulation whole(scene);
+    run(whole, 2e-4);
+    const IntegrationState middle = whole.integration_state();
+    EXPECT_EQ(middle.couplings.size(), 6u);
+    run(whole, 5e-4);
+    Simulation other(scene);
+    other.restore(middle);
+    run(other, 5e-4);
+    EXPECT_EQ(other.hash(), whole.hash());
+    EXPECT_EQ(other.energy().couplings().work, whole.energy().couplings().work);
+}
+
+TEST(SimulationCouplings, AreReleasedWhereAStateBeforeThemIsPutBack) {
+    const Scene scene = coupled_scene();
+    Simulation simulation(scene), fresh(scene);
+    ASSERT_EQ(simulation.advance({.until = 0.0, .steps = 100}, silent, uncancelled).kind, FaultKind::max_steps);
+    const IntegrationState settling = simulation.integration_state();
+    run(simulation, 1e-4);
+    simulation.restore(settling);
+    run(simulation, 1e-4);
+    run(fresh, 1e-4);
+    EXPECT_EQ(simulation.hash(), fresh.hash());
+}
+
+TEST(SimulationCouplings, CannotBeTuned) { EXPECT_THROW(Tuner(coupled_scene(), {}, uncancelled), SceneError); }
+
+}  // namespace
+}  // namespace cvtflow::tasks
