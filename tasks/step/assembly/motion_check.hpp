@@ -2,7 +2,9 @@
 /// Whether a link moves as a chain can: the faults that end a run.
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "tasks/step/workspace.hpp"
@@ -14,12 +16,14 @@ inline void report(SegmentResult& verdict, FaultKind kind, double time, int pin,
     if (!verdict.fault) verdict.fault = {kind, time, pin, value, limit};
 }
 
-/// Whether all numbers are within ±limit; false for NaN. Without a chain of dependent sums: every link is looked at after every step.
-/// numbers [unit of the limit], limit [the same unit]
+/// Whether all numbers are within ±limit; false for NaN. By their bits, which are in the order of magnitudes: that takes vectors on every
+/// instruction set, and every link is checked after every step. numbers [unit of the limit], limit [the same unit, not negative]
 [[nodiscard]] inline bool within(const double* numbers, int size, double limit) noexcept {
-    int beyond = 0;
-    for (int k = 0; k < size; ++k) beyond |= static_cast<int>(!(std::abs(numbers[k]) <= limit));
-    return beyond == 0;
+    constexpr std::uint64_t magnitude = std::numeric_limits<std::uint64_t>::max() >> 1;
+    const auto largest = std::bit_cast<std::uint64_t>(limit);
+    std::uint64_t beyond = 0;  // its first bit: some difference was negative
+    for (int k = 0; k < size; ++k) beyond |= largest - (std::bit_cast<std::uint64_t>(numbers[k]) & magnitude);
+    return beyond <= magnitude;
 }
 
 /// Faster than sound in steel (5.9 km/s): no chain does that, so the integration has become unstable, long before anything is infinite.
