@@ -12,7 +12,7 @@ namespace cvtflow::tasks {
 FrozenStart frozen_start(const Simulation& simulation) {
     const Workspace& at = simulation.workspace();
     const std::size_t size = static_cast<std::size_t>(at.layout().size());
-    Workspace probed(at.parameters, engine::methods().front(), Partition::equal(at.layout().links, 1));
+    Workspace probed(at.parameters, *engine::find_method("rk4"), Partition::equal(at.layout().links, 1));
     std::copy_n(simulation.state(), size, probed.states[0]);
     probed.tips.phases = simulation.phases();
     SilentObserver nobody;

@@ -62,7 +62,8 @@ double implicit_kick(const DirkTable& table, Kicked& kicked) {
     return v;
 }
 
-[[nodiscard]] double spectral_radius(const Eigen::MatrixXd& step) {
+template <int Size>
+[[nodiscard]] double spectral_radius(const Eigen::Matrix<double, Size, Size>& step) {
     return step.allFinite() ? step.eigenvalues().cwiseAbs().maxCoeff() : std::numeric_limits<double>::infinity();
 }
 

@@ -117,7 +117,7 @@ public:
                 add(table_.weights[at(stage)][at(other)], slopes_[at(other)].data(), count, right.data());
             add(table_.gamma, slope.data(), count, right.data());
             solver_->solve(right.data(), k.result);
-            chain_->add_link_friction(h_, k.result, slope.data());
+            if (stage + 1 < static_cast<int>(table_.times.size())) chain_->add_link_friction(h_, k.result, slope.data());
             add(table_.weight(stage), k.result, count, k.mean);
             k.mean_time += table_.weight(stage) * time;
         }
@@ -164,21 +164,19 @@ public:
 private:
     void forces_in_the_middle(const double* frictionless_before, const double* sheaves_before) {
         for (Numbers* field : {&frictionless_, &grip_, &drift_, &surface_}) std::fill(field->begin(), field->end(), 0.0);
-        chain_.add_elastic(h_ * h_, middle_.data(), frictionless_.data());
-        chain_.add_sliding(-h_ * h_, middle_.data(), frictionless_.data());
+        chain_.add_frictionless(h_ * h_, middle_.data(), frictionless_.data());
         chain_.add_damping(h_, velocity_.data(), frictionless_.data());
         for (int k = 0; k < links_; ++k) change_[at(k)] = frictionless_[at(k)] - frictionless_before[k];
         chain_.add_sliding(h_ * h_, middle_.data(), grip_.data());
         std::copy(velocity_.begin() + links_, velocity_.end(), surface_.begin() + links_);
-        chain_.add_friction(h_, surface_.data(), grip_.data());
+        chain_.add_surface_friction(h_, surface_.data(), grip_.data());
         for (int k = links_; k < m_; ++k) surface_[at(k)] -= sheaves_before[k - links_];
-        chain_.add_friction(h_, surface_.data(), drift_.data());
+        chain_.add_surface_friction(h_, surface_.data(), drift_.data());
     }
     /// Pulleys, with the mean reaction of friction.
     void close(const LinkKick& kick, const double* v, double* v_end) {
         std::fill(pulleys_.begin(), pulleys_.end(), 0.0);
-        std::fill(mean_.begin() + links_, mean_.end(), 0.0);
-        chain_.add_friction(h_, mean_.data(), pulleys_.data());
+        chain_.add_reaction(h_, mean_.data(), pulleys_.data());
         for (int k = links_; k < m_; ++k)
             v_end[k] = v[k] + frictionless_[at(k)] + grip_[at(k)] + kick.mean_time * drift_[at(k)] + pulleys_[at(k)];
     }

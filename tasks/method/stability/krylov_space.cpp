@@ -2,8 +2,8 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 
-#include "engine/linear/eigenvalues.hpp"
 #include "model/basis/portable_math.hpp"
 
 namespace cvtflow::tasks {
@@ -15,6 +15,27 @@ namespace {
     for (int k = 0; k < size; ++k)
         start[k] = model::portable_sin(1.0 + 12.9898 * static_cast<double>(k + 1) * static_cast<double>(k % 7 + 1));
     return start.normalized();
+}
+
+constexpr double nothing_lost = 0.7;  ///< of a direction's length in what is orthogonal to the others: rounding has not grown
+
+/// Of a Hessenberg matrix; empty: the iteration does not converge.
+[[nodiscard]] std::vector<std::complex<double>> eigenvalues_of(const Eigen::MatrixXd& hessenberg) {
+    Eigen::RealSchur<Eigen::MatrixXd> schur;
+    schur.computeFromHessenberg(hessenberg, Eigen::MatrixXd(), false);
+    if (schur.info() != Eigen::Success) return {};
+    const Eigen::MatrixXd& t = schur.matrixT();
+    std::vector<std::complex<double>> values;
+    for (Eigen::Index k = 0; k < t.rows(); ++k) {
+        if (k + 1 == t.rows() || t(k + 1, k) == 0.0) {
+            values.emplace_back(t(k, k));
+            continue;
+        }
+        const double half = 0.5 * (t(k, k) - t(k + 1, k + 1));  // a block of two is of a complex pair
+        values.emplace_back(t(k + 1, k + 1) + half, std::sqrt(std::abs(half * half + t(k + 1, k) * t(k, k + 1))));
+        ++k;
+    }
+    return values;
 }
 
 constexpr double nothing_new = 1e-14;  ///< of a new direction, as a share of the matrix: rounding
@@ -38,7 +59,8 @@ bool KrylovSpace::grow(const LinearMap& map) {
     Eigen::Map<Eigen::MatrixXd> hessenberg(hessenberg_.data(), most_ + 1, most_);
     Eigen::VectorXd next(size_);
     if (!map(basis.col(dimension_).data(), next.data()) || !next.allFinite()) return false;
-    for (int pass = 0; pass < 2; ++pass) {  // twice is enough
+    const double length = next.norm();
+    for (int pass = 0; pass < 2 && (pass == 0 || next.norm() < nothing_lost * length); ++pass) {  // twice is enough
         const Eigen::VectorXd shares = basis.leftCols(dimension_ + 1).transpose() * next;
         next -= basis.leftCols(dimension_ + 1) * shares;
         hessenberg.col(dimension_).head(dimension_ + 1) += shares;
@@ -53,10 +75,7 @@ bool KrylovSpace::grow(const LinearMap& map) {
 
 std::vector<std::complex<double>> KrylovSpace::values() const {
     const Eigen::Map<const Eigen::MatrixXd> hessenberg(hessenberg_.data(), most_ + 1, most_);
-    const Eigen::MatrixXd square = hessenberg.topLeftCorner(dimension_, dimension_);
-    std::vector<std::complex<double>> values = engine::dense_eigenvalues(square.data(), dimension_);
-    std::erase_if(values, [](const std::complex<double>& value) { return value.imag() < 0.0; });
-    return values;
+    return eigenvalues_of(hessenberg.topLeftCorner(dimension_, dimension_));
 }
 
 RitzVector KrylovSpace::vector_of(std::complex<double> value) const {

@@ -4,6 +4,7 @@
 #include <Eigen/SparseLU>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "model/jacobian/difference_jacobian.hpp"
 #include "model/jacobian/exact_jacobian.hpp"
@@ -130,12 +131,16 @@ private:
 
 }  // namespace
 
+/// Those by position have a column for each coordinate.
 struct LinearChain::Parts {
-    Sparse elastic, damping, friction, sliding, link_friction;
+    Sparse elastic, frictionless, sliding, damping, friction;
+    Sparse link_friction, surface_friction, reaction;  ///< of friction: links by links, all by others, others by links
+    std::optional<double> stiffest;
 };
 
 LinearChain::LinearChain(const model::Variator& variator, const model::Parameters& parameters, const FrozenStart& start)
     : variator_(variator),
+      parameters_(parameters),
       start_(start),
       coordinates_(variator.layout().coordinates()),
       velocities_(coordinates_ + variator.layout().controls),
@@ -143,21 +148,32 @@ LinearChain::LinearChain(const model::Variator& variator, const model::Parameter
       parts_(std::make_unique<Parts>()) {
     const Derivatives all = derivatives_of(variator, start);
     const Derivatives smooth = derivatives_with(variator, parameters, start, 0.0, 1.0);
-    const Derivatives stuck = derivatives_with(variator, parameters, start, 1.0, all_stick);
-    parts_->elastic = all.by_position;
-    parts_->sliding = all.by_position - smooth.by_position;
-    parts_->damping = smooth.by_velocity;
-    parts_->friction = all.by_velocity - smooth.by_velocity;
-    parts_->link_friction = parts_->friction.block(0, 0, link_velocities_, link_velocities_);
-    stiffest_friction_ =
-        all_stick * radius_of(Sparse((stuck.by_velocity - smooth.by_velocity).block(0, 0, link_velocities_, link_velocities_)));
-    for (Sparse* part : {&parts_->elastic, &parts_->sliding, &parts_->damping, &parts_->friction, &parts_->link_friction}) part->prune(0.0);
+    Parts& parts = *parts_;
+    parts.elastic = all.by_position.leftCols(coordinates_);
+    parts.frictionless = smooth.by_position.leftCols(coordinates_);
+    parts.sliding = parts.elastic - parts.frictionless;
+    parts.damping = smooth.by_velocity;
+    parts.friction = all.by_velocity - smooth.by_velocity;
+    for (Sparse* part : {&parts.elastic, &parts.frictionless, &parts.sliding, &parts.damping, &parts.friction}) part->prune(0.0);
+    const int others = velocities_ - link_velocities_;
+    parts.link_friction = parts.friction.block(0, 0, link_velocities_, link_velocities_);
+    parts.surface_friction = parts.friction.rightCols(others);
+    parts.reaction = parts.friction.block(link_velocities_, 0, others, link_velocities_);
+}
+
+double LinearChain::stiffest_friction() const {
+    if (!parts_->stiffest) {
+        const Derivatives stuck = derivatives_with(variator_, parameters_, start_, 1.0, all_stick);
+        const Sparse friction = stuck.by_velocity - parts_->damping;
+        parts_->stiffest = all_stick * radius_of(Sparse(friction.block(0, 0, link_velocities_, link_velocities_)));
+    }
+    return *parts_->stiffest;
 }
 
 LinearChain::~LinearChain() = default;
 
 void LinearChain::add_elastic(double factor, const double* q, double* out) const {
-    WriteVector(out, velocities_) += factor * (parts_->elastic.leftCols(coordinates_) * ReadVector(q, coordinates_));
+    WriteVector(out, velocities_) += factor * (parts_->elastic * ReadVector(q, coordinates_));
 }
 void LinearChain::add_damping(double factor, const double* v, double* out) const {
     WriteVector(out, velocities_) += factor * (parts_->damping * ReadVector(v, velocities_));
@@ -169,13 +185,26 @@ void LinearChain::add_link_friction(double factor, const double* v, double* out)
     WriteVector(out, link_velocities_) += factor * (parts_->link_friction * ReadVector(v, link_velocities_));
 }
 void LinearChain::add_sliding(double factor, const double* q, double* out) const {
-    WriteVector(out, velocities_) += factor * (parts_->sliding.leftCols(coordinates_) * ReadVector(q, coordinates_));
+    WriteVector(out, velocities_) += factor * (parts_->sliding * ReadVector(q, coordinates_));
+}
+void LinearChain::add_frictionless(double factor, const double* q, double* out) const {
+    WriteVector(out, velocities_) += factor * (parts_->frictionless * ReadVector(q, coordinates_));
+}
+void LinearChain::add_surface_friction(double factor, const double* v, double* out) const {
+    const int others = velocities_ - link_velocities_;
+    WriteVector(out, velocities_) += factor * (parts_->surface_friction * ReadVector(v + link_velocities_, others));
+}
+void LinearChain::add_reaction(double factor, const double* v, double* out) const {
+    const int others = velocities_ - link_velocities_;
+    WriteVector(out + link_velocities_, others) += factor * (parts_->reaction * ReadVector(v, link_velocities_));
 }
 
 std::unique_ptr<LinearSolver> LinearChain::whole_solver(double shift) const {
     Sparse one(velocities_, velocities_);
     one.setIdentity();
-    return std::make_unique<SparseSolver>(one - shift * (parts_->damping + parts_->friction) - shift * shift * parts_->elastic);
+    Sparse elastic = parts_->elastic;
+    elastic.conservativeResize(velocities_, velocities_);  // I has no coordinate: a column of zeros
+    return std::make_unique<SparseSolver>(one - shift * (parts_->damping + parts_->friction) - shift * shift * elastic);
 }
 
 std::unique_ptr<LinearSolver> LinearChain::friction_solver(double shift) const {

@@ -45,14 +45,20 @@ public:
     void add_link_friction(double factor, const double* v, double* out) const;
     /// The part of K that friction has, because its normal forces change. factor [1], q [coordinates], out [accelerations]
     void add_sliding(double factor, const double* q, double* out) const;
+    /// The rest of K. factor [1], q [coordinates], out [accelerations]
+    void add_frictionless(double factor, const double* q, double* out) const;
+    /// Friction by the velocities of what is no link, given as those of all. factor [1], v [velocities], out [accelerations]
+    void add_surface_friction(double factor, const double* v, double* out) const;
+    /// Friction by links' velocities on what is no link. factor [1], v [velocities], out [accelerations]
+    void add_reaction(double factor, const double* v, double* out) const;
 
     /// For the whole: (1 - shift (C + F) - shift² K). shift [s]
     [[nodiscard]] std::unique_ptr<LinearSolver> whole_solver(double shift) const;
     /// For friction of the links: (1 - shift F). shift [s]
     [[nodiscard]] std::unique_ptr<LinearSolver> friction_solver(double shift) const;
 
-    /// Largest eigenvalue of links' friction if all contacts stuck [1/s].
-    [[nodiscard]] double stiffest_friction() const noexcept { return stiffest_friction_; }
+    /// Largest eigenvalue of links' friction if all contacts stuck; found when first asked for [1/s].
+    [[nodiscard]] double stiffest_friction() const;
     [[nodiscard]] const model::Variator& variator() const noexcept { return variator_; }
     [[nodiscard]] const FrozenStart& start() const noexcept { return start_; }
 
@@ -60,10 +66,10 @@ private:
     struct Parts;
 
     const model::Variator& variator_;
+    const model::Parameters parameters_;
     const FrozenStart start_;
     int coordinates_, velocities_, link_velocities_;
     std::unique_ptr<Parts> parts_;
-    double stiffest_friction_ = 0.0;  ///< [1/s]
 };
 
 }  // namespace cvtflow::tasks
