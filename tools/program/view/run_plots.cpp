@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include "tasks/scene/csv/csv_text.hpp"
 #include "tools/program/guard.hpp"
@@ -194,6 +195,22 @@ std::vector<Plot> time_plots(const std::vector<RecordedRun>& runs, const std::ve
     return finished(panels, subtitle_of(runs) + means);
 }
 
+namespace {
+
+/// Lower and upper end of the vertical axis for amplitudes drawn up to the order `end`: no empty decades, six at most.
+std::pair<double, double> amplitude_range(const Plot& plot, double end) {
+    double largest = 1e-300, smallest = INFINITY;
+    for (const Series& series : plot.series) {
+        for (const Point& point : series.points) {
+            largest = std::max(largest, point.y);
+            if (point.x <= end && point.y > 0.0) smallest = std::min(smallest, point.y);
+        }
+    }
+    return {std::max(1e-6 * largest, 0.5 * std::min(smallest, largest)), 2.0 * largest};
+}
+
+}  // namespace
+
 std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::vector<std::string>& words) {
     std::vector<Panel> panels;
     double end = INFINITY;
@@ -217,17 +234,14 @@ std::vector<Plot> order_plots(const std::vector<RecordedRun>& runs, const std::v
     }
     if (pins) end = std::min(end, 12.5);
     for (Panel& panel : panels) {
-        double largest = 1e-300;
-        for (const Series& series : panel.plot.series) {
-            for (const Point& point : series.points) largest = std::max(largest, point.y);
-        }
+        const auto [bottom, top] = amplitude_range(panel.plot, end);
         panel.plot.x.from = 0.0, panel.plot.x.to = end;
-        panel.plot.y.from = 1e-6 * largest, panel.plot.y.to = 2.0 * largest;
+        panel.plot.y.from = bottom, panel.plot.y.to = top;
         for (std::size_t k = 0; k < panel.plot.series.size(); ++k) {
             panel.plot.series[k].colour = palette(k);
             panel.plot.series[k].line = palette_line(k);
         }
-        if (pins) add_orders(panel.plot, *pins, 1e-6 * largest, 2.0 * largest, end);
+        if (pins) add_orders(panel.plot, *pins, bottom, top, end);
     }
     return finished(panels, subtitle_of(runs) + (pins ? "; " + orders_text(runs.front(), *pins) : ""));
 }
