@@ -1,9 +1,9 @@
 #include "bench/count/instructions.hpp"
 
 #if defined(__linux__) && defined(__x86_64__)
-#include <sys/ptrace.h>
-#include <sys/user.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
+#include <ucontext.h>
 #include <unistd.h>
 
 #include <array>
@@ -44,54 +44,76 @@ long flops(const std::uint8_t* code) {
     return 0;
 }
 
-/// The child: once at full speed, so that nothing is resolved or paged in later; then traced.
-[[noreturn]] void traced(const std::function<void()>& body) {
-    if (ptrace(PTRACE_TRACEME, 0, nullptr, nullptr) != 0) _exit(1);
-    body();
-    std::raise(SIGSTOP);
-    body();
-    std::raise(SIGSTOP);
+Counted tally;  // of the child process
+
+/// After every instruction, while the processor's trap flag is set. The next instruction is at the saved program counter.
+void after_instruction(int, siginfo_t*, void* context) {
+    ++tally.instructions;
+    tally.flops += flops(reinterpret_cast<const std::uint8_t*>(static_cast<ucontext_t*>(context)->uc_mcontext.gregs[REG_RIP]));
+}
+
+/// Sets or clears the trap flag; below the 128 bytes that a function may use under its stack pointer.
+void trap(bool on) noexcept {
+    if (on)
+        asm volatile("lea -128(%%rsp), %%rsp; pushfq; orl $0x100, (%%rsp); popfq; lea 128(%%rsp), %%rsp" ::: "memory", "cc");
+    else
+        asm volatile("lea -128(%%rsp), %%rsp; pushfq; andl $0xfffffeff, (%%rsp); popfq; lea 128(%%rsp), %%rsp" ::: "memory", "cc");
+}
+
+/// The child: every body once at full speed, so that nothing is resolved or paged in later; then counted.
+[[noreturn]] void count_here(std::span<const std::function<void()>> bodies, Counted* counted) {
+    struct sigaction action {};
+    action.sa_sigaction = after_instruction;
+    action.sa_flags = SA_SIGINFO;
+    if (sigaction(SIGTRAP, &action, nullptr) != 0) _exit(1);
+    for (const auto& body : bodies) {
+        body();
+        tally = {};
+        trap(true);
+        body();
+        trap(false);
+        *counted++ = tally;
+    }
     _exit(0);
 }
 
-std::optional<Counted> follow(pid_t child) {
-    Counted counted;
-    int status = 0;
-    if (waitpid(child, &status, 0) != child || !WIFSTOPPED(status)) return {};
-    while (true) {
-        if (ptrace(PTRACE_SINGLESTEP, child, nullptr, nullptr) != 0) return {};
-        if (waitpid(child, &status, 0) != child || !WIFSTOPPED(status)) return {};
-        if (WSTOPSIG(status) == SIGSTOP) return counted;
-        user_regs_struct registers;
-        ptrace(PTRACE_GETREGS, child, nullptr, &registers);
-        ++counted.instructions;
-        counted.flops += flops(reinterpret_cast<const std::uint8_t*>(registers.rip));  // a fork: its code lies where ours does
-    }
-}
-
-std::optional<Counted> count_all(const std::function<void()>& body) {
+std::vector<Counted> count_all(std::span<const std::function<void()>> bodies) {
+    const std::size_t bytes = bodies.size() * sizeof(Counted);
+    void* const shared = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (shared == MAP_FAILED) return {};
+    auto* const counted = static_cast<Counted*>(shared);
     const pid_t child = fork();
-    if (child < 0) return {};
-    if (child == 0) traced(body);
-    const auto counted = follow(child);
-    kill(child, SIGKILL);
-    waitpid(child, nullptr, 0);
-    return counted;
+    if (child == 0) count_here(bodies, counted);
+    int status = -1;
+    const bool ended = child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    std::vector<Counted> all;
+    if (ended) all.assign(counted, counted + bodies.size());
+    munmap(shared, bytes);
+    return all;
 }
 
 }  // namespace
 
-std::optional<Counted> count(const std::function<void()>& body) {
-    const auto all = count_all(body);
-    const auto nothing = count_all([] {});
-    if (!all || !nothing) return {};
-    return Counted{all->instructions - nothing->instructions, all->flops - nothing->flops};
+std::vector<Counted> count_each(std::span<const std::function<void()>> bodies) {
+    std::vector<std::function<void()>> with_nothing(bodies.begin(), bodies.end());
+    with_nothing.emplace_back([] {});
+    std::vector<Counted> counted = count_all(with_nothing);
+    if (counted.empty()) return {};
+    const Counted nothing = counted.back();
+    counted.pop_back();
+    for (Counted& each : counted) each = {each.instructions - nothing.instructions, each.flops - nothing.flops};
+    return counted;
 }
 
 #else
 
-std::optional<Counted> count(const std::function<void()>&) { return {}; }
+std::vector<Counted> count_each(std::span<const std::function<void()>>) { return {}; }
 
 #endif
+
+std::optional<Counted> count(const std::function<void()>& body) {
+    const std::vector<Counted> counted = count_each({&body, 1});
+    return counted.empty() ? std::optional<Counted>() : counted.front();
+}
 
 }  // namespace cvtflow::bench

@@ -18,11 +18,13 @@ tools::Action declare_pin_entry(CLI::App& app);
 tools::Action declare_profile(CLI::App& app);
 tools::Action declare_granularity(CLI::App& app);
 tools::Action declare_dot(CLI::App& app);
+tools::Action declare_work(CLI::App& app);
 tools::Action declare_executors(CLI::App& app);
 tools::Action declare_newton(CLI::App& app);
 tools::Action declare_detail(CLI::App& app);
 tools::Action declare_tradeoff(CLI::App& app);
 tools::Action declare_extremes(CLI::App& app);
 tools::Action declare_lottery(CLI::App& app);
+tools::Action declare_draw(CLI::App& app);
 
 }  // namespace cvtflow::bench

@@ -8,6 +8,7 @@ namespace {
 constexpr const char* schedule = "Commands about schedules";
 constexpr const char* method = "Commands about methods";
 constexpr const char* accuracy = "Commands about accuracy";
+constexpr const char* picture = "Commands about pictures";
 
 }  // namespace
 
@@ -19,6 +20,7 @@ std::span<const tools::Command> commands() noexcept {
                 declare_granularity},
         Command{"executors", schedule, "List executors: those of the program and further ones to compare, and which are missing",
                 declare_executors},
+        Command{"work", schedule, "Count the instructions of every task: what threads would gain if nothing else took time", declare_work},
         Command{"dot", schedule, "Draw the task graph of a step in Graphviz' language", declare_dot},
         Command{"method", method, "Show what a method is: order, stability, growth of errors within a step, its table", declare_method},
         Command{"stability", method, "Regions of stability of methods, over the eigenvalues of a scene", declare_stability},
@@ -34,6 +36,7 @@ std::span<const tools::Command> commands() noexcept {
         Command{"detail", accuracy, "Compare levels of detail: what each dial costs and what it changes", declare_detail},
         Command{"extremes", accuracy, "Run the edges of every parameter and say what comes of each", declare_extremes},
         Command{"lottery", accuracy, "Run machines drawn by chance with defaults and count how they end", declare_lottery},
+        Command{"draw", picture, "Draw curves from numbers, as the pictures of the other commands", declare_draw},
     };
     return rows;
 }

@@ -9,6 +9,7 @@
 #include "bench/lab/report/method/spectrum_report.hpp"
 #include "bench/study/spectrum.hpp"
 #include "engine/method/catalogue.hpp"
+#include "model/observe/observation.hpp"
 #include "tasks/method/auto_step.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
@@ -94,6 +95,9 @@ ExitStatus spectrum(const SpectrumArguments& arguments) {
     result.friction = model::friction_law_names[static_cast<std::size_t>(scene.parameters.detail.friction)];
     result.time = start.time;
     result.touching = touching_tips(start);
+    model::Observer observer(variator);
+    const model::Observation& seen = observer.observe(start.time, start.state.data(), start.phases.data());
+    result.tight = seen.tight, result.slack = seen.slack;
     result.method = tasks::method_of(scene);
     result.step = scene.run.step.value_or(tasks::longest_automatic_step(result.method, scene.parameters));
     find_values(result, variator, start, arguments.extremal, tell);

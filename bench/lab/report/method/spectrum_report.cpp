@@ -98,6 +98,7 @@ std::string spectrum_text(const SpectrumResult& result) {
                                      : fmt::format("{} at the edge of {}, from a Krylov space of {} (relative residuals up to {:.0e})",
                                                    count_text(static_cast<long>(result.values.size())), count_text(result.unknowns),
                                                    result.dimension, result.residual));
+    text += field("strands", fmt::format("{:.0f} N tight, {:.0f} N slack", result.tight, result.slack));
     text += field("fastest decay", fmt::format("max -Re = {:.4e} 1/s", extent.decay));
     text += field("fastest oscillation", fmt::format("max |Im| = {:.4e} 1/s", extent.oscillation));
     text += field("below -1e6, -1e7", fmt::format("{}, {}", extent.below_1e6, extent.below_1e7));
@@ -129,6 +130,12 @@ std::string spectrum_csv(const SpectrumResult& result) {
 
 namespace {
 
+ordered_json values_json(const engine::Eigenvalues& values) {
+    ordered_json list = ordered_json::array();
+    for (const auto& value : values) list.push_back({value.real(), value.imag()});
+    return list;
+}
+
 ordered_json extent_json(const Extent& extent) {
     return {{"max_decay", extent.decay},
             {"max_oscillation", extent.oscillation},
@@ -156,20 +163,21 @@ std::string spectrum_json(const SpectrumResult& result) {
     ordered_json json{{"scene", result.scene},       {"provenance", provenance_json()}, {"time", result.time},
                       {"friction", result.friction}, {"touching", result.touching},     {"unknowns", result.unknowns},
                       {"complete", result.complete}};
+    json["tight_tension"] = result.tight;
+    json["slack_tension"] = result.slack;
     json["extent"] = extent_json(extent);
     if (result.complete) json["growth"] = {{"growing", extent.growing}, {"largest", extent.growth}};
     json["method"] = result.method;
     json["step"] = result.step;
     if (result.limit) json["stable_step"] = limit_json(*result.limit);
     if (result.program_limit) json["stable_step"] = limit_json(result.method, *result.program_limit);
-    ordered_json values = ordered_json::array();
-    for (const auto& value : result.values) values.push_back({value.real(), value.imag()});
-    json["eigenvalues"] = std::move(values);
+    json["eigenvalues"] = values_json(result.values);
     if (result.attribution) {
         ordered_json slowed = ordered_json::array();
         for (const SlowedSpectrum& spectrum : result.attribution->slowed) {
             ordered_json row = extent_json(extent_of(spectrum.values));
             row["contacts"] = spectrum.contacts;
+            row["eigenvalues"] = values_json(spectrum.values);
             slowed.push_back(std::move(row));
         }
         json["slowed_tenfold"] = std::move(slowed);

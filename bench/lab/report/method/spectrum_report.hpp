@@ -21,9 +21,10 @@ struct StepLimit {
 };
 
 struct SpectrumResult {
-    std::string scene, friction;  ///< names
-    double time = 0.0;            ///< [s]
-    long touching = 0;            ///< tips
+    std::string scene, friction;      ///< names
+    double time = 0.0;                ///< [s]
+    long touching = 0;                ///< tips
+    double tight = 0.0, slack = 0.0;  ///< mean tension of the strands [N]
     int unknowns = 0;
     engine::Eigenvalues values;                     ///< all, or those at the edge
     bool complete = true;                           ///< all

@@ -1,0 +1,55 @@
+#include <gmock/gmock.h>
+
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::bench {
+
+using namespace tools;
+
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class WorkCommand : public Program {};
+class DrawCommand : public Program {};
+
+TEST_F(WorkCommand, CountsInstructionsByStageAndByThreads) {
+    const Outcome outcome = run({"work", "tiny", "--method", "rk4", "--step", "50 ns", "--segments", "2", "-q", "-o", "w"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.err, "");
+    EXPECT_THAT(outcome.out,
+                AllOf(StartsWith("tiny: work of a step of rk4, 50 ns long, kernels "), HasSubstr("\n  chain "), HasSubstr(" 2 ")));
+    EXPECT_THAT(read("w/work.csv"), StartsWith("scene,method,kernels,threads,links,even,segments,instructions,fixed,claimed,"));
+    EXPECT_THAT(read("w/stages.csv"), StartsWith("scene,method,kernels,step_s,stage,instructions,share,commit\ntiny,rk4,"));
+    EXPECT_THAT(read("w/work.svg"), HasSubstr("Speed-up of tiny by counted instructions"));
+}
+
+TEST_F(WorkCommand, RefusesMoreSegmentsThanLinks) {
+    const Outcome outcome = run({"work", "tiny", "--segments", "1000"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("--segments 1000: the chain has "));
+}
+
+TEST_F(DrawCommand, DrawsPicturesBelowOneAnother) {
+    write("p.json", R"([{"title": "One", "x": {"label": "step [s]", "scale": "log"}, "y": {"label": "error", "from": 0, "to": 2},
+                         "series": [{"name": "curve", "points": [[1e-6, 1], [1e-5, 2]], "mark": "none", "line": "dashed"}]},
+                        {"title": "Two", "x": {"label": "a"}, "y": {"label": "b"}, "series": [{"points": [[0, 0], [1, 1]]}]}])");
+    const Outcome outcome = run({"draw", "p.json", "-o", "p.svg"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(read("p.svg"), AllOf(HasSubstr(">One</text>"), HasSubstr(">Two</text>"), HasSubstr(">curve</text>")));
+}
+
+TEST_F(DrawCommand, NamesWhatIsWrongWithAPicture) {
+    write("p.json", R"([{"title": "One", "x": {"label": "a", "scale": "cubic"}, "y": {"label": "b"}, "series": []}])");
+    const Outcome cubic = run({"draw", "p.json", "-o", "p.svg"});
+    EXPECT_EQ(cubic.status, 2);
+    EXPECT_THAT(cubic.err, HasSubstr("cubic: no scale of a picture"));
+    write("p.json", R"([{"title": "One"}])");
+    EXPECT_EQ(run({"draw", "p.json", "-o", "p.svg"}).status, 2);
+    EXPECT_FALSE(exists("p.svg"));
+}
+
+}  // namespace
+}  // namespace cvtflow::bench
