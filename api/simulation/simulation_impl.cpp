@@ -14,6 +14,7 @@
 #include "tasks/run/step_advice.hpp"
 #include "tasks/scene/parameter_table.hpp"
 #include "tasks/scene/toml/units.hpp"
+#include "tasks/schedule/auto_schedule.hpp"
 
 namespace cvtflow {
 inline namespace v0 {
@@ -24,18 +25,18 @@ constexpr int max_threads = 1024;
 
 /// Who runs a simulation: one thread needs no executor but the plain loop.
 [[nodiscard]] tasks::Schedule schedule_of(const tasks::Scene& scene, Threads threads, int segments) {
-    const int links = scene.parameters.chain.pins;
+    const int links = tasks::max_segments(scene.parameters);
     const bool own = threads.way() == Threads::Way::own;
     if (threads.count() < (own ? 0 : 1) || threads.count() > max_threads) {
         throw Error(ErrorCode::argument,
                     "threads: " + std::to_string(threads.count()) + " is outside " + (own ? "[0, 1024]" : "[1, 1024]"));
     }
     if (segments < 0 || segments > links) {
-        throw Error(ErrorCode::argument,
-                    "segments: " + std::to_string(segments) + " is outside [0, " + std::to_string(links) + "], the links of this chain");
+        throw Error(ErrorCode::argument, "segments: " + std::to_string(segments) + " is outside [0, " + std::to_string(links) +
+                                             (links == 1 ? "]: rigid pins are evaluated at once" : "], the links of this chain"));
     }
     tasks::Schedule schedule;
-    schedule.threads = threads.count() == 0 ? tasks::usable_threads() : threads.count();
+    schedule.threads = links == 1 ? 1 : threads.count() == 0 ? tasks::usable_threads() : threads.count();
     schedule.executor = schedule.threads == 1 ? "serial" : "flow";
     schedule.present_arena = threads.way() == Threads::Way::present;
     schedule.segments = segments > 0 ? segments : std::min(schedule.threads, links);

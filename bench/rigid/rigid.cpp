@@ -2,14 +2,13 @@
 ///
 ///     bench_rigid SCENE [KEY=VALUE ...] [OPTION=VALUE ...]
 ///
-/// SCENE and KEY=VALUE are those of `cvtflow run SCENE --set KEY=VALUE`. The machine starts geometrically (`rigid`) or from the scene's
-/// state (a level of detail), runs to `until` and is averaged over the last `mean`. CSV on the standard output, one row per run.
+/// SCENE and KEY=VALUE are those of `cvtflow run SCENE --set KEY=VALUE`. The machine starts from the scene's state if that fits, else
+/// geometrically, runs to `until` and is averaged over the last `mean`. CSV on the standard output, one row per run.
 ///
-///     detail=rigid      rigid, or a level of detail of `cvtflow list detail`, which runs by the scene's method with its automatic step
-///     step=5            of rigid [us]; several separated by commas make several rows
+///     detail=rigid      a level of detail of `cvtflow list detail`
+///     step=auto         or microseconds; several separated by commas make several rows
 ///     until=100         [ms]
 ///     mean=20           [ms]
-///     start=state       of a level of detail: state, the scene's file; geometric
 ///     mode=points       points: a row of means.  parts: microseconds per step by part.  stable: the longest stable step
 ///
 ///     us_per_step       processor time; s_per_s: of a simulated second, with outputs every 20 us
@@ -33,7 +32,8 @@
 #include <vector>
 
 #include "model/observe/observation.hpp"
-#include "model/variator/rigid/rigid_observation.hpp"
+#include "model/start/start_state.hpp"
+#include "model/variator/rigid/rigid_stepper.hpp"
 #include "tasks/run/channels/channels.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/scene/ready_scenes.hpp"
@@ -45,16 +45,15 @@ using namespace cvtflow;
 constexpr double output_interval = 20e-6;  // s
 
 struct Options {
-    std::map<std::string, std::string> text{{"detail", "rigid"}, {"step", "5"},      {"until", "100"},
-                                            {"mean", "20"},      {"mode", "points"}, {"start", "state"}};
+    std::map<std::string, std::string> text{{"detail", "rigid"}, {"step", "auto"}, {"until", "100"}, {"mean", "20"}, {"mode", "points"}};
     std::string scene;
     std::vector<std::string> settings;
 
     [[nodiscard]] double milliseconds(const std::string& name) const { return 1e-3 * std::stod(text.at(name)); }
-    [[nodiscard]] std::vector<double> steps() const {
-        std::vector<double> all;
+    [[nodiscard]] std::vector<std::string> steps() const {
+        std::vector<std::string> all;
         std::stringstream list(text.at("step"));
-        for (std::string one; std::getline(list, one, ',');) all.push_back(1e-6 * std::stod(one));
+        for (std::string one; std::getline(list, one, ',');) all.push_back(one == "auto" ? one : one + " us");
         return all;
     }
 };
@@ -128,51 +127,9 @@ void print_row(const Options& options, const Means& m) {
     std::fflush(stdout);
 }
 
-/// Runs rigid pins; calls at_output(stepper) about every 20 us. False if the state is not finite.
-template <class AtOutput>
-bool run_rigid(model::RigidStepper& stepper, double until, const AtOutput& at_output) {
-    const long stride = std::max(1L, std::lround(output_interval / stepper.step_length()));
-    for (long step = 1; stepper.time() < until - 0.5 * stepper.step_length(); ++step) {
-        stepper.step();
-        if (step % stride != 0) continue;
-        if (!std::isfinite(stepper.columns()[model::Column::x][0])) return false;
-        at_output(stepper);
-    }
-    return true;
-}
-
-[[nodiscard]] Means means_of_rigid(const Options& options, const tasks::Scene& scene, double step) {
-    const model::RigidModel model(scene.parameters);
-    model::RigidStepper stepper(model, step);
-    const double begin = -scene.parameters.start.settling_time, until = options.milliseconds("until"),
-                 from = until - options.milliseconds("mean");
-    stepper.start(begin, model::rigid_start(scene.parameters).data());
-    Means m;
-    model::RigidBalance before;
-    const double clock = processor_time();
-    const bool sound = run_rigid(stepper, until, [&](const model::RigidStepper& now) {
-        const model::RigidObservation o = model::observe(now);
-        if (o.time < from) return;
-        if (m.outputs == 0) before = now.balance();
-        m.add(o.tight, o.slack, o.slip, o.ratio, o.clamping[0] / o.clamping[1], o.radius);
-    });
-    if (!sound) throw std::runtime_error("the state is not finite");
-    m.processor = processor_time() - clock;
-    m.step = step;
-    m.simulated = until - begin;
-    m.steps = std::lround(m.simulated / step);
-    const model::RigidBalance& after = stepper.balance();
-    m.span = after.time - before.time;
-    m.residual = model::residual(before, after);
-    for (std::size_t k = 0; k < m.lost.size(); ++k) m.lost[k] = after.lost[k] - before.lost[k];
-    for (std::size_t k = 0; k < m.worked.size(); ++k) m.worked[k] = after.worked[k] - before.worked[k];
-    return m;
-}
-
 /// The program's engine at a level of detail.
-[[nodiscard]] Means means_of_level(const Options& options, tasks::Scene scene) {
-    tasks::apply_detail(scene, options.text.at("detail"));
-    tasks::set_values(scene, std::vector<std::string>{"run.step=auto", "run.schedule=serial", "run.output_interval=20 us"});
+[[nodiscard]] Means means_of_level(const Options& options, tasks::Scene scene, const std::string& step) {
+    tasks::set_values(scene, std::vector<std::string>{"run.step=" + step, "run.schedule=serial", "run.output_interval=20 us"});
     tasks::Simulation simulation(scene, tasks::Schedule{});
     tasks::SilentObserver silent;
     const engine::Cancellation never;
@@ -217,20 +174,45 @@ void time_part(const char* name, const Act& act) {
     fmt::print("{},{:.3f}\n", name, all[rounds / 2]);
 }
 
+/// A stepper of a machine at the end of its settling.
+class Settled {
+public:
+    Settled(const tasks::Scene& scene, double step) : variator_(scene.parameters), stepper_(variator_), step_(step) {
+        begin_ = -scene.parameters.start.settling_time;
+        stepper_.start(begin_, model::start_state(scene.parameters).state.data());
+    }
+    /// False if the state is not finite then.
+    [[nodiscard]] bool run(double span) {
+        for (const double until = stepper_.time() + span; stepper_.time() < until - 0.5 * step_;) take_step();
+        return std::isfinite(stepper_.kinetic());
+    }
+    void take_step() { stepper_.step(stepper_.time(), step_); }
+    [[nodiscard]] const model::RigidStepper& stepper() const { return stepper_; }
+    [[nodiscard]] const model::Variator& variator() const { return variator_; }
+
+private:
+    model::Variator variator_;
+    model::RigidStepper stepper_;
+    double step_, begin_ = 0.0;
+};
+
 /// Each kernel by itself, on the columns of a running machine.
-void print_parts(const tasks::Scene& scene, double step) {
-    const model::RigidModel model(scene.parameters);
-    model::RigidStepper stepper(model, step);
-    stepper.start(-scene.parameters.start.settling_time, model::rigid_start(scene.parameters).data());
-    (void)run_rigid(stepper, 0.0, [](const model::RigidStepper&) {});
-    model::RigidColumns columns = stepper.columns();
+void print_parts(const tasks::Scene& scene) {
+    constexpr double step = 5e-6;
+    Settled machine(scene, step);
+    (void)machine.run(scene.parameters.start.settling_time);
+    const model::RigidModel& model = machine.variator().chain().rigid()->model();
+    const model::PulleyModel& pulleys = machine.variator().pulleys();
+    model::RigidColumns columns = machine.stepper().columns();
     const model::RigidKernels& k = model.kernels();
     const model::RigidCoefficients& c = model.coefficients();
     const model::RigidKick kick{step};
+    const double* tail = machine.stepper().tail();
     model::SheaveMotion sheaves[4];
-    model.pulleys().motions(stepper.tail(), sheaves);
-    model::RigidForces forces = stepper.forces();
-    std::vector<double> slope(static_cast<std::size_t>(model.layout().tail()));
+    pulleys.motions(tail, sheaves);
+    model::RigidForces forces = machine.stepper().forces();
+    model::Inputs inputs;
+    std::vector<double> slope(static_cast<std::size_t>(model.layout().pulley_block()));
     fmt::print("part,us\n");
     time_part("lines", [&] { k.lines(columns); });
     time_part("roll", [&] { k.roll(c, columns); });
@@ -241,24 +223,21 @@ void print_parts(const tasks::Scene& scene, double step) {
     time_part("tips", [&] { k.tips(c, sheaves, kick, columns, forces.reaction, forces.account); });
     time_part("moments", [&] { k.moments(columns); });
     time_part("accelerate", [&] { k.accelerate(c, columns); });
-    time_part("inputs", [&] { forces.inputs = model.pulleys().inputs(0.0, stepper.tail()); });
-    time_part("pulleys", [&] { model.tail_slope(stepper.tail(), forces, slope.data()); });
+    time_part("inputs", [&] { inputs = pulleys.inputs(0.0, tail); });
+    time_part("pulleys", [&] { pulleys.slope(tail, inputs, forces.reaction.sheaves, slope.data(), &forces.account); });
     time_part("wrap", [&] { columns.wrap(model::Column::x, model::Column::tension); });
-    time_part("step", [&] { stepper.step(); });
+    time_part("step", [&] { machine.take_step(); });
 }
 
 /// Whether 20 ms behind the start's ramp end sound, with losses as at half the step.
 [[nodiscard]] bool stable(const tasks::Scene& scene, double step) {
-    const model::RigidModel model(scene.parameters);
     double losses[2] = {};
     for (int k = 0; k < 2; ++k) {
-        model::RigidStepper stepper(model, k == 0 ? 0.5 * step : step);
-        const double begin = -scene.parameters.start.settling_time;
-        stepper.start(begin, model::rigid_start(scene.parameters).data());
-        if (!run_rigid(stepper, begin + 20e-3, [](const model::RigidStepper&) {})) return false;
-        const double before = stepper.balance().losses();
-        if (!run_rigid(stepper, begin + 30e-3, [](const model::RigidStepper&) {})) return false;
-        losses[k] = stepper.balance().losses() - before;
+        Settled machine(scene, k == 0 ? 0.5 * step : step);
+        if (!machine.run(20e-3)) return false;
+        const double before = machine.stepper().balance().losses();
+        if (!machine.run(10e-3)) return false;
+        losses[k] = machine.stepper().balance().losses() - before;
     }
     return std::abs(losses[1] / losses[0] - 1.0) < 0.1;
 }
@@ -273,16 +252,14 @@ void print_stable(const tasks::Scene& scene) {
 }
 
 void run(const Options& options) {
-    const bool geometric = options.text.at("start") == "geometric";
-    tasks::Scene scene =
-        tasks::read_scene(tasks::find_scene(options.scene), geometric ? tasks::StartState::ignored : tasks::StartState::required);
+    tasks::Scene scene = tasks::read_scene(tasks::find_scene(options.scene), tasks::StartState::required);
     tasks::set_values(scene, options.settings);
+    tasks::apply_detail(scene, options.text.at("detail"));
     const std::string& mode = options.text.at("mode");
-    if (mode == "parts") return print_parts(scene, options.steps().front());
+    if (mode == "parts") return print_parts(scene);
     if (mode == "stable") return print_stable(scene);
     print_head();
-    if (options.text.at("detail") != "rigid") return print_row(options, means_of_level(options, scene));
-    for (const double step : options.steps()) print_row(options, means_of_rigid(options, scene, step));
+    for (const std::string& step : options.steps()) print_row(options, means_of_level(options, scene, step));
 }
 
 }  // namespace

@@ -82,7 +82,8 @@ void scale_relative(Eigen::MatrixXd& matrix, int bodies, double factor) {
 }  // namespace
 
 LinkInertia link_inertia(const Parameters& p) {
-    const int lateral = p.detail.order + 1, bodies = layout_of(p).bodies();
+    const ChainLayout layout = layout_of(p);
+    const int lateral = layout.lateral(), bodies = layout.bodies();
     const double body = 2.0 / bodies * p.half.mass;
     Eigen::MatrixXd b = Eigen::MatrixXd::Zero(bodies * lateral, bodies * lateral);
     Eigen::MatrixXd c = Eigen::MatrixXd::Zero(2 * bodies, 2 * bodies);
@@ -104,6 +105,7 @@ LinkInertia link_inertia(const Parameters& p) {
         }
     }
     for (Eigen::MatrixXd* matrix : {&b, &c}) scale_relative(*matrix, bodies, p.detail.mass_scaling);
+    if (layout.rigid) c.conservativeResize(1, 1);
     return inertia_of(b, c);
 }
 
@@ -131,6 +133,7 @@ template <int Lateral, int Axial>
 }  // namespace
 
 double kinetic_energy(const LinkInertia& inertia, const double* v) noexcept {
+    if (inertia.axial.size == 1) return kinetic_of<2, 1>(inertia, v);
     if (inertia.axial.size == 2) {
         constexpr double (*of_pin[])(const LinkInertia&, const double*) noexcept = {kinetic_of<1, 2>, kinetic_of<2, 2>, kinetic_of<3, 2>,
                                                                                     kinetic_of<4, 2>};

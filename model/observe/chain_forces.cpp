@@ -8,6 +8,7 @@
 #include "model/kernels/chain_parts.hpp"
 #include "model/kernels/pins/pin_among_others.hpp"
 #include "model/observe/pin_halves.hpp"
+#include "model/observe/rigid_forces.hpp"
 
 namespace cvtflow::model {
 
@@ -183,6 +184,7 @@ void observe_forces(const ChainModel& chain, const double* state, const SheaveMo
     for (auto* list : {&forces.bending_travel, &forces.bending_height, &forces.half_axial}) list->assign(2 * links, 0.0);
     for (auto* list : {&forces.joint_normal, &forces.joint_friction, &forces.joint_axial}) list->assign(links, 0.0);
     forces.plate_tension.assign(place(forces.plates_per_link) * links, 0.0);
+    if (chain.rigid() != nullptr) return observe_rigid_forces(*chain.rigid(), state, sheaves, forces);
     std::vector<double> halves;
     halves_of(chain, state, halves);
     const ForceReading reading{chain, state, halves.data(), sheaves, phases, forces};

@@ -34,7 +34,7 @@ void copy_half(const PinReading& from, const JointCoefficients& joint, int pin, 
             target[to.y(end, m)] = source[from.at.y(end, m)];
         }
         target[to.z(end)] = source[from.at.z(end)];
-        target[to.e(end)] = source[from.at.e(end)];
+        target[to.e(end)] = from.at.rigid ? 0.0 : source[from.at.e(end)];
         const Plane<double>& reach = rate == 0 ? r.reach : r.reach_rate;
         target[to.x(end, 0)] += side * reach.x;
         target[to.y(end, 0)] += side * reach.y;
@@ -44,7 +44,7 @@ void copy_half(const PinReading& from, const JointCoefficients& joint, int pin, 
 }  // namespace
 
 ChainLayout halves_layout(ChainLayout layout) noexcept {
-    layout.whole = false;
+    layout.whole = layout.rigid = false;
     return layout;
 }
 

@@ -12,12 +12,14 @@ ChainLayout layout_of(const Parameters& parameters) noexcept {
         return 0;
     }();
     const bool has_pulleys = pulley_size != 0;
-    return {parameters.detail.order,
+    const bool rigid = parameters.detail.pins == PinDetail::rigid;
+    return {rigid ? 1 : parameters.detail.order,
             parameters.chain.pins,
             pulley_size,
             has_pulleys ? controllers(parameters.control) : 0,
             parameters.ledger,
-            parameters.detail.pins == PinDetail::whole};
+            parameters.detail.pins != PinDetail::halves,
+            rigid};
 }
 
 }  // namespace cvtflow::model

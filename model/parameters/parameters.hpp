@@ -27,7 +27,9 @@ struct TimeTable {
     bool operator==(const TimeTable&) const = default;
 };
 
-enum class PinDetail { halves, whole };
+enum class PinDetail { halves, whole, rigid };
+inline constexpr std::array<std::string_view, 3> pin_detail_names{"halves", "whole", "rigid"};
+[[nodiscard]] constexpr std::string_view name_of(PinDetail pins) noexcept { return pin_detail_names[static_cast<std::size_t>(pins)]; }
 enum class PlateDetail { each, lumped };
 enum class PulleyDetail { elastic, rigid, absent };
 enum class FrictionLaw { piecewise, smoothed };
@@ -42,7 +44,7 @@ enum class StartLayout { belt, ring };
 
 /// What is resolved at all. Absent detail is absent from the state vector.
 struct Detail {
-    PinDetail pins = PinDetail::halves;      ///< two halves that roll on each other in contact, or one body with rolling as a constraint
+    PinDetail pins = PinDetail::halves;      ///< two halves that roll in contact; one body, rolling a constraint; that body rigid
     int order = 3;                           ///< p, Legendre order of the axis of a pin half, 0…3
     PlateDetail plates = PlateDetail::each;  ///< every plate, or a lumped pack with the same moments
     int joint_points = 3;                    ///< Gauss-Legendre points along the rolling line of a joint, 1…16

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "model/kernels/kernels.hpp"
+#include "model/variator/rigid/rigid_chain.hpp"
 
 namespace cvtflow::model {
 
@@ -11,7 +12,12 @@ namespace {
 [[nodiscard]] ChainKernels kernels_for(const Parameters& parameters, Isa isa) {
     const CompiledKernels kernels = kernels_of(isa);
     const int order = parameters.detail.order;
-    return parameters.detail.pins == PinDetail::whole ? kernels.pins(order).chain : kernels.chain(order);
+    switch (parameters.detail.pins) {
+        case PinDetail::rigid: return RigidChain::kernels();
+        case PinDetail::whole: return kernels.pins(order).chain;
+        case PinDetail::halves: break;
+    }
+    return kernels.chain(order);
 }
 
 }  // namespace
@@ -25,6 +31,8 @@ const double* NeighbourWindow::of(const ChainLayout& layout, const double* state
 }
 
 ChainModel::ChainModel(const Parameters& parameters, Isa isa)
-    : coefficients_(parameters), inertia_(link_inertia(parameters)), isa_(isa), kernels_(kernels_for(parameters, isa)) {}
+    : coefficients_(parameters), inertia_(link_inertia(parameters)), isa_(isa), kernels_(kernels_for(parameters, isa)) {
+    if (layout().rigid) rigid_ = std::make_shared<const RigidChain>(parameters, isa);
+}
 
 }  // namespace cvtflow::model

@@ -5,6 +5,7 @@
 /// what a range [first, last) of links needs to know, wherever it comes from. With whole pins it holds ChainLayout::halo() of them on each
 /// side.
 
+#include <memory>
 #include <span>
 
 #include "model/basis/isa.hpp"
@@ -47,6 +48,7 @@ struct LinkContact {
 };
 
 class ChainModel;
+class RigidChain;
 
 /// The block of one link where its neighbours are beside it, as far as contact of whole pins needs them: one before, two behind. Halves
 /// need none: theirs is where it is.
@@ -78,6 +80,8 @@ public:
     [[nodiscard]] const Coefficients& coefficients() const noexcept { return coefficients_; }
     [[nodiscard]] const ChainLayout& layout() const noexcept { return coefficients_.layout; }
     [[nodiscard]] const LinkInertia& inertia() const noexcept { return inertia_; }
+    /// Of rigid pins, which are evaluated in one range and by one caller at a time; else nullptr.
+    [[nodiscard]] const RigidChain* rigid() const noexcept { return rigid_.get(); }
 
     /// Slopes [v | acceleration] of the links of a range, link_block() numbers each, to slope + (link - first) link_block();
     /// reactions on the sheaves to loads[link - first] where a tip touches.
@@ -113,6 +117,7 @@ private:
     LinkInertia inertia_;
     Isa isa_;
     ChainKernels kernels_;
+    std::shared_ptr<const RigidChain> rigid_;
 };
 
 }  // namespace cvtflow::model

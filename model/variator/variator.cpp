@@ -52,7 +52,7 @@ void Variator::add_up(int group, const Phase* phases, const LinkLoad* loads, She
     sum = {};
     const int last = std::min(layout().links, links_per_sum * (group + 1));
     for (int link = links_per_sum * group; link < last; ++link) {
-        if (touches(phases + tips_per_link * link)) add(loads[link].load, sum.of_shaft[loads[link].shaft]);
+        if (layout().rigid || touches(phases + tips_per_link * link)) add(loads[link].load, sum.of_shaft[loads[link].shaft]);
     }
 }
 

@@ -10,6 +10,7 @@
 
 #include "engine/base/error_text.hpp"
 #include "tasks/method/method_choice.hpp"
+#include "tasks/schedule/auto_schedule.hpp"
 
 namespace cvtflow::tasks {
 
@@ -239,7 +240,7 @@ CaseEngine::Pause CaseEngine::wanted(double time, const Counters& counters) {
     if (control_.stop().requested() && left > control_.grace_left()) return Pause::stop;
     const double window = seconds_since(window_begin_);
     const double rate = window > 0.0 ? static_cast<double>(counters.steps - window_steps_) / window : 0.0;
-    const int threads = std::min(control_.threads_per_case(), scene_.parameters.chain.pins);
+    const int threads = std::min(control_.threads_per_case(), max_segments(scene_.parameters));
     const int now = simulation_ == serial_.get() ? 1 : simulation_->schedule().threads;
     if (now == 1 && window > trial_seconds) serial_rate_ = rate;
     if (now == 1 && threads > 1 && threads != refused_threads_ && serial_rate_ > 0.0 && left > worth_a_switch) return Pause::more_threads;
@@ -253,7 +254,7 @@ CaseEngine::Pause CaseEngine::wanted(double time, const Counters& counters) {
 
 /// Moves the case to another number of threads: its full state to another simulation of it, which goes on bit for bit.
 void CaseEngine::change_threads() {
-    const int threads = std::min(control_.threads_per_case(), scene_.parameters.chain.pins);
+    const int threads = std::min(control_.threads_per_case(), max_segments(scene_.parameters));
     const IntegrationState at = simulation_->integration_state();
     if (threads == refused_threads_ || threads <= 1) {
         simulation_ = serial_.get();

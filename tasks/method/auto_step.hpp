@@ -58,10 +58,14 @@ public:
     void load(std::span<const double> memory) override;  ///< memory [what save() wrote]
 
 private:
+    /// Of rigid pins, whose spectrum is that of their row of links and hardly moves [s].
+    static constexpr double rigid_look_interval = 20e-3;
+
     [[nodiscard]] double damped_step(double time, const double* state, const model::Phase* phases) noexcept;
 
     MethodReach reach_;
-    double longest_;  ///< of all steps [s]
+    double longest_;   ///< of all steps [s]
+    double interval_;  ///< between two looks, in the long run [s]
     SpectralBound bound_;
     std::unique_ptr<const model::Variator> frictionless_;      ///< the machine without friction, where damping has a limit of its own
     std::vector<SpectralBound> damped_parts_;                  ///< of it

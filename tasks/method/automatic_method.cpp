@@ -9,6 +9,8 @@ namespace cvtflow::tasks {
 
 std::span<const AutomaticChoice> automatic_choices() noexcept {
     static constexpr std::array choices{
+        AutomaticChoice{"leapfrog-sweep", "rigid pins",
+                        [](const model::Parameters& parameters) { return parameters.detail.pins == model::PinDetail::rigid; }},
         AutomaticChoice{"leapfrog-sweep", "pin halves with the piecewise friction law", sweeps_suit},
         AutomaticChoice{"leapfrog-chebyshev", "whole pins, other friction laws, saturation speeds below a hundredth of the usual ones",
                         [](const model::Parameters&) { return true; }},

@@ -177,7 +177,28 @@ Violation method_takes_machine(const Scene& scene) {
 
 Violation assembly_takes_pins(const Scene& scene) {
     if (scene.run.assembly == Assembly::fused || scene.parameters.detail.pins == model::PinDetail::halves) return {};
-    return "run.assembly: \"staged\" needs detail.pins = \"halves\": whole pins have no joints to compute apart";
+    return "run.assembly: \"staged\" needs detail.pins = \"halves\": other pins have no joints to compute apart";
+}
+
+Violation rigid_pins_are_simple(const Scene& scene) {
+    const model::Detail& detail = scene.parameters.detail;
+    if (detail.pins != model::PinDetail::rigid) return {};
+    constexpr const char* rigid = "detail.pins = \"rigid\"";
+    if (detail.order != 1) return fmt::format("detail.order: {} has order 1, not {}", rigid, detail.order);
+    if (detail.plates != model::PlateDetail::lumped) return fmt::format("detail.plates: {} has \"lumped\" plates", rigid);
+    if (detail.stick_slip) return fmt::format("detail.stick_slip: {} has no phases stick and slip", rigid);
+    const bool coupled = scene.parameters.drive.mode == DriveMode::coupling || scene.parameters.load.mode == model::LoadMode::coupling;
+    if (coupled) return fmt::format("detail.pins: {} takes no couplings of shafts: drive.mode or load.mode = \"coupling\"", rigid);
+    if (scene.parameters.joint.law != model::JointLaw::linear) return fmt::format("joint.law: {} has joints of law \"linear\"", rigid);
+    return {};
+}
+
+Violation rigid_pins_are_serial(const Scene& scene) {
+    if (scene.parameters.detail.pins != model::PinDetail::rigid) return {};
+    const RunSettings& run = scene.run;
+    if (run.segments > 1) return fmt::format("run.segments: detail.pins = \"rigid\" is one segment, not {}", run.segments);
+    if (run.schedule == "auto" || run.schedule == "serial") return {};
+    return fmt::format("run.schedule: detail.pins = \"rigid\" runs on one thread: \"serial\" or \"auto\", not \"{}\"", run.schedule);
 }
 
 Violation method_estimates_error(const Scene& scene) {
@@ -228,6 +249,9 @@ std::span<const CrossCheck> cross_checks() {
         {{"run.method"}, method_exists},
         {{"run.method", "detail.pins", "detail.friction"}, method_takes_machine},
         {{"run.assembly", "detail.pins"}, assembly_takes_pins},
+        {{"detail.pins", "detail.order", "detail.plates", "detail.stick_slip", "joint.law", "drive.mode", "load.mode"},
+         rigid_pins_are_simple},
+        {{"detail.pins", "run.schedule", "run.segments"}, rigid_pins_are_serial},
         {{"run.step_control", "run.method"}, method_estimates_error},
         {{"record.channels"}, channels_exist},
         {{"run.schedule"}, executor_exists},

@@ -12,8 +12,12 @@ void add_once(std::vector<Schedule>& list, const Schedule& schedule) {
 
 }  // namespace
 
+int max_segments(const model::Parameters& parameters) noexcept {
+    return parameters.detail.pins == model::PinDetail::rigid ? 1 : parameters.chain.pins;
+}
+
 std::vector<Schedule> schedules_for(const Scene& scene) {
-    const int links = scene.parameters.chain.pins;
+    const int links = max_segments(scene.parameters);
     Schedule serial = schedule_of(scene.run, links);
     if (scene.run.schedule != "auto") return {serial};
     Schedule flow = serial;

@@ -14,4 +14,7 @@ namespace cvtflow::tasks {
 /// @throws SceneError for an executor that does not exist
 [[nodiscard]] std::vector<Schedule> schedules_for(const Scene& scene);
 
+/// Segments, and with them threads, that a step of this machine can be cut into: rigid pins are one, everything else as many as links.
+[[nodiscard]] int max_segments(const model::Parameters& parameters) noexcept;
+
 }  // namespace cvtflow::tasks

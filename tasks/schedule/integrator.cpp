@@ -4,10 +4,16 @@
 #include <utility>
 
 #include "tasks/method/automatic_method.hpp"
+#include "tasks/schedule/auto_schedule.hpp"
 
 namespace cvtflow::tasks {
 
 namespace {
+
+Partition partition_of(const model::Parameters& parameters, int segments) {
+    if (segments > 1 && max_segments(parameters) == 1) throw MethodRefused("detail.pins = \"rigid\" is evaluated in one segment");
+    return Partition::equal(parameters.chain.pins, segments);
+}
 
 std::unique_ptr<StepMethod> method_of(const std::string& name, Workspace& workspace) {
     try {
@@ -22,7 +28,7 @@ std::unique_ptr<StepMethod> method_of(const std::string& name, Workspace& worksp
 Integrator::Integrator(const model::Parameters& parameters, std::string_view method, const std::vector<Schedule>& candidates,
                        const ChooserOptions& options, engine::StampRecorder* recorder)
     : name_(resolved_method(method, parameters)),
-      workspace_(parameters, required_plan(name_), Partition::equal(parameters.chain.pins, candidates.front().segments)),
+      workspace_(parameters, required_plan(name_), partition_of(parameters, candidates.front().segments)),
       method_(method_of(name_, workspace_)),
       runner_(workspace_, *method_, candidates, options, recorder) {}
 

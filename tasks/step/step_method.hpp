@@ -13,6 +13,21 @@
 
 namespace cvtflow::tasks {
 
+/// What a method keeps between its steps instead of the workspace, which it shows there when it is read.
+class InnerState {
+public:
+    /// The present state and phases to the workspace.
+    virtual void show() = 0;
+    /// Works and losses of all steps, and energy now.
+    [[nodiscard]] virtual const StepAccount& account() = 0;
+
+protected:
+    InnerState() = default;
+    InnerState(const InnerState&) = default;
+    InnerState& operator=(const InnerState&) = default;
+    ~InnerState() = default;
+};
+
 class StepMethod {
 public:
     virtual ~StepMethod() = default;
@@ -29,6 +44,10 @@ public:
 
     /// The workspace's segments have changed.
     virtual void repartitioned() {}
+
+    /// Of a method whose begin() takes a whole step by itself, contacts that begin and end included: nothing is searched for transitions or
+    /// combined, and what it keeps is read here. nullptr: the workspace has everything.
+    [[nodiscard]] virtual InnerState* inner() noexcept { return nullptr; }
 
     /// true: at a transition the step is taken again up to there, and the search for it uses positions and velocities at both ends only.
     /// false: the state at a transition is that of the cubic through workspace.states[0], slopes[0], end_state and an evaluation at the

@@ -21,7 +21,7 @@ void add_half(const ChainLayout& from, const double* source, const ChainLayout& 
         target[to.y(end, m)] += weight * source[from.y(end, m)];
     }
     target[to.z(end)] += weight * source[from.z(end)];
-    target[to.e(end)] += weight * source[from.e(end)];
+    if (!to.rigid) target[to.e(end)] += weight * source[from.e(end)];
 }
 
 /// Links between halves (from) to links, or to the pins in the middle between their two halves.
@@ -39,14 +39,14 @@ void copy_links(const ChainLayout& from, const double* source, const ChainLayout
 
 constexpr auto free_tip = static_cast<unsigned char>(model::Phase::free);
 
-/// Tips of a whole pin stand where those of its rear half do.
+/// Tips of a pin that has one for both halves are where those of its rear half are.
 std::vector<unsigned char> phases_brought_over(std::vector<unsigned char> phases, const ChainLayout& from, const ChainLayout& to) {
-    if (from.whole == to.whole) return phases;
+    if (from.tips() == to.tips()) return phases;
     for (int pin = 0; pin < to.links; ++pin) {
         for (std::size_t side = 0; side < 2; ++side) {
             unsigned char& rear = phases[static_cast<std::size_t>(model::tips_per_link * pin) + side];
             unsigned char& front = phases[static_cast<std::size_t>(model::tips_per_link * to.previous(pin)) + 2 + side];
-            if (from.whole) {
+            if (from.tips() == 2) {
                 front = rear;
             } else {
                 if (rear == free_tip) rear = front;

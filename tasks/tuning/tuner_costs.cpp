@@ -113,6 +113,8 @@ std::vector<std::pair<TunedChoice, double>> Tuner::find_bases() {
             TunedChoice base;
             base.choice = {level, method};
             base.choice.method = method_of(chosen_scene(scene_, base.choice, 0.0));
+            const auto same = [&](const auto& other) { return other.first.choice.text() == base.choice.text(); };
+            if (std::any_of(bases.begin(), bases.end(), same)) continue;
             try {
                 const PointRun run = points_.front().trial(base.choice, cost_trial);
                 base.work = run.work;

@@ -54,7 +54,9 @@ std::vector<double> Rig::state_copy() const { return {state(), state() + variato
 
 std::vector<std::string> levels() {
     std::vector<std::string> names;
-    for (const tasks::DetailPreset& preset : tasks::detail_presets()) names.emplace_back(preset.name);
+    for (const tasks::DetailPreset& preset : tasks::detail_presets()) {
+        if (preset.pins != model::PinDetail::rigid) names.emplace_back(preset.name);
+    }
     return names;
 }
 

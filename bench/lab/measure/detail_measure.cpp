@@ -99,7 +99,7 @@ tasks::Scene scene_of(const DetailArguments& arguments, const std::string& name,
                       v.plates == model::PlateDetail::each ? "detail.plates=each" : "detail.plates=lumped",
                       fmt::format("detail.joint_points={}", v.joint_points),
                       v.pulleys == model::PulleyDetail::elastic ? "detail.pulleys=elastic" : "detail.pulleys=rigid",
-                      v.pins == model::PinDetail::whole ? "detail.pins=whole" : "detail.pins=halves",
+                      fmt::format("detail.pins={}", name_of(v.pins)),
                       fmt::format("detail.mass_scaling={}", v.mass_scaling),
                       "run.method=" + arguments.method,
                       "run.step=" + arguments.step,
@@ -130,13 +130,13 @@ void average(tasks::Simulation& simulation, double settle, double length, Detail
 std::string DetailVariant::name() const {
     if (!preset.empty()) return fmt::format("{}{}", preset, share == 1.0 ? "" : fmt::format(", 1/{:g} of its step", 1.0 / share));
     const std::string slowed = mass_scaling == 1.0 ? "" : fmt::format(", mass x {:g}", mass_scaling);
-    return fmt::format("{}p={} {:6} {} pt {}{}", pins == model::PinDetail::whole ? "whole pins, " : "", order,
-                       plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
+    return fmt::format("{}p={} {:6} {} pt {}{}", pins == model::PinDetail::halves ? std::string() : fmt::format("{} pins, ", name_of(pins)),
+                       order, plates == model::PlateDetail::each ? "each" : "lumped", joint_points,
                        pulleys == model::PulleyDetail::elastic ? "elastic" : "rigid", slowed);
 }
 
 std::vector<DetailVariant> detail_variants(bool all) {
-    using enum model::PinDetail;
+    constexpr model::PinDetail whole = model::PinDetail::whole;
     using enum model::PlateDetail;
     using enum model::PulleyDetail;
     if (!all) {

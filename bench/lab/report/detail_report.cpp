@@ -50,7 +50,7 @@ void add_row(Table& table, const DetailOutcome& o, const DetailOutcome& referenc
                residual_cell({}, o.watch), o.status});
 }
 
-const char* pins_of(const DetailOutcome& o) { return o.variant.pins == model::PinDetail::whole ? "whole" : "halves"; }
+std::string_view pins_of(const DetailOutcome& o) { return name_of(o.variant.pins); }
 
 /// Cells of the variant's dials.
 std::string dials_csv(const DetailOutcome& o) {

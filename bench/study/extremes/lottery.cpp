@@ -68,7 +68,7 @@ void draw_parameter(const Parameter& parameter, Urn& urn, Scene& scene, std::vec
 LotteryMachine machine_of_defaults(Urn& urn, Scene& scene) {
     LotteryMachine machine;
     std::vector<std::string>& settings = machine.settings;
-    const DetailPreset& preset = urn.one_of(detail_presets());
+    const DetailPreset& preset = urn.one_of(detail_presets().subspan(1));  // rigid pins take none of the methods and laws drawn below
     apply_detail(scene, preset.name);
     for (const std::string_view key : dial_keys()) settings.push_back(fmt::format("{}={}", key, value_text(*find_parameter(key), scene)));
     settings.push_back(urn.draw() < 0.5 ? "detail.friction=piecewise" : "detail.friction=smoothed");

@@ -75,8 +75,10 @@ enum class Column {
     // Friction between neighbouring links' plates along the pins: of this step, of the last.
     rub,
     rub_before,
+    // Depth of each tip; only of velocities as they are (RigidKick).
+    depth,
     // Tips: A g, moments on the pitch lines in front and behind, and moment on pitch line i of this and of the last step.
-    tip_lean_x,
+    tip_lean_x = depth + rigid_tips,
     tip_lean_y,
     tip_front,
     tip_rear,
@@ -88,12 +90,15 @@ enum class Column {
     tip_z,
     tip_p,
     tip_q,
-    // Of each tip: normal force, its damping part, friction along the circumference and along the flank.
+    // Of each tip: normal force, its damping part, friction along the circumference and along the flank; force on its sheave, away from
+    // the axis and along z, only of velocities as they are.
     normal,
     tip_drag = normal + rigid_tips,
     round = tip_drag + rigid_tips,
     flank = round + rigid_tips,
-    count = flank + rigid_tips
+    outward = flank + rigid_tips,
+    axial = outward + rigid_tips,
+    count = axial + rigid_tips
 };
 
 /// Column number `offset` of the group that begins with `first`.

@@ -17,9 +17,12 @@ struct RigidKick {
     [[nodiscard]] constexpr bool implicit() const noexcept { return step > 0.0; }
 };
 
-/// What tips do to the sheaves.
+/// What tips do to the sheaves, and how near they are to where contact ends to be described.
 struct RigidReaction {
     SheaveForces sheaves{};
+    double deepest = -1e300;    ///< depth of a tip [m]
+    double innermost = 1e300;   ///< radius of a pin, to 0.1 mm [m]
+    double outermost = -1e300;  ///< radius of a pin that touches, to 0.1 mm [m]
 };
 
 /// Each function reads and writes columns of all pins; the caller renews the copies of neighbours in between.
@@ -43,8 +46,12 @@ struct RigidKernels {
     void (*moments)(RigidColumns& columns) noexcept;
     /// All forces added up: accelerations into the columns `force_x` …
     void (*accelerate)(const RigidCoefficients& c, RigidColumns& columns) noexcept;
-    /// Velocities over a step, and with them coordinates. @return kinetic energy of the pins after the kick [J]
-    double (*advance)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
+    /// Coordinates by velocities over a time [s].
+    void (*drift)(double step, RigidColumns& columns) noexcept;
+    /// Velocities by accelerations over a time [s]. @return kinetic energy of the pins afterwards [J]
+    double (*kick)(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept;
+    /// Depths of the tips of pins 0 … 7 [m]. @param depth [tips][8]
+    void (*depths)(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept;
 };
 
 /// Defined in rigid_kernels.cpp, which is compiled once per instruction set.

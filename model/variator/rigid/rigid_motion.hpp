@@ -25,21 +25,27 @@ inline void accelerate_pins(const RigidCoefficients& c, RigidColumns& columns) n
     }
 }
 
-/// v += h a, x += h v of one coordinate; returns the sum of v² over the pins.
-inline double advance_coordinate(RigidColumns& columns, int k, double step) noexcept {
+inline void drift_pins(double step, RigidColumns& columns) noexcept {
+    for (int k = 0; k < rigid_coordinates; ++k) {
+        for (int i = 0; i < columns.padded(); i += rigid_lanes)
+            write(columns, Column::x + k, i, read(columns, Column::x + k, i) + step * read(columns, Column::vx + k, i));
+    }
+}
+
+/// Of one coordinate; returns the sum of v² over the pins.
+inline double kick_coordinate(RigidColumns& columns, int k, double step) noexcept {
     PinSum square(columns);
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         const PinLanes v = read(columns, Column::vx + k, i) + step * read(columns, Column::force_x + k, i);
         square.add(i, v * v);
         write(columns, Column::vx + k, i, v);
-        write(columns, Column::x + k, i, read(columns, Column::x + k, i) + step * v);
     }
     return square.value();
 }
 
-inline double advance_pins(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept {
+inline double kick_pins(const RigidCoefficients& c, double step, RigidColumns& columns) noexcept {
     double energy = 0.0;
-    for (int k = 0; k < rigid_coordinates; ++k) energy += 0.5 * (k < 3 ? c.mass : c.tilt_mass) * advance_coordinate(columns, k, step);
+    for (int k = 0; k < rigid_coordinates; ++k) energy += 0.5 * (k < 3 ? c.mass : c.tilt_mass) * kick_coordinate(columns, k, step);
     return energy;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 
 namespace cvtflow::model {
 
@@ -11,6 +12,16 @@ template <class Values>
 [[nodiscard]] double total(const Values& values) noexcept {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
+
+/// What the pins keep from step to step: first and last of columns that follow each other.
+constexpr Column kept[][2] = {{Column::x, Column::vq},
+                              {Column::stretch_drag, Column::shear_drag},
+                              {Column::rolling, Column::rolling},
+                              {Column::force_x, Column::force_q},
+                              {Column::rub, Column::rub_before},
+                              {Column::tip_moment, Column::tip_moment},
+                              {Column::tip_z, Column::tip_z},
+                              {Column::tip_drag, Column::flank + (rigid_tips - 1)}};
 
 }  // namespace
 
@@ -22,83 +33,160 @@ double residual(const RigidBalance& from, const RigidBalance& to) noexcept {
     return (to.stored() - from.stored()) - (to.works() - from.works()) + (to.losses() - from.losses());
 }
 
-RigidStepper::RigidStepper(const RigidModel& model, double step)
-    : model_(model),
-      step_(step),
-      columns_(model.columns()),
-      tail_(static_cast<std::size_t>(model.layout().tail()), 0.0),
+RigidStepper::RigidStepper(const Variator& variator)
+    : variator_(variator),
+      model_(variator.chain().rigid()->model()),
+      columns_(model_.columns()),
+      tail_(static_cast<std::size_t>(variator.layout().pulley_block() + variator.layout().controls), 0.0),
       tail_slope_(tail_.size(), 0.0) {}
 
+/// Friction of the velocities as they are stays in the columns, and the first step begins with it.
 void RigidStepper::start(double t, const double* y) {
-    const RigidLayout& at = model_.layout();
-    start_ = t;
-    steps_ = 0;
-    columns_ = model_.columns();
-    std::vector<double> now(y, y + at.size()), slope(now.size(), 0.0);
-    model_.slope(t, y, slope.data(), columns_, forces_);  // leaves friction in the columns, which the first step begins with
-    for (int k = 0; k < rigid_coordinates * at.pins; ++k)
-        now[static_cast<std::size_t>(at.velocity(0) + k)] -= 0.5 * step_ * slope[static_cast<std::size_t>(at.velocity(0) + k)];
-    for (int k = at.pulley_begin() + at.pulley_size; k < at.control_begin(); ++k)
-        now[static_cast<std::size_t>(k)] -= 0.5 * step_ * slope[static_cast<std::size_t>(k)];
-    model_.read(now.data(), columns_);
+    const ChainLayout& at = model_.layout();
+    time_ = t;
+    lead_ = 0.0;
+    model_.read(y, columns_);
+    std::copy_n(y + at.pulley_begin(), tail_.size(), tail_.begin());
+    ledger_.fill(0.0);
+    if (at.ledger) std::copy_n(y + at.ledger_begin(), ledger_.size(), ledger_.begin());
+    evaluate(0.0);
     columns_.copy(Column::rub, Column::rub_before);
-    std::copy(now.begin() + at.pulley_begin(), now.end(), tail_.begin());
-    kinetic_ = model_.kinetic(now.data());
-    work_rate_ = {};
+    kinetic_ = model_.kernels().kick(model_.coefficients(), 0.0, columns_) + tail_kinetic();
     balance_ = total_ = {};
-}
-
-void RigidStepper::step() noexcept {
-    const RigidModel& model = model_;
-    const RigidLayout& at = model.layout();
-    const double kinetic_before = kinetic_;
-    model.accelerate(time(), tail_.data(), {step_}, columns_, forces_);
-    model.tail_slope(tail_.data(), forces_, tail_slope_.data());
-    if (at.pulley_size != 0) work_rate_ = model.pulleys().works(tail_.data(), forces_.inputs);
-    kinetic_ = model.kernels().advance(model.coefficients(), step_, columns_);
-    columns_.copy(Column::rub, Column::rub_before);
-    if (at.pulley_size != 0) advance_tail();
-    keep_balance(kinetic_before);
-    ++steps_;
-}
-
-void RigidStepper::advance_tail() noexcept {
-    const std::size_t size = static_cast<std::size_t>(model_.layout().pulley_size);
-    for (std::size_t k = 0; k < size; ++k) {
-        tail_[size + k] += step_ * tail_slope_[size + k];
-        tail_[k] += step_ * tail_[size + k];
-    }
-    for (std::size_t k = 2 * size; k < tail_.size(); ++k) tail_[k] += step_ * tail_slope_[k];
-    const WorkRates after = model_.pulleys().works(tail_.data(), forces_.inputs);
-    for (std::size_t k = 0; k < work_kinds; ++k) work_rate_[k] = 0.5 * (work_rate_[k] + after[k]);
-    kinetic_ += model_.pulleys().kinetic(tail_.data());
-}
-
-void RigidStepper::keep_balance(double kinetic_before) noexcept {
-    const auto halfway = [this](double sum, double rate) { return sum + 0.5 * step_ * rate; };
-    balance_.time = time();
     balance_.energy = forces_.account.energy;
-    balance_.energy[static_cast<std::size_t>(Energy::kinetic)] = 0.5 * (kinetic_before + kinetic_);
-    for (std::size_t k = 0; k < loss_kinds; ++k) {
-        balance_.lost[k] = halfway(total_.lost[k], forces_.account.loss[k]);
-        total_.lost[k] += step_ * forces_.account.loss[k];
+    balance_.energy[static_cast<std::size_t>(Energy::kinetic)] = kinetic_;
+}
+
+void RigidStepper::step(double begin, double step) noexcept {
+    if (lead_ != 0.5 * step) lead(0.5 * step);
+    const int size = model_.layout().pulley_size;
+    model_.kernels().drift(step, columns_);
+    for (int k = 0; k < size; ++k) tail_[static_cast<std::size_t>(k)] += step * tail_[static_cast<std::size_t>(size + k)];
+    time_ = begin + step;
+    evaluate(step);
+    kick(step);
+}
+
+/// The share of the step behind that the mean of both steps' lengths leaves out, by the same forces.
+void RigidStepper::lead(double time) noexcept {
+    const double more = time - lead_;
+    kinetic_ = model_.kernels().kick(model_.coefficients(), more, columns_);
+    for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size); k < tail_.size(); ++k) tail_[k] += more * tail_slope_[k];
+    kinetic_ += tail_kinetic();
+    for (std::size_t k = 0; k < loss_kinds; ++k) total_.lost[k] += more * forces_.account.loss[k];
+    if (model_.layout().pulley_size != 0) {
+        const WorkRates power = variator_.pulleys().works(tail_.data(), inputs_);
+        for (std::size_t k = 0; k < work_kinds; ++k) total_.worked[k] += more * power[k];
+        total_.impulse[0] += more * inputs_.drive_torque;
+        total_.impulse[1] += more * inputs_.load_torque;
     }
-    for (std::size_t k = 0; k < work_kinds; ++k) {
-        balance_.worked[k] = halfway(total_.worked[k], work_rate_[k]);
-        total_.worked[k] += step_ * work_rate_[k];
+    lead_ = time;
+}
+
+void RigidStepper::evaluate(double kick) noexcept {
+    const PulleyModel& pulleys = variator_.pulleys();
+    const bool alone = model_.layout().pulley_size == 0;
+    SheaveMotion sheaves[4];
+    if (!alone) pulleys.motions(tail_.data(), sheaves);
+    if (kick > 0.0)
+        model_.accelerate(alone ? nullptr : sheaves, {kick}, columns_, forces_);
+    else
+        model_.accelerate(alone ? nullptr : sheaves, columns_, forces_);
+    if (alone) return;
+    inputs_ = pulleys.inputs(time_, tail_.data());
+    pulleys.slope(tail_.data(), inputs_, forces_.reaction.sheaves, tail_slope_.data(), &forces_.account);
+    std::copy_n(inputs_.control_rate.begin(), model_.layout().controls, tail_slope_.begin() + model_.layout().pulley_block());
+}
+
+/// Half of it belongs to the step behind. Powers of a kick are those of the mean of the velocities before and after.
+void RigidStepper::kick(double length) noexcept {
+    const double before = kinetic_, half = 0.5 * length;
+    WorkRates power{};
+    if (model_.layout().pulley_size != 0) power = variator_.pulleys().works(tail_.data(), inputs_);
+    kinetic_ = model_.kernels().kick(model_.coefficients(), length, columns_);
+    columns_.copy(Column::rub, Column::rub_before);
+    for (std::size_t k = static_cast<std::size_t>(model_.layout().pulley_size); k < tail_.size(); ++k) tail_[k] += length * tail_slope_[k];
+    kinetic_ += tail_kinetic();
+    if (model_.layout().pulley_size != 0) {
+        const WorkRates after = variator_.pulleys().works(tail_.data(), inputs_);
+        for (std::size_t k = 0; k < work_kinds; ++k) power[k] = 0.5 * (power[k] + after[k]);
     }
+    const auto book = [&](double share, RigidBalance& to) {
+        for (std::size_t k = 0; k < loss_kinds; ++k) to.lost[k] = total_.lost[k] + share * forces_.account.loss[k];
+        for (std::size_t k = 0; k < work_kinds; ++k) to.worked[k] = total_.worked[k] + share * power[k];
+        to.impulse = {total_.impulse[0] + share * inputs_.drive_torque, total_.impulse[1] + share * inputs_.load_torque};
+    };
+    book(half, balance_);
+    book(length, total_);
+    balance_.energy = forces_.account.energy;
+    balance_.energy[static_cast<std::size_t>(Energy::kinetic)] = 0.5 * (before + kinetic_);
+    lead_ = half;
+}
+
+double RigidStepper::tail_kinetic() const noexcept {
+    return model_.layout().pulley_size != 0 ? variator_.pulleys().kinetic(tail_.data()) : 0.0;
 }
 
 void RigidStepper::state(double* y) const noexcept {
-    const RigidLayout& at = model_.layout();
+    const ChainLayout& at = model_.layout();
     model_.write(columns_, y);
     for (int k = 0; k < rigid_coordinates; ++k) {
         const double* acceleration = columns_[Column::force_x + k];
-        for (int pin = 0; pin < at.pins; ++pin) y[at.velocity(k) + pin] += 0.5 * step_ * acceleration[pin];
+        double* v = y + at.link_size() + rigid_place(at, k);
+        for (int pin = 0; pin < at.links; ++pin) v[at.link_begin(pin)] -= lead_ * acceleration[pin];
     }
-    std::copy(tail_.begin(), tail_.end(), y + at.pulley_begin());
-    for (int k = 0; k < at.pulley_size; ++k)
-        y[at.pulley_begin() + at.pulley_size + k] += 0.5 * step_ * tail_slope_[static_cast<std::size_t>(at.pulley_size + k)];
+    tail_state(y + at.pulley_begin());
+}
+
+void RigidStepper::tail_state(double* tail) const noexcept {
+    const ChainLayout& at = model_.layout();
+    const std::size_t size = static_cast<std::size_t>(at.pulley_size);
+    std::copy_n(tail_.begin(), size, tail);
+    for (std::size_t k = size; k < tail_.size(); ++k) tail[k] = tail_[k] - lead_ * tail_slope_[k];
+    if (!at.ledger) return;
+    double* ledger = tail + tail_.size();
+    for (std::size_t k = 0; k < loss_kinds; ++k) ledger[k] = ledger_[k] + balance_.lost[k];
+    for (std::size_t k = 0; k < work_kinds; ++k) ledger[loss_kinds + k] = ledger_[loss_kinds + k] + balance_.worked[k];
+}
+
+template <class Stepper, class Visitor>
+void RigidStepper::visit(Stepper& s, const Visitor& visitor) {
+    visitor(&s.time_, 1);
+    visitor(&s.lead_, 1);
+    visitor(&s.kinetic_, 1);
+    visitor(s.tail_.data(), s.tail_.size());
+    visitor(s.tail_slope_.data(), s.tail_slope_.size());
+    visitor(s.ledger_.data(), s.ledger_.size());
+    visitor(s.forces_.account.loss.data(), loss_kinds);
+    visitor(&s.inputs_.drive_torque, 1);
+    visitor(&s.inputs_.load_torque, 1);
+    visitor(s.inputs_.clamping.data(), 2);
+    for (auto* balance : {&s.balance_, &s.total_}) {
+        visitor(balance->energy.data(), energy_kinds);
+        visitor(balance->lost.data(), loss_kinds);
+        visitor(balance->worked.data(), work_kinds);
+        visitor(balance->impulse.data(), 2);
+    }
+    for (const auto& [first, last] : kept) {
+        for (int c = static_cast<int>(first); c <= static_cast<int>(last); ++c)
+            visitor(s.columns_[static_cast<Column>(c)], static_cast<std::size_t>(s.columns_.pins()));
+    }
+}
+
+void RigidStepper::save(std::vector<double>& memory) const {
+    memory.clear();
+    visit(*this, [&](const double* numbers, std::size_t count) { memory.insert(memory.end(), numbers, numbers + count); });
+}
+
+void RigidStepper::load(std::span<const double> memory) {
+    std::size_t size = 0;
+    visit(*this, [&](const double*, std::size_t count) { size += count; });
+    if (memory.size() != size) throw std::invalid_argument("what rigid pins remember is not all there");
+    visit(*this, [&](double* numbers, std::size_t count) {
+        std::copy_n(memory.begin(), count, numbers);
+        memory = memory.subspan(count);
+    });
+    for (const auto& [first, last] : kept) columns_.wrap(first, last);
 }
 
 }  // namespace cvtflow::model

@@ -1,16 +1,20 @@
 #pragma once
 /// The step of rigid whole pins: a leapfrog whose friction is implicit and solved where it acts. (model/EQUATIONS.md section 11)
 
-#include "model/variator/rigid/rigid_model.hpp"
+#include <span>
+#include <vector>
+
+#include "model/variator/rigid/rigid_chain.hpp"
+#include "model/variator/variator.hpp"
 
 namespace cvtflow::model {
 
-/// Energy and what became of it, at the instant of the last evaluation.
+/// Energy and what became of it, since the start.
 struct RigidBalance {
-    double time = 0.0;                          ///< [s]
-    std::array<double, energy_kinds> energy{};  ///< stored [J]
-    std::array<double, loss_kinds> lost{};      ///< since the start [J]
-    std::array<double, work_kinds> worked{};    ///< since the start [J]
+    std::array<double, energy_kinds> energy{};  ///< stored now [J]
+    std::array<double, loss_kinds> lost{};      ///< [J]
+    std::array<double, work_kinds> worked{};    ///< [J]
+    std::array<double, 2> impulse{};            ///< of the torques from outside on both shafts [N·m·s]
 
     [[nodiscard]] double stored() const noexcept;
     [[nodiscard]] double losses() const noexcept;
@@ -19,42 +23,58 @@ struct RigidBalance {
 /// Change of stored energy minus works plus losses between two instants [J]: zero but for errors of the integration.
 [[nodiscard]] double residual(const RigidBalance& from, const RigidBalance& to) noexcept;
 
-/// Integrates by steps of one length. Velocities lead: those of the columns belong to half a step before the coordinates.
+/// Between two steps velocities lead the coordinates by half a step; forces are those at the coordinates.
 class RigidStepper {
 public:
-    /// @param model must outlive it   @param step [s]
-    RigidStepper(const RigidModel& model, double step);
+    /// @param variator of rigid pins; must outlive it
+    explicit RigidStepper(const Variator& variator);
 
     /// Begins at a state. @param t [s]   @param y [unknowns]
     void start(double t, const double* y);
-    /// One step. Allocates nothing.
-    void step() noexcept;
+    /// From `begin` over a step [s]; the next one is expected to be as long. Allocates nothing.
+    void step(double begin, double step) noexcept;
 
-    [[nodiscard]] double time() const noexcept { return start_ + static_cast<double>(steps_) * step_; }  ///< of the coordinates [s]
-    [[nodiscard]] double step_length() const noexcept { return step_; }
+    [[nodiscard]] double time() const noexcept { return time_; }  ///< of coordinates, forces and balance [s]
     [[nodiscard]] const RigidColumns& columns() const noexcept { return columns_; }
-    [[nodiscard]] const double* tail() const noexcept { return tail_.data(); }
     [[nodiscard]] const RigidForces& forces() const noexcept { return forces_; }
-    [[nodiscard]] const RigidModel& model() const noexcept { return model_; }
-    /// At the instant at which the last step evaluated the forces, one step before time().
+    [[nodiscard]] const double* tail() const noexcept { return tail_.data(); }
     [[nodiscard]] const RigidBalance& balance() const noexcept { return balance_; }
-    /// State at time(), with velocities advanced by half a step as they change now. @param y [unknowns]
+    /// Whether a tip presses on its sheave. @param tip 2 end + side
+    [[nodiscard]] bool touches(int link, int tip) const noexcept {
+        const int pin = tip < rigid_tips / 2 ? link : model_.layout().next(link);
+        return columns_[Column::normal + (tip + rigid_tips / 2) % rigid_tips][pin] > 0.0;
+    }
+    /// Kinetic energy of the velocities as they are [J].
+    [[nodiscard]] double kinetic() const noexcept { return kinetic_; }
+    /// State at time(): velocities are means of those before and after. @param y [unknowns]
     void state(double* y) const noexcept;
+    /// The unknowns behind the pins alone. @param tail [unknowns - layout.pulley_begin()]
+    void tail_state(double* tail) const noexcept;
+
+    /// Everything that the next step depends on; load() resumes bit for bit.
+    void save(std::vector<double>& memory) const;
+    /// @throws std::invalid_argument if the memory is not one of this machine
+    void load(std::span<const double> memory);
 
 private:
-    void advance_tail() noexcept;                       ///< pulleys and controls
-    void keep_balance(double kinetic_before) noexcept;  ///< kinetic_before [J]
+    void lead(double time) noexcept;      ///< velocities ahead of coordinates by a time [s]
+    void evaluate(double kick) noexcept;  ///< forces; kick 0: friction of the velocities as they are
+    void kick(double length) noexcept;
+    [[nodiscard]] double tail_kinetic() const noexcept;
+    /// Calls visitor(number) for every number that the next step depends on. @tparam Stepper this class, const or not
+    template <class Stepper, class Visitor>
+    static void visit(Stepper& stepper, const Visitor& visitor);
 
+    const Variator& variator_;
     const RigidModel& model_;
-    double step_;  ///< [s]
-    double start_ = 0.0;
-    long steps_ = 0;
+    double time_ = 0.0, lead_ = 0.0;  ///< [s]
     RigidColumns columns_;
     RigidForces forces_;
-    std::vector<double> tail_, tail_slope_;
-    double kinetic_ = 0.0;  ///< of the velocities as they are [J]
-    WorkRates work_rate_{};
-    RigidBalance balance_, total_;
+    Inputs inputs_;
+    std::vector<double> tail_, tail_slope_;                 ///< pulleys and controls
+    double kinetic_ = 0.0;                                  ///< [J]
+    std::array<double, loss_kinds + work_kinds> ledger_{};  ///< of the state at the start [J]
+    RigidBalance balance_, total_;                          ///< total_: to the middle of the step behind
 };
 
 }  // namespace cvtflow::model

@@ -2,6 +2,8 @@
 /// One tip of rigid pins side by side: where it is on its sheave, its normal force, its sliding velocity and what it does to both.
 /// (model/EQUATIONS.md section 11)
 
+#include <algorithm>
+
 #include "model/force/sheave_motion.hpp"
 #include "model/variator/rigid/rigid_coefficients.hpp"
 #include "model/variator/rigid/rigid_vectors.hpp"
@@ -49,6 +51,28 @@ struct TipPlace {
     Plane reach;                    ///< P - E
     PinLanes depth;                 ///< δ_0 [m]
     PinLanes tilting_x, tilting_y;  ///< (r×ν): depth per tilt of the sheave [m]
+};
+
+/// Extremes of all tips: depth, inverse radius of the spheres' centres, that of tips that touch.
+struct TipBounds {
+    PinLanes deepest{-1e300}, nearest{0.0}, farthest{1e300};
+
+    void add(const TipPlace& tip) noexcept {
+        deepest = larger<rigid_lanes>(tip.depth, deepest);
+        nearest = larger<rigid_lanes>(tip.inverse_radius, nearest);
+        const PinLanes touching = select_greater<rigid_lanes>(tip.depth, PinLanes(0.0), tip.inverse_radius, PinLanes(1e300));
+        farthest = smaller<rigid_lanes>(touching, farthest);
+    }
+    void store(const RigidCoefficients& c, RigidReaction& to) const noexcept {
+        double near = 0.0, far = 1e300;
+        for (std::size_t lane = 0; lane < rigid_lanes; ++lane) {
+            to.deepest = std::max(to.deepest, deepest[lane]);
+            near = std::max(near, nearest[lane]);
+            far = std::min(far, farthest[lane]);
+        }
+        to.innermost = 1.0 / near - c.outward;
+        to.outermost = 1.0 / far - c.outward;
+    }
 };
 
 [[gnu::always_inline]] inline void place_tip(const RigidCoefficients& c, const PinMotion& pin, const HalfMotion& half,

@@ -61,6 +61,15 @@ public:
         return all_at_most<rigid_lanes>(larger<rigid_lanes>(front, rear), 0.0);
     }
 
+    void bound(TipBounds& bounds) const noexcept {
+        for (const TipPlace& tip : tips_) bounds.add(tip);
+    }
+
+    [[nodiscard]] const PinLanes& depth(std::size_t tip) const noexcept { return tips_[tip].depth; }
+    void show_depths() noexcept {
+        for (std::size_t tip = 0; tip < rigid_tips; ++tip) write(columns_, Column::depth + static_cast<int>(tip), first_, depth(tip));
+    }
+
     void release() noexcept {
         for (int c = static_cast<int>(Column::tip_lean_x); c < static_cast<int>(Column::count); ++c) {
             const Column column = static_cast<Column>(c);
@@ -100,6 +109,7 @@ public:
         for (std::size_t tip = 0; tip < rigid_tips; ++tip) {
             const TipForce force = tip_force(tips_[tip], normal_[tip], friction(tip, lost));
             total.add(half_of(tip), on_pin(c_, half_[half_of(tip)], tips_[tip], force));
+            if (!kick_.implicit()) show_force(tip, force);
             const std::array<PinLanes, 6> reacting = on_sheave(c_, tips_[tip], force);
             for (std::size_t k = 0; k < 6; ++k) on_side[side_of(tip)][k] += reacting[k];
         }
@@ -159,6 +169,13 @@ private:
         PinLanes one(1.0);
         for (int lane = std::max(0, columns_.pins() - first_); lane < rigid_lanes; ++lane) one.set(static_cast<std::size_t>(lane), 0.0);
         return one;
+    }
+
+    void show_force(std::size_t tip, const TipForce& f) noexcept {
+        const TipPlace& place = tips_[tip];
+        const PinLanes outward = f.normal * dot(place.normal, place.radial) + dot(f.friction, place.radial);
+        write(columns_, Column::outward + static_cast<int>(tip), first_, -outward);
+        write(columns_, Column::axial + static_cast<int>(tip), first_, -(f.normal * place.normal_z + f.friction_z));
     }
 
     /// Friction of the last step.
@@ -233,8 +250,11 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
                        RigidReaction& reaction, Account& account) noexcept {
     PinSum energy(columns), damping(columns), friction(columns);
     ReactionSum on_sheaves;
+    TipBounds bounds;
     for (int i = 0; i < columns.padded(); i += rigid_lanes) {
         TipGroup group(c, sheaves, kick, columns, i);
+        group.bound(bounds);
+        if (!kick.implicit()) group.show_depths();
         if (group.free()) {
             group.release();
             continue;
@@ -244,9 +264,16 @@ inline void press_tips(const RigidCoefficients& c, const SheaveMotion* sheaves, 
         group.rub(on_sheaves, friction);
     }
     on_sheaves.store(reaction.sheaves);
+    bounds.store(c, reaction);
     account.store(Energy::tips, energy.value());
     account.lose(Loss::tip_damping, damping.value());
     account.lose(Loss::tip_friction, friction.value());
+}
+
+inline void tip_depths(const RigidCoefficients& c, const SheaveMotion* sheaves, RigidColumns& columns, double* depth) noexcept {
+    const RigidKick kick;
+    const TipGroup group(c, sheaves, kick, columns, 0);
+    for (std::size_t tip = 0; tip < rigid_tips; ++tip) group.depth(tip).copy_to(depth + tip * rigid_lanes);
 }
 
 /// M_i = n_i·(A_i g_i + A_{i+1} g_{i+1}) + moments of the tips on the halves that turn with pitch line i.

@@ -7,6 +7,7 @@
 #include "tasks/method/friction/friction_stability.hpp"
 #include "tasks/method/friction/implicit_leapfrog.hpp"
 #include "tasks/method/friction/staged/friction_leapfrog.hpp"
+#include "tasks/method/friction/sweep/rigid_sweep.hpp"
 #include "tasks/method/friction/sweep/sweep_leapfrog.hpp"
 #include "tasks/method/stability/step_map.hpp"
 
@@ -18,6 +19,11 @@ namespace {
 constexpr const char* in_double = "-double";
 
 constexpr const char* ours = "this project (tasks/method/friction)";
+
+/// Contacts are kept in fields that rigid pins do not have.
+[[nodiscard]] std::string_view missing_contact_fields(const model::Parameters& parameters) noexcept {
+    return parameters.detail.pins != model::PinDetail::rigid ? "" : "detail.pins = \"halves\" or \"whole\"";
+}
 
 enum class Precision { with_single_stages, double_throughout };
 
@@ -36,7 +42,8 @@ enum class Precision { with_single_stages, double_throughout };
                 return std::make_unique<FrictionLeapfrog<float>>(workspace, kick);
             },
             .stability = [kick] { return leapfrog_stability(kick); },
-            .linear = [kick](const LinearChain& chain) { return leapfrog_step(chain, kick); }};
+            .linear = [kick](const LinearChain& chain) { return leapfrog_step(chain, kick); },
+            .missing = missing_contact_fields};
 }
 
 /// Six steps to 10 us: over 20 ms on every ready scene slip is right to 0.2 % and the energy balance to 1e-3 of the losses; at 2 us the
@@ -53,7 +60,10 @@ template <class Number>
             .evaluations = 1,
             .state_slots = SweepLeapfrog<Number>::state_slots,
             .slope_slots = SweepLeapfrog<Number>::slope_slots,
-            .make = [](Workspace& workspace) { return std::make_unique<SweepLeapfrog<Number>>(workspace); },
+            .make = [](Workspace& workspace) -> std::unique_ptr<StepMethod> {
+                if (workspace.layout().rigid) return std::make_unique<RigidSweep>(workspace);
+                return std::make_unique<SweepLeapfrog<Number>>(workspace);
+            },
             .solves = "one per contact and sweep, for friction",
             .stability = [] { return leapfrog_stability(backward_euler()); },
             .linear = [](const LinearChain& chain) { return leapfrog_step(chain, backward_euler()); },

@@ -17,21 +17,6 @@ namespace {
 using model::Phase;
 using model::TipIndicator;
 
-/// Whether a link's tips are where contact can be described.
-void check_contact(const Workspace& w, int link, const model::TipProbe& probe, SegmentResult& verdict) noexcept {
-    const auto& pulley = w.parameters.pulley;
-    const double now = w.step.time + w.step.h;
-    bool touching = false;
-    for (int tip = 0; tip < tips_of(w); ++tip) {
-        if (w.tips.phases[at(model::tips_per_link * link + tip)] == Phase::free) continue;
-        touching = true;
-        if (probe.depth[tip] > w.parameters.tip.deepest)
-            report(verdict, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
-    }
-    if (probe.radius < pulley.innermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
-    if (touching && probe.radius > pulley.outermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
-}
-
 /// Where inside the step a tip could have changed and changed back, judged on the parabola through both ends and the first slope.
 [[nodiscard]] bool grazes(const Workspace& w, int tip, const TipIndicator& middle) noexcept {
     const Phase phase = w.tips.phases[at(tip)];

@@ -41,6 +41,21 @@ inline void check_motion(const Workspace& w, int link, const double* block, Segm
     report(verdict, FaultKind::blow_up, w.step.time + w.step.h, link, largest, fastest_pin);
 }
 
+/// Whether a link's tips are where contact can be described.
+inline void check_contact(const Workspace& w, int link, const model::TipProbe& probe, SegmentResult& verdict) noexcept {
+    const auto& pulley = w.parameters.pulley;
+    const double now = w.step.time + w.step.h;
+    bool touching = false;
+    for (int tip = 0; tip < w.layout().tips(); ++tip) {
+        if (w.tips.phases[static_cast<std::size_t>(model::tips_per_link * link + tip)] == model::Phase::free) continue;
+        touching = true;
+        if (probe.depth[tip] > w.parameters.tip.deepest)
+            report(verdict, FaultKind::penetration, now, link, probe.depth[tip], w.parameters.tip.deepest);
+    }
+    if (probe.radius < pulley.innermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.innermost);
+    if (touching && probe.radius > pulley.outermost) report(verdict, FaultKind::left_sheave, now, link, probe.radius, pulley.outermost);
+}
+
 /// Whether no link of a segment can have anything that check_motion() finds: a look at all numbers of the step's end at once.
 [[nodiscard]] inline bool all_sound(const Workspace& w, const Segment& own) noexcept {
     return within(w.end_state + w.layout().link_begin(own.first), own.size() * w.layout().link_block(), fastest_pin);

@@ -7,8 +7,7 @@ namespace cvtflow::tasks {
 
 [[nodiscard]] inline std::size_t at(int index) noexcept { return static_cast<std::size_t>(index); }
 
-/// Tips of a link that there are: whole pins have none at the front.
-[[nodiscard]] inline int tips_of(const Workspace& w) noexcept { return w.layout().whole ? model::tips_per_link / 2 : model::tips_per_link; }
+[[nodiscard]] inline int tips_of(const Workspace& w) noexcept { return w.layout().tips(); }
 
 inline void show(const model::TipProbe& probe, model::TipIndicator* tips) noexcept {
     for (int tip = 0; tip < model::tips_per_link; ++tip) tips[tip] = {probe.depth[tip], probe.slip[tip]};

@@ -69,23 +69,6 @@ double EnergyBalance::tolerance() const noexcept { return tolerance_of(*this, fa
 
 double EnergyBalance::suspicion() const noexcept { return suspicion_of(*this, false); }
 
-double EnergySums::lost() const noexcept { return total(loss); }
-
-EnergySums EnergySums::between(const EnergySums& from, const EnergySums& to, double time) noexcept {
-    const double share = (time - from.time) / (to.time - from.time);
-    EnergySums at = from;
-    at.time = time;
-    for (std::size_t k = 0; k < at.loss.size(); ++k) at.loss[k] += share * (to.loss[k] - from.loss[k]);
-    for (std::size_t k = 0; k < at.work.size(); ++k) at.work[k] += share * (to.work[k] - from.work[k]);
-    return at;
-}
-
-double EnergySums::efficiency_since(const EnergySums& before) const noexcept {
-    double input = 0.0;
-    for (std::size_t k = 0; k < work.size(); ++k) input += std::max(0.0, work[k] - before.work[k]);
-    return input > 0.0 ? 1.0 - (lost() - before.lost()) / input : std::numeric_limits<double>::quiet_NaN();
-}
-
 void EnergyLedger::restart(long stride) noexcept {
     m_ = {};
     known_ = false;
@@ -149,14 +132,38 @@ void EnergyLedger::sample(double time, const model::Account& links, const model:
         for (std::size_t k = 0; k < now.loss.size(); ++k) m_.loss[k] += 0.5 * spacing * (m_.power[k] + now.loss[k]);
         for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
     }
-    if (m_.samples > 3.0) {  // fourth differences hold what the trapezoidal rule cannot see, 70 times for noise without memory, and little
-                             // of what passes smoothly
-        const auto& p = m_.powers;
+    add_noise(power, spacing);
+    m_.power = now.loss;
+    close_sample(time);
+}
+
+/// Fourth differences hold what the trapezoidal rule cannot see, 70 times for noise without memory, and little of what passes smoothly.
+void EnergyLedger::add_noise(double power, double spacing) noexcept {
+    auto& p = m_.powers;
+    if (m_.samples > 3.0) {
         const double noise = power - 4.0 * p[0] + 6.0 * p[1] - 4.0 * p[2] + p[3];
         m_.noise += noise * noise / 70.0 * spacing * spacing;
     }
-    m_.powers = {power, m_.powers[0], m_.powers[1], m_.powers[2]};
-    m_.power = now.loss;
+    p = {power, p[0], p[1], p[2]};
+}
+
+void EnergyLedger::book(double time, const StepAccount& account, std::optional<double> pin_period) noexcept {
+    if (!on_ || (m_.samples > 0.0 && time <= m_.sampled)) return;
+    const double spacing = time - m_.sampled;
+    for (std::size_t k = 0; k < account.lost.size() && m_.samples > 0.0; ++k) m_.power[k] = (account.lost[k] - m_.loss[k]) / spacing;
+    m_.loss = account.lost;
+    if (time < 0.0) add_noise(total(m_.power), spacing);  // the shock of a start, which steps do not resolve
+    m_.work = account.work;
+    m_.impulse = account.impulse;
+    for (std::size_t k = 0; k < m_.work.size(); ++k) m_.through += std::max(0.0, m_.work[k] - m_.work_sampled[k]);
+    m_.stored = account.stored;
+    m_.max_stored = std::max(m_.max_stored, m_.stored);
+    if (pin_period) m_.pin_period = *pin_period;
+    close_sample(time);
+}
+
+/// Everything about a sample is known but for its consequences.
+void EnergyLedger::close_sample(double time) noexcept {
     m_.sampled = time;
     m_.work_sampled = m_.work;
     m_.samples += 1.0;

@@ -7,6 +7,7 @@
 /// the noise of sampling alone puts the run in doubt: in the next one samples lie closer. (DECISIONS 74)
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -54,6 +55,14 @@ struct EnergySums {
     [[nodiscard]] double efficiency_since(const EnergySums& before) const noexcept;
 };
 
+/// What a method counts itself, in every step: sums since the integration began, and what is stored now.
+struct StepAccount {
+    std::array<double, model::loss_kinds> lost{};  ///< [J]
+    model::WorkRates work{};                       ///< by input [J]
+    std::array<double, 2> impulse{};               ///< of the torques from outside on both shafts [N·m·s]
+    double stored = 0.0;                           ///< [J]
+};
+
 class EnergyLedger {
 public:
     /// Time after which a balance is judged by itself [s]: what went wrong once is not forgotten in what follows.
@@ -68,11 +77,20 @@ public:
     /// A step has been taken. @param from, to states behind the links at its ends, which begin at pulley_begin(); begin [s], from
     /// [unknowns], end [s], to [unknowns]
     void step(const model::Variator& variator, double begin, const double* from, double end, const double* to) noexcept;
+    /// The same by a method that counts works and losses itself.
+    void step(const StepAccount& account) noexcept {
+        m_.steps += 1.0;
+        m_.work = account.work;
+        m_.impulse = account.impulse;
+    }
     /// Whether losses should be sampled before the next step. time [s]
     [[nodiscard]] bool due(double time) const noexcept;
     /// What an observe cycle has found. @param links, pulleys their losses and energies, kinetic energy included
     /// @param pin_period time that a pin takes to the place of the next one; 0: none [s]
     void sample(double time, const model::Account& links, const model::Account& pulleys, double pin_period) noexcept;
+    /// What a method has counted itself, which has no noise but in the shock of a start that settles. time [s]   @param pin_period as for
+    /// sample(); absent: as before
+    void book(double time, const StepAccount& account, std::optional<double> pin_period) noexcept;
     /// An output is due: closes the interval since the last one. @param momentum of the shafts [N·m·s]
     void output(double time, const std::array<double, 2>& momentum) noexcept;
 
@@ -124,6 +142,8 @@ private:
     [[nodiscard]] double outputs_before(double time) const noexcept;  ///< of those kept; time [s]
     /// Number of the last output kept that lies a pin period or more before `time` [s]; 0 where none does.
     [[nodiscard]] double period_begin(double time) const noexcept;
+    void add_noise(double power, double spacing) noexcept;
+    void close_sample(double time) noexcept;
     void close_window() noexcept;
 
     /// Numbers only: saved and loaded as they lie.

@@ -18,26 +18,6 @@ constexpr double shortest_step = 1e-7;
 /// A longer automatic step replaces a shorter one only if it is longer by this factor.
 constexpr double min_gain = 1.05;
 
-/// A step by hand [s]. A third of 10 us is written as 3.33 us: it is that of the grid that is longer by what three digits leave out.
-[[nodiscard]] double step_by_hand(const StepSettings& settings) noexcept {
-    constexpr double three_digits = 1.1e-3, a_tenth_of_a_step = 0.1;
-    const double steps = settings.output_interval / settings.step, whole = std::floor(steps);
-    const bool is_meant = whole >= 1.0 && steps - whole <= std::min(three_digits * steps, a_tenth_of_a_step);
-    return is_meant ? settings.output_interval / whole : settings.step;
-}
-
-/// With the error in charge, the grid is that of outputs.
-[[nodiscard]] StepGrid grid_of(const StepSettings& settings) noexcept {
-    StepGrid grid;
-    grid.begin = settings.begin;
-    grid.output_interval = settings.output_interval;
-    const bool free = settings.control == StepControl::error;
-    if (settings.automatic() && !free)
-        grid.legs_per_output = static_cast<long>(std::ceil(settings.output_interval / StepChoice::ask_interval * (1.0 - 1e-12)));
-    grid.divide(free ? settings.output_interval : settings.automatic() ? settings.choice->longest() : step_by_hand(settings));
-    return grid;
-}
-
 }  // namespace
 
 StepController::StepController(Workspace& workspace, const StepSettings& settings, RunObserver& observer,
@@ -102,6 +82,7 @@ StepController::StepController(Workspace& workspace, StepMethod& method, const S
 }
 
 void StepController::save(IntegrationState& state) const {
+    show_state();
     state.started = true;
     state.time = w_.step.time;
     state.begin = settings_.begin;
@@ -125,7 +106,7 @@ void StepController::save(IntegrationState& state) const {
 /// The integration. Each co_yield runs one cycle of the task graph on all segments; everything else is serial.
 CycleSequence StepController::integrate() {
     while (!(fault_ = check_precision())) {
-        if (w_.energy.due(w_.step.time)) {
+        if (w_.energy.due(w_.step.time) && !book_energy(true)) {
             prepare_observation();
             co_yield observe_cycle;
             sample_energy();
@@ -137,6 +118,7 @@ CycleSequence StepController::integrate() {
             NextCycle cycle = method_.begin();
             for (; cycle.is_cycle(); cycle = method_.next()) co_yield cycle.cycle();
             if (has_failed(cycle)) co_return;
+            if (method_.inner() != nullptr) break;
             prepare_detection();
             co_yield detect_cycle;
             const bool accurate = errors_.accepts(cut);
@@ -155,12 +137,8 @@ CycleSequence StepController::integrate() {
             if (!cut || !method_.retakes() || w_.step.theta <= 0.0) break;
             shorten_to_transition();
         }
-        if (cut) {
-            transitions_.prepare_truncation();
-            co_yield truncate_cycle;
-            truncate();
-        } else
-            accept();
+        if (cut) co_yield prepare_truncation();
+        cut ? truncate() : accept();
     }
 }
 
@@ -187,6 +165,15 @@ void StepController::prepare_observation() {
     if (w_.layout().pulley_size != 0) w_.variator.pulleys().motions(w_.states[0] + w_.layout().pulley_begin(), w_.pulleys.observed_sheaves);
 }
 
+/// Of a method that counts works and losses itself. @returns false for all others
+bool StepController::book_energy(bool with_period) {
+    InnerState* inner = method_.inner();
+    if (inner == nullptr) return false;
+    if (with_period) inner->show();
+    w_.energy.book(w_.step.time, inner->account(), with_period ? std::optional(w_.pin_period()) : std::nullopt);
+    return true;
+}
+
 void StepController::sample_energy() { w_.energy.sample(w_.step.time, w_.observed_links(), w_.observed_pulleys(), w_.pin_period()); }
 
 /// Delivers an output if one is due; true at the end of the integration.
@@ -194,10 +181,18 @@ bool StepController::deliver_output() {
     counters_.evaluations = w_.step.evaluations;
     const bool due = w_.step.time == grid_.here() && grid_.at_output(outputs_);
     const bool over = w_.step.time >= settings_.until - 1e-9 * settings_.output_interval;
-    if (due) w_.energy.output(w_.step.time, w_.shaft_momentum());  // not where a call ends: no result depends on that
+    if (due || over) show_state();
+    if (due) {  // not where a call ends: no result depends on that
+        (void)book_energy(false);
+        w_.energy.output(w_.step.time, w_.shaft_momentum());
+    }
     if (due || over) observer_.output(w_.step.time, w_, counters_);
     if (due) ++outputs_;
     return over;
+}
+
+void StepController::show_state() const {
+    if (InnerState* inner = method_.inner()) inner->show();
 }
 
 void StepController::plan_step() {
@@ -207,6 +202,7 @@ void StepController::plan_step() {
 
 /// Length of automatic steps, at the start of a leg: shorter as soon as needed, longer only if the gain is worth it.
 void StepController::choose_step() {
+    show_state();
     const double longest = std::min(method_.longest_step(settings_.choice->longest()),
                                     settings_.choice->longest(w_.step.time, w_.states[0], w_.tips.phases.data()));
     StepGrid next = grid_;
@@ -256,15 +252,21 @@ void StepController::accept() {
     const double begin = w_.step.time;
     if (reaches_grid_point_) grid_.pass();
     w_.step.time = reaches_grid_point_ ? grid_.here() : w_.step.time + w_.step.h;
+    ++counters_.steps;
+    if (InnerState* inner = method_.inner()) return w_.energy.step(inner->account());
     w_.energy.step(w_.variator, begin, w_.states[0] + w_.layout().pulley_begin(), w_.step.time, w_.end_state + w_.layout().pulley_begin());
     std::swap(w_.states[0], w_.end_state);
     std::swap(w_.tips.before, w_.tips.after);
-    ++counters_.steps;
 }
 
 void StepController::shorten_to_transition() {
     w_.step.h *= w_.step.theta;
     w_.step.theta = 1.0;
+}
+
+int StepController::prepare_truncation() {
+    transitions_.prepare_truncation();
+    return truncate_cycle;
 }
 
 void StepController::truncate() {

@@ -62,6 +62,8 @@ private:
     [[nodiscard]] Fault check_precision() const;
     [[nodiscard]] Fault check_budget() const;
     void prepare_observation();
+    [[nodiscard]] bool book_energy(bool with_period);
+    void show_state() const;
     void sample_energy();
     [[nodiscard]] bool deliver_output();
     void plan_step();
@@ -72,6 +74,7 @@ private:
     [[nodiscard]] Fault reject();
     void accept();
     void shorten_to_transition();
+    [[nodiscard]] int prepare_truncation();
     void truncate();
     void probe_start();
 

@@ -1,6 +1,8 @@
 #pragma once
 /// Where steps end.
 
+#include "tasks/step/control/step_settings.hpp"
+
 namespace cvtflow::tasks {
 
 /// Times at which fixed and automatic steps end. Outputs are `output_interval` apart; between two of them lie one or more legs, equally
@@ -24,5 +26,8 @@ struct StepGrid {
 private:
     [[nodiscard]] double time(long of_leg, long of_point) const noexcept;
 };
+
+/// With the error in charge, the grid is that of outputs.
+[[nodiscard]] StepGrid grid_of(const StepSettings& settings) noexcept;
 
 }  // namespace cvtflow::tasks

@@ -171,7 +171,7 @@ TEST(DetailPresets, UnknownNameIsAnErrorWithASuggestion) {
         apply_detail(scene, "corse");
         FAIL();
     } catch (const SceneError& error) {
-        EXPECT_STREQ(error.what(), "detail corse: not one of coarse, medium, fine, full (did you mean \"coarse\"?)");
+        EXPECT_STREQ(error.what(), "detail corse: not one of rigid, coarse, medium, fine, full (did you mean \"coarse\"?)");
     }
 }
 

@@ -29,8 +29,8 @@ std::string_view preset_name(const model::Detail& detail) {
 std::string detail_text(const tasks::Scene& scene) {
     const model::Detail& detail = scene.parameters.detail;
     const std::string_view name = preset_name(detail);
-    const std::string joints = detail.pins == model::PinDetail::whole
-                                   ? "whole pins"
+    const std::string joints = detail.pins != model::PinDetail::halves
+                                   ? fmt::format("{} pins", name_of(detail.pins))
                                    : fmt::format("{} joint point{}", detail.joint_points, detail.joint_points == 1 ? "" : "s");
     const std::string dials =
         fmt::format("order {}, {}, {}, {}", detail.order, detail.plates == model::PlateDetail::each ? "every plate" : "lumped plates",

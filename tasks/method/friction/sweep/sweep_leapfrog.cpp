@@ -44,7 +44,8 @@ constexpr double min_sweeps = 2.0, max_sweeps = 12.0, power_of_slowness = 0.4;
 }  // namespace
 
 std::string_view missing_for_sweeps(const model::Parameters& parameters) noexcept {
-    if (parameters.detail.pins != model::PinDetail::halves) return "detail.pins = \"halves\"";
+    if (parameters.detail.pins == model::PinDetail::rigid) return "";
+    if (parameters.detail.pins != model::PinDetail::halves) return "detail.pins = \"halves\" or \"rigid\"";
     return parameters.detail.friction == model::FrictionLaw::piecewise ? "" : "detail.friction = \"piecewise\"";
 }
 

@@ -226,6 +226,13 @@ private:
 
 }  // namespace
 
+Parameters with_rigid_pins(Parameters p) {
+    p.detail.pins = PinDetail::rigid;
+    p.detail.order = 1;
+    p.detail.plates = PlateDetail::lumped;
+    return p;
+}
+
 PlainMotion plain_motion(const Parameters& parameters, const std::vector<double>& coordinates, const std::vector<double>& velocities,
                          const std::vector<double>& inertia) {
     Machine machine(parameters, Coordinates(coordinates.begin(), coordinates.end()), Coordinates(velocities.begin(), velocities.end()));

@@ -8,6 +8,9 @@
 
 namespace cvtflow::model::test {
 
+/// The same machine with rigid pins.
+[[nodiscard]] Parameters with_rigid_pins(Parameters parameters);
+
 /// Accelerations of all coordinates and the powers of an instant.
 struct PlainMotion {
     std::vector<double> acceleration;  ///< [5 pins + pulleys]

@@ -1,4 +1,4 @@
-#include "model/variator/rigid/rigid_model.hpp"
+#include "model/variator/rigid/rigid_chain.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,8 @@
 #include <numeric>
 #include <random>
 
+#include "model/start/start_state.hpp"
+#include "model/variator/variator.hpp"
 #include "tests/model/variator/rigid/plain_pins_fixture.hpp"
 #include "tests/oracle/oracle_cases.hpp"
 
@@ -15,16 +17,17 @@ namespace {
 
 /// A geometric start with its tips pressed in and everything moved and set in motion by chance.
 std::vector<double> random_state(const Parameters& p, std::uint64_t seed) {
-    std::vector<double> y = rigid_start(p);
-    const RigidModel model(p);
-    const RigidLayout& at = model.layout();
+    std::vector<double> y = start_state(p).state;
+    const PulleyModel pulleys(p);
+    const ChainLayout at = layout_of(p);
     std::mt19937_64 generator(seed);
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     const double amplitude[] = {3e-6, 3e-6, 3e-6, 3e-5, 3e-5};  // m
     for (int k = 0; k < rigid_coordinates; ++k) {
-        for (int pin = 0; pin < at.pins; ++pin) {
-            y[static_cast<std::size_t>(at.coordinate(k) + pin)] += amplitude[k] * uniform(generator);
-            y[static_cast<std::size_t>(at.velocity(k) + pin)] += 0.02 * uniform(generator);
+        for (int pin = 0; pin < at.links; ++pin) {
+            const std::size_t place = static_cast<std::size_t>(at.link_begin(pin) + rigid_place(at, k));
+            y[place] += amplitude[k] * uniform(generator);
+            y[place + static_cast<std::size_t>(at.link_size())] += 0.02 * uniform(generator);
         }
     }
     const std::size_t tail = static_cast<std::size_t>(at.pulley_begin()), size = static_cast<std::size_t>(at.pulley_size);
@@ -33,7 +36,7 @@ std::vector<double> random_state(const Parameters& p, std::uint64_t seed) {
         y[tail + size + k] += 0.01 * uniform(generator);
     }
     for (int shaft = 0; shaft < 2 && size != 0; ++shaft)
-        y[tail + static_cast<std::size_t>(model.pulleys().movable(shaft))] += (shaft == 0 ? -1.0 : 1.0) * 2e-5;
+        y[tail + static_cast<std::size_t>(pulleys.movable(shaft))] += (shaft == 0 ? -1.0 : 1.0) * 2e-5;
     return y;
 }
 
@@ -41,7 +44,7 @@ std::vector<oracle::Case> machines() {
     std::vector<oracle::Case> cases;
     for (const auto pulleys : {PulleyDetail::elastic, PulleyDetail::rigid, PulleyDetail::absent}) {
         for (const auto law : {FrictionLaw::piecewise, FrictionLaw::smoothed}) {
-            oracle::Case one{"", oracle::small_scene()};
+            oracle::Case one{"", test::with_rigid_pins(oracle::small_scene())};
             one.parameters.detail.pulleys = pulleys;
             one.parameters.detail.friction = law;
             if (pulleys == PulleyDetail::absent) one.parameters.start.layout = StartLayout::ring;
@@ -55,24 +58,43 @@ std::vector<oracle::Case> machines() {
 
 /// Slope of a state, with everything around it.
 struct Evaluation {
-    Evaluation(const RigidModel& model, const std::vector<double>& y, double t = 0.0) : columns(model.columns()), slope(y.size()) {
-        model.slope(t, y.data(), slope.data(), columns, forces);
+    Evaluation(const Variator& variator, const std::vector<double>& y, double t = 0.0) : slope(y.size()) {
+        const ChainLayout& at = variator.layout();
+        EvaluationScratch scratch(at);
+        const std::vector<Phase> phases(static_cast<std::size_t>(tips_per_link * at.links), Phase::free);
+        right_hand_side(variator, t, y.data(), phases.data(), slope.data(), scratch);
+        chain = variator.chain().rigid()->forces().account;
+        all = chain;
+        if (at.pulley_size == 0) return;
+        inputs = variator.pulleys().inputs(t, y.data() + at.pulley_begin());
+        std::vector<double> ignored(static_cast<std::size_t>(at.pulley_block()));
+        variator.pulleys().slope(y.data() + at.pulley_begin(), inputs, {}, ignored.data(), &all);
     }
-    RigidColumns columns;
-    RigidForces forces;
     std::vector<double> slope;
+    Inputs inputs;
+    Account chain, all;  ///< of the chain, with the pulleys'
 
-    [[nodiscard]] double potential() const { return std::accumulate(forces.account.energy.begin(), forces.account.energy.end(), 0.0); }
-    [[nodiscard]] double losses() const { return std::accumulate(forces.account.loss.begin(), forces.account.loss.end(), 0.0); }
+    [[nodiscard]] static double total(const auto& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 };
 
-/// Coordinates (first) or velocities of pins and pulleys.
-std::vector<double> part_of(const RigidLayout& at, const std::vector<double>& y, bool velocities) {
-    const auto pins = y.begin() + (velocities ? at.velocity(0) : 0);
-    std::vector<double> part(pins, pins + rigid_coordinates * at.pins);
+/// Coordinates (first) or velocities of pins, quantity by quantity, and of pulleys; of a state or of its slope.
+std::vector<double> part_of(const ChainLayout& at, const std::vector<double>& y, bool velocities) {
+    std::vector<double> part;
+    for (int k = 0; k < rigid_coordinates; ++k) {
+        for (int pin = 0; pin < at.links; ++pin)
+            part.push_back(y[static_cast<std::size_t>(at.link_begin(pin) + rigid_place(at, k) + (velocities ? at.link_size() : 0))]);
+    }
     const auto pulleys = y.begin() + at.pulley_begin() + (velocities ? at.pulley_size : 0);
     part.insert(part.end(), pulleys, pulleys + at.pulley_size);
     return part;
+}
+
+double kinetic(const Variator& variator, const std::vector<double>& y) {
+    const ChainLayout& at = variator.layout();
+    double energy = at.pulley_size != 0 ? variator.pulleys().kinetic(y.data() + at.pulley_begin()) : 0.0;
+    for (int pin = 0; pin < at.links; ++pin)
+        energy += kinetic_energy(variator.chain().inertia(), y.data() + at.link_begin(pin) + at.link_size());
+    return energy;
 }
 
 /// 1e-7 of the largest acceleration of a pin: the plain writing differences energies over 1e-11 m, which errs by 1e-4 N of 1e4 N.
@@ -80,32 +102,30 @@ TEST(RigidModel, AccelerationsAreThoseOfThePlainWriting) {
     std::uint64_t seed = 1;
     for (const oracle::Case& one : machines()) {
         SCOPED_TRACE(one.name);
-        const RigidModel model(one.parameters);
-        const RigidLayout& at = model.layout();
+        const Variator variator(one.parameters);
+        const ChainLayout& at = variator.layout();
+        const PulleyModel& pulleys = variator.pulleys();
         const std::vector<double> y = random_state(one.parameters, seed++);
-        const Evaluation now(model, y);
+        const Evaluation now(variator, y);
         std::vector<double> inertia;
-        for (int k = 0; k < at.pulley_size; ++k) inertia.push_back(model.pulleys().inertia(k));
+        for (int k = 0; k < at.pulley_size; ++k) inertia.push_back(pulleys.inertia(k));
         const auto plain = test::plain_motion(one.parameters, part_of(at, y, false), part_of(at, y, true), inertia);
+        const std::vector<double> found = part_of(at, now.slope, true);
         double largest = 0.0;
-        const std::size_t pins = static_cast<std::size_t>(rigid_coordinates * at.pins);
+        const std::size_t pins = static_cast<std::size_t>(rigid_coordinates * at.links);
         for (std::size_t k = 0; k < pins; ++k) largest = std::max(largest, std::abs(plain.acceleration[k]));
         ASSERT_GT(largest, 1e4);
-        for (std::size_t k = 0; k < pins; ++k)
-            EXPECT_NEAR(now.slope[static_cast<std::size_t>(at.velocity(0)) + k], plain.acceleration[k], 1e-7 * largest) << k;
+        for (std::size_t k = 0; k < pins; ++k) EXPECT_NEAR(found[k], plain.acceleration[k], 1e-7 * largest) << k;
         // The chain's forces on the pulleys: the slope without them taken away.
-        std::vector<double> bare(now.slope.begin() + at.pulley_begin(), now.slope.begin() + at.pulley_begin() + 2 * at.pulley_size);
-        if (at.pulley_size != 0) model.pulleys().slope(y.data() + at.pulley_begin(), now.forces.inputs, {}, bare.data(), nullptr);
-        for (int k = 0; k < at.pulley_size; ++k) {
-            const std::size_t v = static_cast<std::size_t>(at.pulley_size + k);
-            const double force =
-                inertia[static_cast<std::size_t>(k)] * (now.slope[static_cast<std::size_t>(at.pulley_begin()) + v] - bare[v]);
-            const double expected = inertia[static_cast<std::size_t>(k)] * plain.acceleration[pins + static_cast<std::size_t>(k)];
-            EXPECT_NEAR(force, expected, 1e-7 * largest * model.coefficients().mass) << "pulley " << k;
+        std::vector<double> bare(static_cast<std::size_t>(at.pulley_block()));
+        if (at.pulley_size != 0) pulleys.slope(y.data() + at.pulley_begin(), now.inputs, {}, bare.data(), nullptr);
+        const double mass = variator.chain().rigid()->model().coefficients().mass;
+        for (std::size_t k = 0; k < inertia.size(); ++k) {
+            const double force = inertia[k] * (found[pins + k] - bare[inertia.size() + k]);
+            EXPECT_NEAR(force, inertia[k] * plain.acceleration[pins + k], 1e-7 * largest * mass) << "pulley " << k;
         }
-        EXPECT_NEAR(now.potential() - now.forces.account[Energy::supports], plain.energy, 1e-9 * plain.energy);
-        const double own = now.losses() - now.forces.account[Loss::supports] - now.forces.account[Loss::cylinder];
-        EXPECT_NEAR(own, plain.lost, 1e-6 * plain.lost);
+        EXPECT_NEAR(Evaluation::total(now.chain.energy), plain.energy, 1e-9 * plain.energy);
+        EXPECT_NEAR(Evaluation::total(now.chain.loss), plain.lost, 1e-6 * plain.lost);
     }
 }
 
@@ -113,35 +133,53 @@ TEST(RigidModel, AccelerationsAreThoseOfThePlainWriting) {
 TEST(RigidModel, EnergyChangesByWorksMinusLosses) {
     for (const oracle::Case& one : machines()) {
         SCOPED_TRACE(one.name);
-        const RigidModel model(one.parameters);
-        const RigidLayout& at = model.layout();
+        const Variator variator(one.parameters);
+        const ChainLayout& at = variator.layout();
         const std::vector<double> y = random_state(one.parameters, 7);
-        const Evaluation now(model, y);
+        const Evaluation now(variator, y);
         const auto energy_after = [&](double time) {
             std::vector<double> there = y;
             for (std::size_t k = 0; k < y.size(); ++k) there[k] += time * now.slope[k];
-            return Evaluation(model, there).potential() + model.kinetic(there.data());
+            return Evaluation::total(Evaluation(variator, there).all.energy) + kinetic(variator, there);
         };
         constexpr double instant = 1e-8;
         const double rate = (energy_after(instant) - energy_after(-instant)) / (2.0 * instant);
         WorkRates works{};
-        if (at.pulley_size != 0) works = model.pulleys().works(y.data() + at.pulley_begin(), now.forces.inputs);
-        const double expected = std::accumulate(works.begin(), works.end(), 0.0) - now.losses();
-        EXPECT_NEAR(rate, expected, 2e-3 + 1e-5 * now.losses());
-        for (const double loss : now.forces.account.loss) EXPECT_GE(loss, 0.0);
+        if (at.pulley_size != 0) works = variator.pulleys().works(y.data() + at.pulley_begin(), now.inputs);
+        const double losses = Evaluation::total(now.all.loss), expected = Evaluation::total(works) - losses;
+        EXPECT_NEAR(rate, expected, 2e-3 + 1e-5 * losses);
+        for (const double loss : now.all.loss) EXPECT_GE(loss, 0.0);
     }
 }
 
 TEST(RigidModel, EveryInstructionSetHasTheSameBits) {
-    Parameters p = oracle::small_scene();
+    const Parameters p = test::with_rigid_pins(oracle::small_scene());
     const std::vector<double> y = random_state(p, 3);
-    const Evaluation reference(RigidModel(p, Isa::baseline), y);
-    for (const Isa isa : usable_isas()) {
-        const RigidModel model(p, isa);
-        const Evaluation other(model, y);
+    const std::vector<Isa> isas = usable_isas();
+    const Evaluation reference(Variator(p, isas.front()), y);
+    for (const Isa isa : isas) {
+        const Evaluation other(Variator(p, isa), y);
         EXPECT_EQ(std::memcmp(reference.slope.data(), other.slope.data(), sizeof(double) * y.size()), 0) << name_of(isa);
-        EXPECT_EQ(reference.forces.account.loss, other.forces.account.loss) << name_of(isa);
-        EXPECT_EQ(reference.forces.account.energy, other.forces.account.energy) << name_of(isa);
+        EXPECT_EQ(reference.all.loss, other.all.loss) << name_of(isa);
+        EXPECT_EQ(reference.all.energy, other.all.energy) << name_of(isa);
+    }
+}
+
+/// A probe of few links finds the depths that an evaluation of all does.
+TEST(RigidModel, ProbesFindTheDepthsOfTheEvaluation) {
+    const Parameters p = test::with_rigid_pins(oracle::small_scene());
+    const Variator variator(p);
+    const ChainLayout& at = variator.layout();
+    const std::vector<double> y = random_state(p, 5);
+    const Evaluation now(variator, y);
+    SheaveMotion sheaves[4];
+    variator.pulleys().motions(y.data() + at.pulley_begin(), sheaves);
+    for (int link = 0; link < at.links; ++link) {
+        NeighbourWindow near;
+        TipProbe probe;
+        variator.chain().probe(near.of(at, y.data(), link), sheaves, false, probe);
+        for (int tip = 0; tip < tips_per_link; ++tip)
+            EXPECT_EQ(probe.depth[tip], variator.chain().rigid()->of_tip(Column::depth, link, tip)) << link << " " << tip;
     }
 }
 

@@ -76,7 +76,7 @@ std::string detail() {
                  {"slip", Align::right},
                  {"meaning"}});
     for (const tasks::DetailPreset& preset : tasks::detail_presets()) {
-        table.add({std::string(preset.name), preset.pins == model::PinDetail::whole ? "whole" : "halves", fmt::format("{}", preset.order),
+        table.add({std::string(preset.name), std::string(name_of(preset.pins)), fmt::format("{}", preset.order),
                    preset.plates == model::PlateDetail::each ? "each" : "lumped", fmt::format("{}", preset.joint_points),
                    fmt::format("{:.2g}", preset.cost), fmt::format("{:.2g} %", 100.0 * preset.tension_error),
                    fmt::format("{:.2g} %", 100.0 * preset.slip_error), std::string(preset.meaning)});

@@ -1,0 +1,107 @@
+#include "model/variator/rigid/rigid_chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/variator/chain_model.hpp"
+
+namespace cvtflow::model {
+
+namespace {
+
+/// The reaction on all sheaves, as that of two links: what they carry is added up like that of any others.
+void share_reaction(const SheaveForces& sheaves, int links, LinkLoad* loads) noexcept {
+    std::fill_n(loads, links, LinkLoad{});
+    for (int sheave = 0; sheave < 4; ++sheave) {
+        const std::array<double, 6>& f = sheaves[static_cast<std::size_t>(sheave)];
+        const int side = sheave % 2;
+        LinkLoad& to = loads[sheave / 2];
+        to.shaft = sheave / 2;
+        to.load.fx[side] = f[0];
+        to.load.fy[side] = f[1];
+        to.load.mx[side] = f[2];
+        to.load.my[side] = f[3];
+        to.load.fz[side] = f[4];
+        to.load.mz[side] = f[5];
+    }
+}
+
+void slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account*) noexcept {
+    const RigidChain& chain = *model.rigid();
+    const ChainLayout& at = model.layout();
+    const int size = at.link_size();
+    const double* blocks = range.window + at.halo() * at.link_block();
+    chain.evaluate(blocks, range.sheaves);
+    for (int pin = 0; pin < at.links; ++pin) {
+        double* to = slope + at.link_begin(pin);
+        std::copy_n(blocks + at.link_begin(pin) + size, size, to);
+        chain.model().acceleration(chain.columns(), pin, to + size);
+    }
+    share_reaction(chain.forces().reaction.sheaves, at.links, loads);
+}
+
+void observed_slopes(const ChainModel& model, const ChainRange& range, double* slope, LinkLoad* loads, Account* accounts,
+                     LinkContact* contacts) noexcept {
+    slopes(model, range, slope, loads, nullptr);
+    const RigidChain& chain = *model.rigid();
+    const Account& found = chain.forces().account;
+    for (std::size_t kind = 0; kind < loss_kinds; ++kind) accounts->loss[kind] += found.loss[kind];
+    for (std::size_t kind = 0; kind < energy_kinds; ++kind) accounts->energy[kind] += found.energy[kind];
+    if (contacts == nullptr) return;
+    for (int link = 0; link < model.layout().links; ++link) {
+        LinkContact& contact = contacts[link];
+        contact.tension = chain.columns()[Column::tension][link] - chain.columns()[Column::stretch_drag][link];
+        for (int tip = 0; tip < tips_per_link; ++tip) {
+            contact.depth[tip] = chain.of_tip(Column::depth, link, tip);
+            contact.normal[tip] = chain.of_tip(Column::normal, link, tip);
+            contact.axial[tip] = chain.of_tip(Column::axial, link, tip);
+        }
+    }
+}
+
+void probe(const ChainModel& model, const double* state, const SheaveMotion* sheaves, bool, TipProbe& found) noexcept {
+    model.rigid()->probe(state, 1, sheaves, &found);
+}
+
+void probe_links(const ChainModel& model, const double* states, int links, const SheaveMotion* sheaves, bool, TipProbe* found) noexcept {
+    model.rigid()->probe(states, links, sheaves, found);
+}
+
+}  // namespace
+
+ChainKernels RigidChain::kernels() noexcept { return {slopes, observed_slopes, model::probe, probe_links}; }
+
+RigidChain::RigidChain(const Parameters& parameters, Isa isa) : model_(parameters, isa), columns_(model_.columns()), strip_(rigid_lanes) {}
+
+void RigidChain::evaluate(const double* blocks, const SheaveMotion* sheaves) const noexcept {
+    model_.read(blocks, columns_);
+    model_.accelerate(model_.layout().pulley_size != 0 ? sheaves : nullptr, columns_, forces_);
+}
+
+/// The strip's entry 0 is the pin before the first link, entries up to 8 are known: tips of entries 1 … 7, which are those of six links.
+void RigidChain::probe(const double* states, int links, const SheaveMotion* sheaves, TipProbe* probes) const noexcept {
+    const ChainLayout& at = model_.layout();
+    constexpr int links_at_once = rigid_lanes - 2;
+    for (int first = 0; first < links; first += links_at_once) {
+        const int count = std::min(links_at_once, links - first);
+        for (int k = 0; k < 2 * rigid_coordinates; ++k) {
+            const int place = rigid_place(at, k % rigid_coordinates) + (k < rigid_coordinates ? 0 : at.link_size());
+            for (int pin = 0; pin <= rigid_lanes; ++pin)
+                strip_[Column::x + k][pin] = states[(first + std::min(pin, count + 2) - 1) * at.link_block() + place];
+        }
+        model_.kernels().lines(strip_);
+        model_.kernels().roll(model_.coefficients(), strip_);
+        alignas(64) double depth[rigid_tips][rigid_lanes];
+        model_.kernels().depths(model_.coefficients(), sheaves, strip_, depth[0]);
+        for (int link = 0; link < count; ++link) {
+            const double* q = states + (first + link) * at.link_block();
+            const double middle = model_.coefficients().middle, x = q[rigid_place(at, 0)], y = q[rigid_place(at, 1)];
+            const double from_axis = x > middle ? x - 2.0 * middle : x;
+            probes[first + link] = {{depth[2][link + 1], depth[3][link + 1], depth[0][link + 2], depth[1][link + 2]},
+                                    {},
+                                    std::sqrt(from_axis * from_axis + y * y)};
+        }
+    }
+}
+
+}  // namespace cvtflow::model

@@ -1,0 +1,107 @@
+/// Every command on a scene of rigid pins.
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <random>
+
+#include "engine/record/run/run_reader.hpp"
+#include "tests/tools/program_fixture.hpp"
+
+namespace cvtflow::tools {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class RigidPins : public Program {
+protected:
+    static inline const Words level{"--detail", "rigid", "--set", "run.method=leapfrog-sweep", "--set", "run.step=2 us"};
+    static inline const Words brief{"--until", "2 ms", "--set", "start.settling_time=1 ms", "--set", "start.ramp_time=1 ms"};
+
+    [[nodiscard]] engine::RunReader record(const std::string& name) const { return engine::RunReader((folder_ / name).string()); }
+    /// Of the last row.
+    [[nodiscard]] double last(const std::string& file, const std::string& channel) const { return record(file).channel(channel).back(); }
+};
+
+TEST_F(RigidPins, AreCheckedWithTimeAndBytes) {
+    const Outcome outcome = run(Words{"check", "baseline"} + level);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr("rigid (order 1, lumped plates, rigid pins, elastic pulleys)"));
+    EXPECT_THAT(run({"list", "detail"}).out, HasSubstr("\nrigid "));
+    EXPECT_THAT(run({"explain", "detail.pins"}).out, HasSubstr("rigid"));
+    EXPECT_THAT(run({"schema"}).out, HasSubstr("\"rigid\""));
+}
+
+TEST_F(RigidPins, RunSettleAndAreReportedPlottedAndExported) {
+    const Outcome outcome = run(Words{"run", "tiny", "-o", "rigid.h5"} + level + brief);
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, AllOf(HasSubstr("leapfrog-sweep"), HasSubstr("energy balance"), Not(HasSubstr("unreliable"))));
+    EXPECT_EQ(record("rigid.h5").status(), "finished");
+    EXPECT_THAT(run({"info", "rigid.h5"}).out, HasSubstr("rigid"));
+    EXPECT_EQ(run({"report", "rigid.h5"}).status, 0);
+    EXPECT_EQ(run({"plot", "rigid.h5", "-o", "rigid.svg"}).status, 0);
+    EXPECT_EQ(run({"export", "rigid.h5", "--vtk", "solids.pvd"}).status, 0);
+    const Outcome settled = run(Words{"settle", "tiny", "-q", "-o", "state.h5", "--time", "1 ms", "--set", "start.ramp_time=1 ms"} + level);
+    EXPECT_EQ(settled.status, 0) << settled.err;
+    EXPECT_EQ(run(Words{"run", "tiny", "-q", "-o", "again.h5", "--set", "start.state=state.h5"} + level + brief).status, 0);
+}
+
+TEST_F(RigidPins, ResumeBitForBitAfterKills) {
+    const Words all = Words{"run", "tiny", "-q", "--until", "60 ms", "-o"};
+    ASSERT_EQ(run(all + Words{"whole.h5"} + level).status, 0);
+    std::mt19937 moments(3);
+    int resumed = 0;
+    for (int kill = 0; kill < 6; ++kill) {
+        Child child(all + Words{"cut.h5", "--checkpoint-every", "2 ms"} + level, folder_);
+        std::this_thread::sleep_for(std::chrono::milliseconds(20 + moments() % 150));
+        child.send(SIGKILL);
+        (void)child.wait();
+        if (!exists("cut.checkpoint.h5")) continue;
+        ASSERT_EQ(run({"resume", "cut.checkpoint.h5", "-q"}).status, 0);
+        EXPECT_EQ(record("whole.h5").attribute("state_hash"), record("cut.h5").attribute("state_hash"));
+        EXPECT_EQ(record("whole.h5").channel("tight_tension"), record("cut.h5").channel("tight_tension"));
+        std::filesystem::remove(folder_ / "cut.h5");
+        ++resumed;
+    }
+    EXPECT_GE(resumed, 1);
+}
+
+TEST_F(RigidPins, SweepIntoATable) {
+    write("sweep.toml",
+          "[sweep]\nscene = \"tiny\"\n[set]\ndetail.pins = \"rigid\"\nrun.method = \"leapfrog-sweep\"\nrun.step = \"2 us\"\nrun.until = "
+          "\"1 ms\"\nstart.settling_time = \"1 ms\"\nstart.ramp_time = \"1 ms\"\n[[axes]]\nkey = \"load.torque\"\nvalues = [\"6 N*m\", "
+          "\"12 N*m\"]\n[outputs]\nscalars = [\"slip mean\", \"tight_tension max\"]\n[start]\nmode = \"settle\"\n");
+    const Outcome outcome = run({"batch", "sweep.toml", "-o", "out"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(run({"table", "out"}).out, HasSubstr("finished"));
+}
+
+TEST_F(RigidPins, RefuseWhatTheyDoNotHave) {
+    const auto refusal = [&](const Words& more) {
+        const Outcome outcome = run(Words{"run", "tiny"} + level + more);
+        EXPECT_EQ(outcome.status, 2);
+        return outcome.err;
+    };
+    EXPECT_THAT(refusal({"--set", "run.method=leapfrog-be"}), HasSubstr("method 'leapfrog-be' needs detail.pins = \"halves\""));
+    EXPECT_THAT(refusal({"--set", "detail.order=2"}), HasSubstr("detail.order: detail.pins = \"rigid\" has order 1, not 2"));
+    EXPECT_THAT(refusal({"--set", "detail.plates=each"}), HasSubstr("has \"lumped\" plates"));
+    EXPECT_THAT(refusal({"--set", "detail.stick_slip=true"}), HasSubstr("no phases stick and slip"));
+    EXPECT_THAT(refusal({"--set", "joint.law=palmgren"}), HasSubstr("joints of law \"linear\""));
+    EXPECT_THAT(refusal({"--set", "run.schedule=flow"}), HasSubstr("runs on one thread"));
+    EXPECT_THAT(refusal({"--set", "run.segments=2"}), HasSubstr("is one segment"));
+}
+
+/// Any table integrates the same forces; both are within the step's error of each other.
+TEST_F(RigidPins, TakeOtherMethodsAsACheck) {
+    const Words at{"--set", "start.settling_time=1 ms", "--set", "start.ramp_time=1 ms", "--until", "1 ms"};
+    ASSERT_EQ(run(Words{"run", "tiny", "-q", "-o", "sweep.h5"} + level + Words{"--set", "run.step=0.5 us"} + at).status, 0);
+    ASSERT_EQ(
+        run(Words{"run", "tiny", "-q", "-o", "rk4.h5"} + level + Words{"--set", "run.method=rk4", "--set", "run.step=0.1 us"} + at).status,
+        0);
+    EXPECT_NEAR(last("sweep.h5", "tight_tension"), last("rk4.h5", "tight_tension"), 0.01 * last("rk4.h5", "tight_tension"));
+}
+
+}  // namespace
+}  // namespace cvtflow::tools
