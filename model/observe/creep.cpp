@@ -65,8 +65,10 @@ void add_chain(const ChainModel& chain, const double* state, const SheaveMotion*
 
 Creep observe_creep(const ChainModel& chain, const double* state, const SheaveMotion* sheaves, const Phase* phases) noexcept {
     Creep sums;
-    if (chain.layout().pulley_size == 0) return sums;
-    of_order(chain.layout().order, [&]<int P>() { add_chain<P>(chain, state, sheaves, phases, sums); });
+    const ChainLayout& layout = chain.layout();
+    const bool bends = !layout.whole || layout.link_size() == 2 * (layout.order + 1) + 2;  // a whole pin with other coordinates is rigid
+    if (layout.pulley_size == 0 || !bends) return sums;
+    of_order(layout.order, [&]<int P>() { add_chain<P>(chain, state, sheaves, phases, sums); });
     return sums;
 }
 
