@@ -8,7 +8,11 @@
 
 #include "api/fmi/instance.hpp"
 
+#ifdef _WIN32
+#define CVTFLOW_FMI extern "C" __declspec(dllexport)
+#else
 #define CVTFLOW_FMI extern "C" __attribute__((visibility("default")))
+#endif
 
 // Statuses of both versions agree as far as they are used here.
 enum FmiStatus : int { fmi_ok = 0, fmi_warning = 1, fmi_discard = 2, fmi_error = 3, fmi_fatal = 4 };

@@ -26,7 +26,7 @@ struct Callbacks {
     void* environment;
 };
 
-/// "file:///a%20b/resources" or "file:/a" as a path.
+/// "file:///a%20b/resources", "file:/a" or, on Windows, "file:///C:/a" as a path.
 std::string path_of(std::string uri) {
     if (uri.starts_with("file:")) uri.erase(0, 5);
     if (uri.starts_with("//")) uri.erase(0, uri.find('/', 2));
@@ -36,7 +36,8 @@ std::string path_of(std::string uri) {
         path += escaped ? static_cast<char>(std::stoi(uri.substr(at + 1, 2), nullptr, 16)) : uri[at];
         if (escaped) at += 2;
     }
-    return path;
+    const bool drive = path.size() > 2 && path[0] == '/' && path[2] == ':';
+    return drive ? path.substr(1) : path;
 }
 
 void log_with(Component& component, const Callbacks& callbacks) {

@@ -52,7 +52,7 @@ CVTFLOW_FMI void* fmi3InstantiateCoSimulation(const char* name, const char*, con
     };
     try {
         std::string folder = resources != nullptr ? resources : "";
-        while (folder.ends_with('/')) folder.pop_back();
+        while (folder.ends_with('/') || folder.ends_with('\\')) folder.pop_back();
         auto component = std::make_unique<Component3>(Component3{
             {name != nullptr ? name : "", logging, say, Instance(folder), Stage::instantiated}, update, environment, early_return});
         return static_cast<Component*>(component.release());

@@ -2,7 +2,7 @@
 /// One instance of an FMU, without the standard's types: what both versions of the standard ask for.
 
 #include <cstddef>
-#include <cvtflow/cvtflow.hpp>
+#include <cvtflow/simulation.hpp>
 #include <functional>
 #include <optional>
 #include <string>

@@ -1,6 +1,7 @@
 #include "api/fmi/variables.hpp"
 
 #include <cvtflow/error.hpp>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -8,7 +9,8 @@
 namespace cvtflow::fmi {
 
 std::string read_file(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
+    const std::filesystem::path place(std::u8string(path.begin(), path.end()));  // FMI's paths are UTF-8, Windows' are not
+    std::ifstream file(place, std::ios::binary);
     if (!file) throw Error(ErrorCode::argument, path + ": cannot be read");
     return {std::istreambuf_iterator<char>(file), {}};
 }

@@ -15,13 +15,18 @@ constexpr std::string_view magic = "CVTFLOW4";
 
 [[noreturn]] void reject(const char* why) { throw Error(ErrorCode::state, std::string("saved state: ") + why); }
 
+/// What bytes of a value are: a `long` has 64 bits in them on every system.
+template <class T>
+using Stored = std::conditional_t<std::is_same_v<T, long>, std::int64_t, T>;
+
 class Writer {
 public:
     template <class T>
     void operator()(const T& value) {
         static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>);
-        const auto* from = reinterpret_cast<const std::byte*>(&value);
-        bytes.insert(bytes.end(), from, from + sizeof value);
+        const Stored<T> stored = value;
+        const auto* from = reinterpret_cast<const std::byte*>(&stored);
+        bytes.insert(bytes.end(), from, from + sizeof stored);
     }
     void operator()(const std::optional<double>& value) {
         (*this)(static_cast<std::uint8_t>(value.has_value()));
@@ -41,9 +46,11 @@ public:
 
     template <class T>
     void operator()(T& value) {
-        if (rest_.size() < sizeof value) reject("it ends too early");
-        std::memcpy(&value, rest_.data(), sizeof value);
-        rest_ = rest_.subspan(sizeof value);
+        Stored<T> stored;
+        if (rest_.size() < sizeof stored) reject("it ends too early");
+        std::memcpy(&stored, rest_.data(), sizeof stored);
+        rest_ = rest_.subspan(sizeof stored);
+        value = static_cast<T>(stored);
     }
     void operator()(bool& value) {
         std::uint8_t byte = 0;

@@ -1,7 +1,5 @@
 #include "api/simulation/simulation_impl.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +7,7 @@
 
 #include "api/host/translate.hpp"
 #include "engine/base/spelling.hpp"
+#include "engine/thread/worker_threads.hpp"
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/run/simulation.hpp"
 #include "tasks/run/step_advice.hpp"
@@ -77,7 +76,7 @@ Simulation::Impl::Scope::~Scope() {
 /// A process that was forked off after the first threaded step has the memory but not the threads.
 void Simulation::Impl::require_own_process() {
     if (schedule_.threads == 1) return;
-    const pid_t here = getpid();
+    const long here = engine::process_number();
     if (process_ == 0) process_ = here;
     if (process_ != here) {
         throw Error(

@@ -1,8 +1,6 @@
 #pragma once
 /// What stands behind a public simulation. Internal to api.
 
-#include <sys/types.h>
-
 #include <cvtflow/simulation.hpp>
 #include <optional>
 
@@ -91,7 +89,7 @@ private:
     std::vector<std::vector<double>> values_;  ///< [channel][width]
     engine::ReentryGuard entry_;
     engine::Cancellation cancel_;
-    pid_t process_ = 0;  ///< in which it first ran on threads; 0: it has not
+    long process_ = 0;  ///< in which it first ran on threads; 0: it has not
     std::function<void(Simulation&)> output_callback_;
     double output_interval_ = 0.0;  ///< [s]
     long outputs_ = 0;              ///< the next one is due at outputs_ * output_interval_

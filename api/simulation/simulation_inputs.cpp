@@ -2,8 +2,6 @@
 
 #include "api/simulation/simulation_impl.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

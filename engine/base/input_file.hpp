@@ -37,6 +37,15 @@ private:
     std::uint64_t size_ = 0;
 };
 
+/// What tells a file from one that took its place.
+struct FileIdentity {
+    std::uint64_t device = 0, number = 0;
+    std::int64_t size = 0, seconds = 0, nanoseconds = 0;
+    bool operator==(const FileIdentity&) const = default;
+};
+/// All zeros for a file that is not there.
+[[nodiscard]] FileIdentity identity_of(const std::string& path) noexcept;
+
 /// All of a text, without a byte order mark at its beginning. It may also come through a pipe without a name (`… | cvtflow check
 /// /dev/stdin`,
 /// `<(…)`), for which its writer is waited.

@@ -1,74 +1,34 @@
 #include "engine/executor/catalogue.hpp"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <vector>
 
 #include "engine/base/spelling.hpp"
-#include "engine/executor/openmp/omp_region.hpp"
-#include "engine/executor/reference/barrier.hpp"
 #include "engine/executor/reference/serial.hpp"
-#include "engine/executor/tbb/flow.hpp"
+#include "engine/executor/threaded_executors.hpp"
 
 namespace cvtflow::engine {
 
 namespace {
 
-using Make = std::unique_ptr<Executor> (*)(const ExecutorOptions& options);
-
-template <class Kind>
-std::unique_ptr<Executor> make(const ExecutorOptions& options) {
-    return std::make_unique<Kind>(options);
-}
-
-/// nullptr for a kind whose source is not compiled.
-template <class Kind, bool compiled>
-constexpr Make make_if() {
-    if constexpr (compiled)
-        return make<Kind>;
-    else
-        return nullptr;
-}
-
-#ifdef _OPENMP
-constexpr bool has_openmp = true;
-#else
-constexpr bool has_openmp = false;
-#endif
-
-constexpr std::string_view openmp = "OpenMP";
-
-constexpr std::array rows{
-    ExecutorRow{.name = "serial",
-                .description = "one task after the other, on the calling thread",
-                .parallel = false,
-                .waiting = Waiting::fixed,
-                .make = make<Serial>},
-    ExecutorRow{.name = "flow",
-                .description = "resident workers in a oneTBB flow graph; shares the machine well",
-                .parallel = true,
-                .waiting = Waiting::own,
-                .make = make<Flow>},
-    ExecutorRow{.name = "omp_region",
-                .description = "one OpenMP region for the whole run, barriers inside",
-                .parallel = true,
-                .waiting = Waiting::environment,
-                .needs = openmp,
-                .make = make_if<OmpRegion, has_openmp>()},
-    ExecutorRow{.name = "barrier",
-                .description = "own threads that meet at a barrier after every level",
-                .parallel = true,
-                .waiting = Waiting::own,
-                .make = make<Barrier>},
-};
+constexpr ExecutorRow serial_row{
+    .name = "serial",
+    .description = "one task after the other, on the calling thread",
+    .parallel = false,
+    .waiting = Waiting::fixed,
+    .make = [](const ExecutorOptions& options) -> std::unique_ptr<Executor> { return std::make_unique<Serial>(options); }};
 
 /// Those that are present first, else in the order in which they came.
 struct Catalogue {
-    std::vector<ExecutorRow> all{rows.begin(), rows.end()};
+    std::vector<ExecutorRow> all{serial_row};
     std::size_t present = 0;
 
-    Catalogue() { sort(); }
+    Catalogue() { add(threaded_executors()); }
+    void add(std::span<const ExecutorRow> further) {
+        all.insert(all.end(), further.begin(), further.end());
+        sort();
+    }
     void sort() {
         const auto is_present = [](const ExecutorRow& row) { return row.make != nullptr; };
         present = static_cast<std::size_t>(std::stable_partition(all.begin(), all.end(), is_present) - all.begin());
@@ -86,10 +46,7 @@ std::span<const ExecutorRow> executors() noexcept { return std::span(catalogue()
 
 std::span<const ExecutorRow> absent_executors() noexcept { return std::span(catalogue().all).subspan(catalogue().present); }
 
-void add_executors(std::span<const ExecutorRow> further) {
-    catalogue().all.insert(catalogue().all.end(), further.begin(), further.end());
-    catalogue().sort();
-}
+void add_executors(std::span<const ExecutorRow> further) { catalogue().add(further); }
 
 const ExecutorRow* find_executor(std::string_view name) noexcept {
     const auto there = executors();

@@ -1,6 +1,6 @@
 #pragma once
-/// The executors that programs use: one row each in catalogue.cpp. A program may add rows of its own, as the laboratory does
-/// (bench/executor).
+/// The executors that programs use: one row each in catalogue.cpp and threaded_executors.cpp. A program may add rows of its own, as the
+/// laboratory does (bench/executor).
 
 #include <memory>
 #include <span>

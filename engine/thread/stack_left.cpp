@@ -1,8 +1,12 @@
 #include "engine/thread/stack_left.hpp"
 
+#ifdef _WIN32
+#include <windows.h>
+#else
 #include <pthread.h>
 #include <sys/syscall.h>
 #include <unistd.h>
+#endif
 
 #include <cstdint>
 #include <limits>
@@ -14,6 +18,13 @@ namespace {
 struct Stack {
     std::uintptr_t begin = 0, size = 0;
 
+#ifdef _WIN32
+    Stack() noexcept {
+        ULONG_PTR lowest = 0, end = 0;
+        GetCurrentThreadStackLimits(&lowest, &end);
+        begin = lowest, size = end - lowest;
+    }
+#else
     Stack() noexcept {
         pthread_attr_t attributes;
         if (syscall(SYS_gettid) == getpid() || pthread_getattr_np(pthread_self(), &attributes) != 0) return;
@@ -22,6 +33,7 @@ struct Stack {
         if (pthread_attr_getstack(&attributes, &lowest, &bytes) == 0) begin = reinterpret_cast<std::uintptr_t>(lowest), size = bytes;
         pthread_attr_destroy(&attributes);
     }
+#endif
 };
 
 }  // namespace

@@ -1,10 +1,13 @@
 #include "engine/thread/worker_threads.hpp"
 
 #include <oneapi/tbb/global_control.h>
+#include <unistd.h>
 
 #include "engine/thread/worker_grant.hpp"
 
 namespace cvtflow::engine {
+
+long process_number() noexcept { return getpid(); }
 
 bool end_worker_threads() noexcept {
     if (workers_were_refused()) return false;

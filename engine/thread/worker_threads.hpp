@@ -7,6 +7,9 @@ namespace cvtflow::engine {
 /// @return false if somebody else in this process keeps them: another thread that has used oneTBB and lives on, or a global_control
 [[nodiscard]] bool end_worker_threads() noexcept;
 
+/// Of this process: a process that is forked off has another one, and none of the threads.
+[[nodiscard]] long process_number() noexcept;
+
 /// The system would not start as many threads as a run wanted, which then had fewer, down to the caller alone. Results do not depend on it.
 struct ThreadShortage {
     int wanted = 0;  ///< 0: there has been no shortage

@@ -6,9 +6,9 @@
 #include <map>
 #include <string>
 
-#include "engine/executor/tbb/job_pool.hpp"
 #include "engine/method/analysis/stability.hpp"
 #include "engine/method/catalogue.hpp"
+#include "engine/thread/mutex.hpp"
 #include "tasks/method/method_choice.hpp"
 #include "tasks/method/program_stability.hpp"
 #include "tasks/step/method_memory.hpp"

@@ -15,6 +15,7 @@
 #include "tasks/method/stability/predicted_step.hpp"
 #include "tasks/method/stability/step_search.hpp"
 #include "tasks/run/run_recorder.hpp"
+#include "tasks/run/step_advice.hpp"
 
 namespace cvtflow::tasks {
 
@@ -254,13 +255,6 @@ std::string error_lines(const RunReport& r) {
 }
 
 }  // namespace
-
-std::string unreliable_text(double suspicion, const AutoNumber& setting, double step) {
-    return fmt::format("unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; {} (run.step = {})",
-                       suspicion,
-                       setting.automatic() ? "\"auto\" does not hold here, a shorter step is needed" : "a shorter step is needed",
-                       setting.automatic() ? fmt::format("{:.2g}, half of what it took", 0.5 * step) : "\"auto\", or less");
-}
 
 std::string unreliable_text(const RunReport& r) { return unreliable_text(r.suspicion, r.step_setting, r.step); }
 

@@ -86,8 +86,6 @@ struct RunReport {
 
 /// One line about a balance that does not close.
 [[nodiscard]] std::string unreliable_text(const RunReport& report);
-/// step: the last one that was chosen [s]
-[[nodiscard]] std::string unreliable_text(double suspicion, const AutoNumber& setting, double step);
 
 /// The report as lines of text for a person.
 [[nodiscard]] std::string summary(const RunReport& report);

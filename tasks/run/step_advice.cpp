@@ -1,5 +1,7 @@
 #include "tasks/run/step_advice.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -108,6 +110,13 @@ double largest_stable_step(const model::Variator& variator, std::string_view met
     StepLimitBound bound(variator, method);
     bound.look(t, state, phases.data());
     return bound.limit().step;
+}
+
+std::string unreliable_text(double suspicion, const AutoNumber& setting, double step) {
+    return fmt::format("unreliable: the energy balance is off by {:.2g} times what an honest integration leaves; {} (run.step = {})",
+                       suspicion,
+                       setting.automatic() ? "\"auto\" does not hold here, a shorter step is needed" : "a shorter step is needed",
+                       setting.automatic() ? fmt::format("{:.2g}, half of what it took", 0.5 * step) : "\"auto\", or less");
 }
 
 }  // namespace cvtflow::tasks

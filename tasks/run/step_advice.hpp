@@ -3,10 +3,12 @@
 /// region.
 
 #include <complex>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "model/variator/variator.hpp"
+#include "tasks/scene/scene.hpp"
 
 namespace cvtflow::tasks {
 
@@ -29,5 +31,8 @@ inline constexpr double beyond_stability = 1.25;
 /// longer. t [s], state [unknowns]
 [[nodiscard]] double largest_stable_step(const model::Variator& variator, std::string_view method, double t, const double* state,
                                          const std::vector<model::Phase>& phases);
+
+/// One line about an energy balance that does not close. setting: run.step, step: the last one that was chosen [s]
+[[nodiscard]] std::string unreliable_text(double suspicion, const AutoNumber& setting, double step);
 
 }  // namespace cvtflow::tasks

@@ -10,7 +10,7 @@ namespace cvtflow::tasks {
 
 namespace {
 
-constexpr long max_count = 1L << 53;  // up to here a double holds every count exactly
+constexpr std::int64_t max_count = std::int64_t{1} << 53;  // up to here a double holds every count exactly
 
 /// Reason why a field is invalid by itself.
 struct FieldCheck {

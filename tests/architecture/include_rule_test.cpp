@@ -34,12 +34,12 @@ const std::map<std::string, Names> friends{
 
 const Names thread_headers{"atomic",    "barrier",      "condition_variable", "future", "latch",    "mutex",
                            "semaphore", "shared_mutex", "stop_token",         "thread", "pthread.h"};
-const Names posix_headers{"dlfcn.h", "fcntl.h", "poll.h", "pthread.h", "sched.h", "unistd.h"};
+const Names system_headers{"dlfcn.h", "fcntl.h", "poll.h", "pthread.h", "sched.h", "unistd.h", "windows.h"};
 
 /// Third party behind a header in angle brackets; empty for the standard library and POSIX.
 std::string third_party(const std::string& name) {
-    if (posix_headers.contains(name) || name.starts_with("sys/") || name == "immintrin.h") return "";  // ships with the compiler
-    if (name.starts_with("cvtflow/")) return "";                                                       // our public headers
+    if (system_headers.contains(name) || name.starts_with("sys/") || name == "immintrin.h") return "";  // ships with the compiler
+    if (name.starts_with("cvtflow/")) return "";                                                        // our public headers
     if (name == "omp.h") return "OpenMP";
     if (name.starts_with("hdf5") || name.starts_with("H5")) return "HDF5";
     if (name.starts_with("tbb/") || name.starts_with("oneapi/")) return "oneTBB";
@@ -52,7 +52,6 @@ Names permitted(const SourceFile& file) {
     if (file.part() == "model") return {"Eigen"};
     if (file.part() == "tasks") return {"*"};
     if (file.path.starts_with("api/python/")) return {"pybind11"};
-    if (file.path.starts_with("api/fmi/")) return {"fmt"};  // compiled in
     if (file.part() == "api") return {};
     if (file.path.starts_with("engine/record/")) return {"Eigen", "fmt", "HDF5"};
     if (file.path.starts_with("engine/executor/") || file.path.starts_with("engine/thread/")) return {"Eigen", "fmt", "oneTBB", "OpenMP"};
@@ -141,7 +140,8 @@ const std::map<std::string, std::vector<Names>> floors{
     {"engine",
      {{"engine/base", "engine/linear"},
       {"engine/graph", "engine/event", "engine/thread"},
-      {"engine/method", "engine/executor", "engine/record"}}},
+      {"engine/method", "engine/executor", "engine/record"},
+      {"engine/alone"}}},
     {"tasks", {{"tasks/step"}, {"tasks/method"}, {"tasks/scene"}, {"tasks/schedule"}, {"tasks/run"}, {"tasks/batch"}, {"tasks/tuning"}}},
 };
 

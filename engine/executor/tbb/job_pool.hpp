@@ -13,6 +13,8 @@
 #include <thread>
 #include <vector>
 
+#include "engine/thread/mutex.hpp"
+
 namespace cvtflow::engine {
 
 /// Runs jobs. Jobs may themselves run parallel executors: their arenas hire the threads that have left this one.
@@ -30,19 +32,6 @@ public:
 
 private:
     Options options_;
-};
-
-/// Mutual exclusion without its header, for folders that know no threads.
-class Mutex {
-public:
-    template <class Body>
-    decltype(auto) guard(Body&& body) {
-        const std::lock_guard hold(mutex_);
-        return body();
-    }
-
-private:
-    std::mutex mutex_;
 };
 
 /// One thread that takes rows of bytes, in the order in which they come. At most `slots` wait; post() then blocks. Nothing is allocated

@@ -1,4 +1,4 @@
-/// fmt's own code, so that an FMU needs no library of that name.
+/// fmt's own code, so that the core library needs no library of that name.
 
 #include <fmt/format-inl.h>
 

@@ -1,0 +1,21 @@
+/// What the core library has in place of threads and files: one thread, the caller's, and an error for every file. These are all functions
+/// that its sources call and that need oneTBB, OpenMP, HDF5 or POSIX elsewhere.
+
+#include "engine/base/input_file.hpp"
+#include "engine/executor/runtimes.hpp"
+#include "engine/executor/threaded_executors.hpp"
+#include "engine/record/run/state_file.hpp"
+#include "engine/thread/worker_threads.hpp"
+
+namespace cvtflow::engine {
+
+std::span<const ExecutorRow> threaded_executors() noexcept { return {}; }
+int usable_processors() { return 1; }
+ThreadShortage thread_shortage() noexcept { return {}; }
+long process_number() noexcept { return 0; }
+
+SavedState read_state(const std::string& path) { throw RecordError(path + ": this library cannot read state files"); }
+FileIdentity identity_of(const std::string&) noexcept { return {}; }
+std::string read_text_input(const std::string&, std::uint64_t, double) { throw InputError("this library reads no files"); }
+
+}  // namespace cvtflow::engine

@@ -1,0 +1,55 @@
+# Flags that every part shares. Warnings are errors in the presets of CI only (CMAKE_COMPILE_WARNING_AS_ERROR): a newer compiler's must not stop
+# a user's build. -ffp-contract=off: a fused multiply-add here and not there would make results depend on
+# segment borders and instruction sets; results are promised bitwise.
+add_library(cvtflow_flags INTERFACE)
+target_compile_options(cvtflow_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wno-sign-conversion
+  -ffp-contract=$<IF:$<BOOL:$<TARGET_PROPERTY:CVTFLOW_CONTRACTS>>,fast,off> -fno-math-errno -fno-trapping-math)
+if(NOT CVTFLOW_UNITY)   # in a group, what one file's functions call their variables would have to differ from all constants of its neighbours
+  target_compile_options(cvtflow_flags INTERFACE -Wshadow)
+endif()
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  # GCC 12's AVX-512 intrinsics look uninitialised (bug 105593), and "literal" + std::string looks overlapping (bug 105651).
+  target_compile_options(cvtflow_flags INTERFACE -Wno-uninitialized -Wno-maybe-uninitialized -Wno-restrict -Wno-free-nonheap-object)
+endif()
+if(CVTFLOW_SANITIZE)
+  target_compile_options(cvtflow_flags INTERFACE -fsanitize=${CVTFLOW_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(cvtflow_flags INTERFACE -fsanitize=${CVTFLOW_SANITIZE})
+  if(CVTFLOW_SANITIZE STREQUAL "thread" AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    # Fences in Boost.Asio, which the thread sanitizer does not follow; and texts put together, which instrumented look as if they overflowed.
+    target_compile_options(cvtflow_flags INTERFACE -Wno-tsan -Wno-stringop-overflow)
+  endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    target_compile_options(cvtflow_flags INTERFACE -Wno-array-bounds)   # instrumented loops over Eigen matrices look as if they left std::array
+  endif()
+endif()
+# No unique symbols, which would keep the shared library loaded after dlclose.
+target_compile_options(cvtflow_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique>)
+target_include_directories(cvtflow_flags INTERFACE ${PROJECT_SOURCE_DIR})
+add_library(cvtflow_arch INTERFACE)   # the processor that everything but the kernels is compiled for
+if(CVTFLOW_ARCH)
+  target_compile_options(cvtflow_arch INTERFACE -march=${CVTFLOW_ARCH})
+elseif(CVTFLOW_NATIVE)
+  target_compile_options(cvtflow_arch INTERFACE -march=native)
+endif()
+
+# Code that waits for the libraries' code: tests and command lines. Half of a build is theirs.
+add_library(cvtflow_outer INTERFACE)
+target_compile_options(cvtflow_outer INTERFACE $<$<CONFIG:Release>:-O1>)
+add_library(cvtflow_tested INTERFACE)   # tests themselves
+target_compile_options(cvtflow_tested INTERFACE $<$<CONFIG:Release>:-Og>)
+
+# Instruction sets that the kernels are compiled for (model/CMakeLists.txt).
+set(isas baseline)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$")
+  list(APPEND isas avx2 avx512)
+  set(flags_of_baseline -march=x86-64)
+  set(flags_of_avx2 -march=x86-64-v3)
+  set(flags_of_avx512 -march=x86-64-v4 -mprefer-vector-width=512)
+endif()
+if(CVTFLOW_ISAS)
+  set(isas ${CVTFLOW_ISAS})
+endif()
+if(CVTFLOW_ONE_LANE)
+  set(isas baseline)
+endif()

@@ -1,0 +1,35 @@
+# Headers that most units of a target read, compiled once. Not with a compiler cache, which would have to keep them with every unit; and not without groups,
+# where every source has to name what it needs.
+set(CVTFLOW_PRECOMPILE ${CVTFLOW_UNITY})
+if(CMAKE_CXX_COMPILER_LAUNCHER MATCHES "ccache")
+  set(CVTFLOW_PRECOMPILE OFF)
+endif()
+
+# Compiles a target's sources in groups: neighbours of one folder, which therefore share one space of local names. With "eigen",
+# those that include Eigen form a group as well: reading it and compiling its decompositions takes longer than they do. Sources with definitions of their own stay by themselves.
+function(cvtflow_in_groups target)
+  if(NOT CVTFLOW_UNITY)
+    return()
+  endif()
+  set(most_in_group 12)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL EXECUTABLE)   # command line and tests: more headers than code
+    set(most_in_group 24)
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  foreach(source ${sources})
+    cmake_path(GET source PARENT_PATH folder)
+    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+    string(MAKE_C_IDENTIFIER "${folder}" folder)
+    file(STRINGS ${source} includes_eigen REGEX "^#include <Eigen/" LIMIT_COUNT 1)
+    if(includes_eigen AND "eigen" IN_LIST ARGN)
+      set(folder ${target}_eigen)
+    endif()
+    math(EXPR part "${count_in_${folder}} + 0")
+    math(EXPR count_in_${folder} "${part} + 1")
+    math(EXPR part "${part} / ${most_in_group}")
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${part})
+  endforeach()
+endfunction()
