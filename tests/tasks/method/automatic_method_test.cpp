@@ -42,8 +42,10 @@ TEST(AutomaticMethod, HasRowsOfTheCatalogueOfWhichTheLastSuitsEveryMachine) {
     odd.detail.friction = model::FrictionLaw::smoothed;
     odd.detail.stick_slip = true;
     EXPECT_TRUE(rows.back().suits(odd));
-    for (const AutomaticChoice& row : rows)
-        if (row.suits(odd)) EXPECT_EQ(objection_to(row.method, odd), "") << row.method;
+    for (const AutomaticChoice& row : rows) {
+        if (!row.suits(odd)) continue;
+        EXPECT_EQ(objection_to(row.method, odd), "") << row.method;
+    }
 }
 
 TEST(AutomaticMethod, NamesThatAreGivenStay) {
